@@ -1,0 +1,90 @@
+//! The control form of Theorem B3: no forward dynamics and no third-order tensor.
+
+use super::{Node, RightHandSide};
+use crate::dynamics::{Data, InverseDynamicsDerivatives, crba_derivatives, rnea_derivatives};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Ldlt, Over, Scalar};
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+/// The right-hand side of the flow written in the control \(u = ID(x_{P1}, x_{P2}, \dot x_{P2})\) of (13).
+///
+/// With \(L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2\) the heat flow (7) is
+///
+/// \[ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, \]
+/// \[ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2})
+///    - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right], \]
+/// \[ \dot u = \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}, \]
+///
+/// all derivatives at \((x_{P1}, x_{P2}, \dot x_{P2})\) and \(\dot H\) along \(\dot x_{P1}\). It equals Theorem B3.
+/// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
+#[derive(Clone, Debug)]
+pub struct ControlForm<'m, C: Scalar, S: Scalar> {
+    model: &'m Model<C>,
+    data: Data<S>,
+    id: InverseDynamicsDerivatives<S>,
+    hdot: DMatrix<S>,
+    ldlt: Ldlt<S>,
+    udot: DVector<S>,
+    sum: DVector<S>,
+}
+
+impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
+    /// The right-hand side for `model`.
+    #[must_use]
+    pub fn new(model: &'m Model<C>) -> Self {
+        let n = model.dof();
+        Self {
+            model,
+            data: Data::new(model),
+            id: InverseDynamicsDerivatives::new(n),
+            hdot: DMatrix::zeros(n, n),
+            ldlt: Ldlt::new(n),
+            udot: DVector::zeros(n),
+            sum: DVector::zeros(n),
+        }
+    }
+}
+
+impl<C: Scalar, S: Over<C>> RightHandSide<C, S> for ControlForm<'_, C, S> {
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
+        let (n, one, zero, two) = (self.model.dof(), S::one(), S::zero(), S::from_f64(2.0));
+        node.check(n, omega.len())?;
+        let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+        crba_derivatives(
+            self.model,
+            &mut self.data,
+            q,
+            node.xdot_p1(),
+            &mut self.id.h,
+            &mut self.hdot,
+        )?;
+        rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
+        let InverseDynamicsDerivatives { tau: u, dq, dv, h } = &self.id;
+
+        let view = |x| DVectorView::from_slice(x, n);
+        self.udot.gemv(one, dq, &view(node.xdot_p1()), zero);
+        self.udot.gemv(one, dv, &view(a), one);
+        self.udot.gemv(one, h, &view(node.xddot_p2()), one);
+
+        self.sum.gemv_tr(one, dq, u, zero);
+        let per_k = C::one() / k;
+        for i in 0..n {
+            omega[i] = two * (node.xddot_p1()[i] - a[i] - self.sum[i].scale(per_k));
+        }
+
+        self.sum.gemv_tr(-one, dv, u, zero);
+        self.sum.gemv(one, &self.hdot, u, one);
+        self.sum.gemv(one, h, &self.udot, one);
+        for i in 0..n {
+            self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
+        }
+        self.ldlt.factorise(h);
+        self.ldlt.solve(self.sum.as_mut_slice());
+        self.ldlt.solve(self.sum.as_mut_slice());
+        for i in 0..n {
+            omega[n + i] = two * self.sum[i];
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The Jacobian of the right-hand side at one node: one file for each way to compute it, behind one trait.
+
+mod dual;
+
+pub use dual::ForwardDual;
+
+use super::Node;
+use crate::error::Result;
+use nalgebra::DMatrix;
+
+/// The three blocks of the Jacobian of \(\Omega(x, \dot x, \ddot x, k)\), `2 N` by `2 N` each; rows are those of \(\Omega\).
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeBlocks {
+    /// \(d\Omega / dx\), (B38).
+    pub dx: DMatrix<f64>,
+    /// \(d\Omega / d\dot x\), (B39).
+    pub dxdot: DMatrix<f64>,
+    /// \(d\Omega / d\ddot x\), (B40).
+    pub dxddot: DMatrix<f64>,
+}
+
+impl NodeBlocks {
+    /// Room for a model with `n` joints.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        let zeros = || DMatrix::zeros(2 * n, 2 * n);
+        Self {
+            dx: zeros(),
+            dxdot: zeros(),
+            dxddot: zeros(),
+        }
+    }
+}
+
+/// A way to compute the Jacobian of the right-hand side at one node.
+pub trait NodeJacobian {
+    /// The three blocks at `node` with penalty `k`, into `out`.
+    ///
+    /// # Errors
+    /// `node` or `out` was made for a model of another size.
+    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()>;
+}

@@ -1,0 +1,74 @@
+//! Analytic first derivatives of forward dynamics (ABA_D in the supplement).
+
+use super::{Data, InverseDynamicsDerivatives, aba, check_square, rnea_derivatives};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{DMatrix, DVector};
+
+/// Forward dynamics and its first derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForwardDynamicsDerivatives<S: Scalar> {
+    /// \(FD(q, v, \tau)\), `N` entries.
+    pub a: DVector<S>,
+    /// \(\partial FD_i / \partial q_j\), `N` by `N`.
+    pub dq: DMatrix<S>,
+    /// \(\partial FD_i / \partial v_j\), `N` by `N`.
+    pub dv: DMatrix<S>,
+    /// \(\partial FD_i / \partial \tau_j = (H^{-1})_{ij}\), `N` by `N`.
+    pub h_inverse: DMatrix<S>,
+    inverse_dynamics: InverseDynamicsDerivatives<S>,
+}
+
+impl<S: Scalar> ForwardDynamicsDerivatives<S> {
+    /// Room for a model with `n` joints.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        Self {
+            a: DVector::zeros(n),
+            dq: DMatrix::zeros(n, n),
+            dv: DMatrix::zeros(n, n),
+            h_inverse: DMatrix::zeros(n, n),
+            inverse_dynamics: InverseDynamicsDerivatives::new(n),
+        }
+    }
+}
+
+/// Forward dynamics at `(q, v, tau)`, `N` entries each, and its derivatives in all three, into `out`; line 5 of
+/// Algorithm B1 with `tau` zero.
+///
+/// Differentiating \(ID(q, v, FD(q, v, \tau)) = \tau\) gives \(\partial FD / \partial q = -H^{-1}\, \partial ID / \partial q\)
+/// at \(a = FD\), and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
+/// algorithms", RSS 2018). Cost O(N^3).
+///
+/// # Errors
+/// An argument does not have one entry a joint, or `out` was made for another size.
+pub fn aba_derivatives<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    out: &mut ForwardDynamicsDerivatives<S>,
+) -> Result<()> {
+    let n = model.dof();
+    for (what, matrix) in [
+        ("dq", &out.dq),
+        ("dv", &out.dv),
+        ("h_inverse", &out.h_inverse),
+    ] {
+        check_square(what, n, matrix)?;
+    }
+    aba(model, data, q, v, tau, out.a.as_mut_slice())?;
+    let id = &mut out.inverse_dynamics;
+    rnea_derivatives(model, data, q, v, out.a.as_slice(), id)?;
+    data.ldlt.factorise(&id.h);
+    out.h_inverse.fill_with_identity();
+    data.ldlt.solve_columns(&mut out.h_inverse);
+    for (derivative, of_id) in [(&mut out.dq, &id.dq), (&mut out.dv, &id.dv)] {
+        derivative.copy_from(of_id);
+        data.ldlt.solve_columns(derivative);
+        derivative.neg_mut();
+    }
+    Ok(())
+}

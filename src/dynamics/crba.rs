@@ -1,0 +1,36 @@
+//! The mass matrix by the composite rigid body algorithm (Featherstone, 6.2, in base coordinates).
+
+use super::{Data, check_square};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::DMatrix;
+
+/// The mass matrix \(H(q)\), all `N` by `N` entries of it. Cost O(N d) with d the depth of the tree.
+///
+/// # Errors
+/// `q` does not have one entry a joint, or `h` is not `N` by `N`.
+pub fn crba<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    h: &mut DMatrix<S>,
+) -> Result<()> {
+    check_square("h", model.dof(), h)?;
+    data.place(model, q)?;
+    h.fill(S::zero());
+    for (i, joint) in model.joints().iter().enumerate().rev() {
+        let momentum = data.inertias[i].apply(&data.axes[i]);
+        let mut ancestor = Some(i);
+        while let Some(j) = ancestor {
+            h[(i, j)] = data.axes[j].dot(&momentum);
+            h[(j, i)] = h[(i, j)];
+            ancestor = model.joints()[j].parent();
+        }
+        if let Some(parent) = joint.parent() {
+            let composite = data.inertias[i];
+            data.inertias[parent] += composite;
+        }
+    }
+    Ok(())
+}

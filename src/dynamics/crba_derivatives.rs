@@ -1,0 +1,55 @@
+//! The mass matrix and its rate (CRBA_D in the supplement).
+
+use super::{Data, check_square};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use crate::spatial::Coriolis;
+use nalgebra::DMatrix;
+
+/// The mass matrix \(H(q)\) and its rate \(\dot H = \sum_k \partial H / \partial q_k\, v_k\) along the velocity `v`; line 1
+/// of Algorithm B1.
+///
+/// For `j` an ancestor of `i`, \(H_{ij} = S_j^T I_i^C S_i\) with \(I_i^C\) the inertia of the subtree of `i`; its rate
+/// follows from \(\dot S = v \times S\) and \(\dot I = B + B^T\). Cost O(N d).
+///
+/// # Errors
+/// `q` or `v` does not have one entry a joint, or a result is not `N` by `N`.
+pub fn crba_derivatives<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    v: &[S],
+    h: &mut DMatrix<S>,
+    hdot: &mut DMatrix<S>,
+) -> Result<()> {
+    check_square("h", model.dof(), h)?;
+    check_square("hdot", model.dof(), hdot)?;
+    data.place(model, q)?;
+    data.add_velocities(model, v)?;
+    for i in 0..model.dof() {
+        data.coriolis[i] = Coriolis::new(&data.inertias[i], &data.velocities[i]);
+    }
+    h.fill(S::zero());
+    hdot.fill(S::zero());
+    for (i, joint) in model.joints().iter().enumerate().rev() {
+        let (axis, rate) = (data.axes[i], data.axis_rates[i]);
+        let (inertia, coriolis) = (data.inertias[i], data.coriolis[i]);
+        let momentum = inertia.apply(&axis);
+        let momentum_rate =
+            inertia.apply(&rate) + coriolis.apply(&axis) + coriolis.apply_transpose(&axis);
+        let mut ancestor = Some(i);
+        while let Some(j) = ancestor {
+            h[(i, j)] = data.axes[j].dot(&momentum);
+            h[(j, i)] = h[(i, j)];
+            hdot[(i, j)] = data.axis_rates[j].dot(&momentum) + data.axes[j].dot(&momentum_rate);
+            hdot[(j, i)] = hdot[(i, j)];
+            ancestor = model.joints()[j].parent();
+        }
+        if let Some(parent) = joint.parent() {
+            data.inertias[parent] += inertia;
+            data.coriolis[parent] += coriolis;
+        }
+    }
+    Ok(())
+}

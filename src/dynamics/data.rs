@@ -1,0 +1,63 @@
+//! Scratch space.
+
+use crate::error::{Result, check_length};
+use crate::model::Model;
+use crate::scalar::{Ldlt, Scalar};
+use crate::spatial::{Coriolis, Force, Inertia, Motion, Placement};
+use nalgebra::{Matrix6, Vector6};
+
+/// Scratch space for the algorithms on one model. It carries nothing from one call to the next.
+#[derive(Clone, Debug)]
+pub struct Data<S: Scalar> {
+    /// Placements of the bodies in the base frame.
+    pub(super) placements: Vec<Placement<S>>,
+    /// Joint axes \(S_i\).
+    pub(super) axes: Vec<Motion<S>>,
+    /// Body velocities.
+    pub(super) velocities: Vec<Motion<S>>,
+    /// Body accelerations, gravity taken in.
+    pub(super) accelerations: Vec<Motion<S>>,
+    /// Body inertias, then those of subtrees.
+    pub(super) inertias: Vec<Inertia<S>>,
+    /// Body Coriolis matrices, then those of subtrees.
+    pub(super) coriolis: Vec<Coriolis<S>>,
+    /// Body forces, then those of subtrees.
+    pub(super) forces: Vec<Force<S>>,
+    /// Rates of the axes.
+    pub(super) axis_rates: Vec<Motion<S>>,
+    /// Articulated-body inertias.
+    pub(super) articulated: Vec<Matrix6<S>>,
+    /// Articulated-body inertias times axes.
+    pub(super) articulated_axes: Vec<Vector6<S>>,
+    /// One number a joint.
+    pub(super) numbers: Vec<S>,
+    /// Factors of the mass matrix.
+    pub(super) ldlt: Ldlt<S>,
+}
+
+impl<S: Scalar> Data<S> {
+    /// Scratch space for `model`.
+    #[must_use]
+    pub fn new<C: Scalar>(model: &Model<C>) -> Self {
+        let n = model.dof();
+        Self {
+            placements: vec![Placement::identity(); n],
+            axes: vec![Motion::zero(); n],
+            velocities: vec![Motion::zero(); n],
+            accelerations: vec![Motion::zero(); n],
+            inertias: vec![Inertia::zero(); n],
+            coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
+            forces: vec![Force::zero(); n],
+            axis_rates: vec![Motion::zero(); n],
+            articulated: vec![Matrix6::zeros(); n],
+            articulated_axes: vec![Vector6::zeros(); n],
+            numbers: vec![S::zero(); n],
+            ldlt: Ldlt::new(n),
+        }
+    }
+
+    /// Checks that the scratch space was made for a model of this size.
+    pub(super) fn check<C: Scalar>(&self, model: &Model<C>) -> Result<()> {
+        check_length("data", model.dof(), self.placements.len())
+    }
+}

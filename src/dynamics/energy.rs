@@ -1,0 +1,45 @@
+//! Kinetic and potential energy.
+
+use super::{Data, forward_kinematics};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+
+/// The kinetic energy \(\tfrac12 v^T H v\) of the moving bodies, in J. Cost O(N).
+///
+/// # Errors
+/// `q` or `v` does not have one entry a joint.
+pub fn kinetic_energy<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    v: &[S],
+) -> Result<S> {
+    data.place(model, q)?;
+    data.add_velocities(model, v)?;
+    let twice = (data.inertias.iter().zip(&data.velocities))
+        .fold(S::zero(), |sum, (i, v)| sum + v.dot(&i.apply(v)));
+    Ok(twice * S::from_f64(0.5))
+}
+
+/// The potential energy \(-\sum m\, g \cdot c\) of the moving bodies, in J, zero where the centres of mass are at the height
+/// of the base. Cost O(N).
+///
+/// # Errors
+/// `q` does not have one entry a joint.
+pub fn potential_energy<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+) -> Result<S> {
+    data.check(model)?;
+    forward_kinematics(model, q, &mut data.placements)?;
+    let mut energy = S::zero();
+    for (inertia, placement) in model.inertias().iter().zip(&data.placements) {
+        let moment = inertia.placed(placement).first_moment;
+        for axis in 0..3 {
+            energy -= moment[axis].scale(model.gravity()[axis]);
+        }
+    }
+    Ok(energy)
+}

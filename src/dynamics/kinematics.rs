@@ -1,0 +1,105 @@
+//! Where the bodies are and how they move.
+
+use super::Data;
+use crate::error::{Error, Result};
+use crate::model::{Frame, Model};
+use crate::scalar::{Over, Scalar};
+use crate::spatial::{Motion, Placement};
+
+/// The placements of all bodies in the base frame, into `placements`. Cost O(N).
+///
+/// # Errors
+/// `q` or `placements` does not have one entry a joint.
+pub fn forward_kinematics<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    q: &[S],
+    placements: &mut [Placement<S>],
+) -> Result<()> {
+    model.check("q", q.len())?;
+    model.check("placements", placements.len())?;
+    for (i, joint) in model.joints().iter().enumerate() {
+        let in_parent = joint.placement(q[i]);
+        placements[i] = match joint.parent() {
+            Some(parent) => placements[parent].compose(&in_parent),
+            None => in_parent,
+        };
+    }
+    Ok(())
+}
+
+/// The placement of a frame in the base frame, from those of the bodies. Cost O(1).
+///
+/// # Errors
+/// `placements` is too short for the body of the frame.
+pub fn frame_placement<C: Scalar, S: Over<C>>(
+    frame: &Frame<C>,
+    placements: &[Placement<S>],
+) -> Result<Placement<S>> {
+    let Some(body) = frame.body else {
+        return Ok(Placement::identity().compose_constant(&frame.placement));
+    };
+    let body = placements.get(body).ok_or(Error::Length {
+        what: "placements",
+        expected: body + 1,
+        found: placements.len(),
+    })?;
+    Ok(body.compose_constant(&frame.placement))
+}
+
+impl<S: Scalar> Data<S> {
+    /// Placements, axes and inertias of the bodies at `q`.
+    pub(super) fn place<C: Scalar>(&mut self, model: &Model<C>, q: &[S]) -> Result<()>
+    where
+        S: Over<C>,
+    {
+        self.check(model)?;
+        forward_kinematics(model, q, &mut self.placements)?;
+        for (i, joint) in model.joints().iter().enumerate() {
+            let placement = &self.placements[i];
+            self.axes[i] = joint.motion_subspace(placement);
+            self.inertias[i] = model.inertias()[i].placed(placement);
+        }
+        Ok(())
+    }
+
+    /// Velocities of the bodies and rates \(\dot S_i = v_i \times S_i\) of the axes, after [`place`](Self::place).
+    pub(super) fn add_velocities<C: Scalar>(&mut self, model: &Model<C>, v: &[S]) -> Result<()> {
+        model.check("v", v.len())?;
+        for (i, joint) in model.joints().iter().enumerate() {
+            let own = self.axes[i] * v[i];
+            self.velocities[i] = match joint.parent() {
+                Some(parent) => self.velocities[parent] + own,
+                None => own,
+            };
+            self.axis_rates[i] = self.velocities[i].cross(&self.axes[i]);
+        }
+        Ok(())
+    }
+
+    /// Accelerations of the bodies, the base accelerating against gravity, after [`add_velocities`](Self::add_velocities).
+    pub(super) fn add_accelerations<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        v: &[S],
+        a: &[S],
+    ) -> Result<()>
+    where
+        S: Over<C>,
+    {
+        model.check("a", a.len())?;
+        let base = base_acceleration(model);
+        for (i, joint) in model.joints().iter().enumerate() {
+            let before = joint.parent().map_or(base, |p| self.accelerations[p]);
+            self.accelerations[i] = before + self.axes[i] * a[i] + self.axis_rates[i] * v[i];
+        }
+        Ok(())
+    }
+}
+
+/// The acceleration of the base that stands for gravity: \(-a_g\).
+pub(super) fn base_acceleration<C: Scalar, S: Over<C>>(model: &Model<C>) -> Motion<S> {
+    Motion {
+        linear: model.gravity().map(|g| -S::lift(g)),
+        ..Motion::zero()
+    }
+}

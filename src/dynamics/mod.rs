@@ -1,0 +1,40 @@
+//! Rigid-body dynamics, one algorithm a file, written once for every [`Scalar`].
+//!
+//! Everything is written in the coordinates of the base frame: a motion or a force keeps its coordinates from body to body,
+//! so recursions add and subtract where the book's link coordinates transform. Gravity enters as an acceleration of the base
+//! (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
+//!
+//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. Nothing is left behind in
+//! the scratch, so nothing can go stale, and nothing is allocated.
+
+mod aba;
+mod aba_derivatives;
+mod crba;
+mod crba_derivatives;
+mod data;
+mod energy;
+mod kinematics;
+mod rnea;
+mod rnea_derivatives;
+
+pub use aba::aba;
+pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
+pub use crba::crba;
+pub use crba_derivatives::crba_derivatives;
+pub use data::Data;
+pub use energy::{kinetic_energy, potential_energy};
+pub use kinematics::{forward_kinematics, frame_placement};
+pub use rnea::{bias, rnea};
+pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
+
+#[cfg(doc)]
+use crate::scalar::Scalar;
+
+use crate::error::{Result, check_length};
+use nalgebra::DMatrix;
+
+/// Checks that a result is an `n` by `n` matrix.
+pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>) -> Result<()> {
+    check_length(what, n, matrix.nrows())?;
+    check_length(what, n, matrix.ncols())
+}

@@ -1,0 +1,60 @@
+//! Inverse dynamics by the recursive Newton-Euler algorithm (Featherstone, 5.3, in base coordinates).
+
+use super::Data;
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+
+/// Inverse dynamics \(\tau = H(q)\, a + C(q, v)\): the forces that make the joints accelerate by `a`, equation (1) of the
+/// paper. `C` holds Coriolis, centrifugal and gravity forces.
+///
+/// `q`, `v`, `a`, `tau` have `N` entries: rad or m, per s, per s^2; N m or N. Cost O(N).
+///
+/// # Errors
+/// An argument does not have one entry a joint.
+pub fn rnea<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    tau: &mut [S],
+) -> Result<()> {
+    model.check("tau", tau.len())?;
+    data.place(model, q)?;
+    data.add_velocities(model, v)?;
+    data.add_accelerations(model, v, a)?;
+    for i in 0..model.dof() {
+        let (inertia, velocity) = (&data.inertias[i], &data.velocities[i]);
+        data.forces[i] =
+            inertia.apply(&data.accelerations[i]) + velocity.cross_force(&inertia.apply(velocity));
+    }
+    for (i, joint) in model.joints().iter().enumerate().rev() {
+        tau[i] = data.axes[i].dot(&data.forces[i]);
+        if let Some(parent) = joint.parent() {
+            let force = data.forces[i];
+            data.forces[parent] += force;
+        }
+    }
+    Ok(())
+}
+
+/// The bias force \(C(q, v)\): inverse dynamics at zero acceleration. Arguments as [`rnea`]; cost O(N).
+///
+/// # Errors
+/// An argument does not have one entry a joint.
+pub fn bias<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    v: &[S],
+    c: &mut [S],
+) -> Result<()> {
+    data.check(model)?;
+    // The zeros are borrowed from the scratch, which `rnea` does not read.
+    let mut zeros = std::mem::take(&mut data.numbers);
+    zeros.fill(S::zero());
+    let result = rnea(model, data, q, v, &zeros, c);
+    data.numbers = zeros;
+    result
+}

@@ -1,0 +1,75 @@
+//! What can be wrong with the input.
+
+use std::path::PathBuf;
+
+/// The result of everything that reads input.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Bad input: says which file, which element of it, and what is wrong with that.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A slice or matrix has the wrong size.
+    #[error("{what}: expected {expected} entries, found {found}")]
+    Length {
+        /// Which argument.
+        what: &'static str,
+        /// How many entries it should have.
+        expected: usize,
+        /// How many it has.
+        found: usize,
+    },
+    /// Something in a file, or in a model made in code, is wrong.
+    #[error("{file}: {element}: {condition}")]
+    Input {
+        /// The file, or the name of what was built in or made in code.
+        file: String,
+        /// The element of the file: a link, a joint, a key.
+        element: String,
+        /// What is wrong with it.
+        condition: String,
+    },
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// An [`Error::Input`].
+    pub(crate) fn input(
+        file: impl Into<String>,
+        element: impl Into<String>,
+        condition: impl Into<String>,
+    ) -> Self {
+        Self::Input {
+            file: file.into(),
+            element: element.into(),
+            condition: condition.into(),
+        }
+    }
+
+    /// An [`Error::Io`] about `path`.
+    pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}
+
+/// Checks the length of an argument.
+pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<()> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(Error::Length {
+            what,
+            expected,
+            found,
+        })
+    }
+}

@@ -1,0 +1,145 @@
+//! Models made in code.
+
+use super::{Frame, Joint, JointKind, Limits, Model};
+use crate::error::{Error, Result};
+use crate::scalar::Scalar;
+use crate::spatial::{Inertia, Placement};
+use nalgebra::{Matrix3, Vector3};
+
+/// The acceleration of gravity, m/s^2, downwards.
+pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
+
+/// A joint and the body it moves, to build a [`Model`] from.
+#[derive(Clone, Debug)]
+pub struct JointSpec<C: Scalar> {
+    /// The name of the joint. The frame of its body is called the same.
+    pub name: String,
+    /// What it does.
+    pub kind: JointKind,
+    /// The body that carries it, by the index of that body's joint; `None` is the base.
+    pub parent: Option<usize>,
+    /// Where it is in that body at `q = 0`.
+    pub origin: Placement<C>,
+    /// Its axis in its own frame, of length one.
+    pub axis: Vector3<C>,
+    /// The inertia of the body it moves, in the frame of the joint.
+    pub inertia: Inertia<C>,
+    /// Its limits.
+    pub limits: Limits,
+}
+
+impl<C: Scalar> Model<C> {
+    /// A model of the given joints under gravity \((0, 0, -9.81)\).
+    ///
+    /// # Errors
+    /// There is no joint, a parent does not come before its child, or two joints share a name. Over `f64` see also
+    /// [`Model::check_regular`].
+    pub fn from_joints(name: &str, specs: Vec<JointSpec<C>>) -> Result<Self> {
+        let mut model = Self {
+            name: name.to_owned(),
+            joints: Vec::with_capacity(specs.len()),
+            inertias: Vec::with_capacity(specs.len()),
+            frames: Vec::with_capacity(specs.len()),
+            gravity: Vector3::new(C::zero(), C::zero(), C::from_f64(-STANDARD_GRAVITY)),
+        };
+        if specs.is_empty() {
+            return Err(Error::input(name, "robot", "has no moving joint"));
+        }
+        for (i, spec) in specs.into_iter().enumerate() {
+            let element = format!("joint '{}'", spec.name);
+            if spec.parent.is_some_and(|p| p >= i) {
+                return Err(Error::input(
+                    name,
+                    element,
+                    "its parent does not come before it",
+                ));
+            }
+            if model.joints.iter().any(|j| j.name() == spec.name) {
+                return Err(Error::input(name, element, "the name occurs twice"));
+            }
+            model.frames.push(Frame {
+                name: spec.name.clone(),
+                body: Some(i),
+                placement: Placement::identity(),
+            });
+            model.joints.push(Joint::new(
+                spec.name,
+                spec.kind,
+                spec.parent,
+                spec.origin,
+                spec.axis,
+                spec.limits,
+            ));
+            model.inertias.push(spec.inertia);
+        }
+        Ok(model)
+    }
+
+    /// The same model with other frames.
+    pub(super) fn with_frames(mut self, frames: Vec<Frame<C>>) -> Self {
+        self.frames = frames;
+        self
+    }
+}
+
+impl Model<f64> {
+    /// Checks that no joint moves a subtree without inertia about it, for then the mass matrix is singular.
+    ///
+    /// The subtrees are looked at in one generic configuration: inertia that is missing there is missing everywhere, or
+    /// nearly so. `file` names the model in the error. Cost O(N).
+    ///
+    /// # Errors
+    /// Names the first such joint.
+    pub fn check_regular(&self, file: &str) -> Result<()> {
+        // What each body and the bodies it carries weigh in the frame of its joint.
+        let mut composite = self.inertias.clone();
+        for i in (0..self.dof()).rev() {
+            let joint = &self.joints[i];
+            let (own, total) = match joint.kind() {
+                JointKind::Prismatic => (composite[i].mass, 0.0),
+                JointKind::Revolute | JointKind::Continuous => {
+                    let rotational = &composite[i].rotational;
+                    (
+                        joint.axis().dot(&(rotational * joint.axis())),
+                        rotational.trace(),
+                    )
+                }
+            };
+            // Relative to all the inertia there is, so that rounding does not pass for inertia.
+            if own.abs() <= 1e-12 * total.abs() {
+                return Err(Error::input(
+                    file,
+                    format!("joint '{}'", joint.name()),
+                    "nothing that it moves has inertia about it, so the mass matrix is singular",
+                ));
+            }
+            if let Some(parent) = joint.parent() {
+                let generic = 0.7 + 0.9 * i as f64;
+                let carried = composite[i].placed(&joint.placement(generic));
+                composite[parent] += carried;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A chain of `links` pendulums in the vertical plane: links of 1 m with a point mass of 1 kg at the middle and no
+/// rotational inertia, axes along y, along -x at `q = 0`.
+///
+/// # Errors
+/// `links` is zero.
+pub fn pendulum(links: usize) -> Result<Model> {
+    let specs = (0..links).map(|i| JointSpec {
+        name: format!("joint_{}", i + 1),
+        kind: JointKind::Continuous,
+        parent: i.checked_sub(1),
+        origin: Placement::new(
+            Matrix3::identity(),
+            Vector3::new(if i == 0 { 0.0 } else { -1.0 }, 0.0, 0.0),
+        ),
+        axis: Vector3::y(),
+        inertia: Inertia::from_com(1.0, Vector3::new(-0.5, 0.0, 0.0), Matrix3::zeros()),
+        limits: Limits::NONE,
+    });
+    Model::from_joints(&format!("pendulum_{links}"), specs.collect())
+}

@@ -1,0 +1,170 @@
+//! One degree of freedom.
+
+use crate::scalar::{Over, Scalar};
+use crate::spatial::{Motion, Placement, apply_to_constant, cross_matrix};
+use nalgebra::{Matrix3, Vector3};
+
+/// What a joint does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis, within limits.
+    Revolute,
+    /// Turns about its axis without limits; one degree of freedom, an angle in radians that may grow.
+    Continuous,
+    /// Slides along its axis.
+    Prismatic,
+}
+
+/// What a joint may do, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Smallest position.
+    pub lower: f64,
+    /// Largest position.
+    pub upper: f64,
+    /// Largest speed.
+    pub velocity: f64,
+    /// Largest torque or force.
+    pub effort: f64,
+}
+
+impl Limits {
+    /// No limits.
+    pub const NONE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        velocity: f64::INFINITY,
+        effort: f64::INFINITY,
+    };
+}
+
+/// A joint with one degree of freedom about or along any axis.
+#[derive(Clone, Debug)]
+pub struct Joint<C: Scalar> {
+    name: String,
+    kind: JointKind,
+    parent: Option<usize>,
+    limits: Limits,
+    axis: Vector3<C>,
+    origin: Placement<C>,
+    /// With `R_0` the rotation of the origin and `a` the axis, that of the joint is
+    /// `R_0 (a a^T + cos q (1 - a a^T) + sin q [a]x)`: these are the last two products.
+    cosine_part: Matrix3<C>,
+    sine_part: Matrix3<C>,
+}
+
+impl<C: Scalar> Joint<C> {
+    /// A joint at `origin` in its parent body. `axis` is a unit vector in the frame of the joint.
+    pub(crate) fn new(
+        name: String,
+        kind: JointKind,
+        parent: Option<usize>,
+        origin: Placement<C>,
+        axis: Vector3<C>,
+        limits: Limits,
+    ) -> Self {
+        let perpendicular = Matrix3::identity() - axis * axis.transpose();
+        Self {
+            name,
+            kind,
+            parent,
+            limits,
+            axis,
+            origin,
+            cosine_part: origin.rotation * perpendicular,
+            sine_part: origin.rotation * cross_matrix(&axis),
+        }
+    }
+
+    /// The name of the joint.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the joint does.
+    #[must_use]
+    pub fn kind(&self) -> JointKind {
+        self.kind
+    }
+
+    /// \(\lambda(i)\): the body that carries the joint, `None` for the base.
+    #[must_use]
+    pub fn parent(&self) -> Option<usize> {
+        self.parent
+    }
+
+    /// The limits of the joint.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The axis, a unit vector in the frame of the joint.
+    #[must_use]
+    pub fn axis(&self) -> &Vector3<C> {
+        &self.axis
+    }
+
+    /// Where the joint is in its parent body at `q = 0`.
+    #[must_use]
+    pub fn origin(&self) -> &Placement<C> {
+        &self.origin
+    }
+
+    /// Where body `i` is in its parent at position `q`: \({}^{\lambda(i)} X_i\) (4.3 in Featherstone's book).
+    #[must_use]
+    pub fn placement<S: Over<C>>(&self, q: S) -> Placement<S> {
+        let lift = |v: &Vector3<C>| v.map(S::lift);
+        match self.kind {
+            JointKind::Revolute | JointKind::Continuous => {
+                let (sin, cos) = q.sin_cos();
+                let one_less_cos = cos - S::one();
+                let rotation = self.origin.rotation.zip_zip_map(
+                    &self.cosine_part,
+                    &self.sine_part,
+                    |fixed, c, s| one_less_cos.scale(c) + sin.scale(s) + S::lift(fixed),
+                );
+                Placement::new(rotation, lift(&self.origin.translation))
+            }
+            JointKind::Prismatic => {
+                let direction = self.origin.rotation * self.axis;
+                let translation =
+                    (self.origin.translation).zip_map(&direction, |p, d| q.scale(d) + S::lift(p));
+                Placement::new(self.origin.rotation.map(S::lift), translation)
+            }
+        }
+    }
+
+    /// \(S_i\), the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
+    /// placed at `placement`.
+    #[must_use]
+    pub fn motion_subspace<S: Over<C>>(&self, placement: &Placement<S>) -> Motion<S> {
+        let axis = apply_to_constant(&placement.rotation, &self.axis);
+        match self.kind {
+            JointKind::Revolute | JointKind::Continuous => {
+                Motion::new(axis, placement.translation.cross(&axis))
+            }
+            JointKind::Prismatic => Motion::new(Vector3::zeros(), axis),
+        }
+    }
+}
+
+impl Joint<f64> {
+    /// The same joint with constants of another type.
+    pub(crate) fn cast<D: Scalar>(&self) -> Joint<D> {
+        Joint {
+            name: self.name.clone(),
+            kind: self.kind,
+            parent: self.parent,
+            limits: self.limits,
+            axis: self.axis.map(D::from_f64),
+            origin: Placement::new(
+                self.origin.rotation.map(D::from_f64),
+                self.origin.translation.map(D::from_f64),
+            ),
+            cosine_part: self.cosine_part.map(D::from_f64),
+            sine_part: self.sine_part.map(D::from_f64),
+        }
+    }
+}

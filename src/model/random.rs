@@ -1,0 +1,68 @@
+//! Random robots for tests and benches.
+
+use super::{JointKind, JointSpec, Limits, Model};
+use crate::error::Result;
+use crate::spatial::{Inertia, Placement};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A vector in the cube of side two about the origin.
+fn vector(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0))
+}
+
+/// A unit vector in any direction, negative and oblique ones included, sometimes along a coordinate axis.
+fn axis(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    if rng.random_bool(0.25) {
+        let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        return Vector3::ith(rng.random_range(0..3), sign);
+    }
+    loop {
+        let v = vector(rng);
+        if v.norm() > 0.1 {
+            return v.normalize();
+        }
+    }
+}
+
+/// A random tree of `n` joints of all kinds: arbitrary branching, axes, placements and physically possible inertias.
+/// The same `n` and `seed` give the same robot.
+///
+/// # Errors
+/// `n` is zero.
+pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let rng = &mut rng;
+    let mut specs = Vec::with_capacity(n);
+    for i in 0..n {
+        let kind = match rng.random_range(0..4) {
+            0 => JointKind::Prismatic,
+            1 => JointKind::Continuous,
+            _ => JointKind::Revolute,
+        };
+        // Now and then a second joint on the base, else any earlier body, most often a recent one.
+        let parent = (i > 0 && rng.random_bool(0.9))
+            .then(|| rng.random_range(i.saturating_sub(4)..i.max(1)));
+        let rotation = Rotation3::new(vector(rng) * 3.0).into_inner();
+        let mass = rng.random_range(0.2..3.0);
+        // Six point masses on random axes are a body, so the triangle inequality holds.
+        let frame = Rotation3::new(vector(rng) * 3.0).into_inner();
+        let second = Vector3::from_fn(|_, _| rng.random_range(0.01..0.3));
+        let moments = Vector3::from_element(second.sum()) - second;
+        specs.push(JointSpec {
+            name: format!("joint_{i}"),
+            kind,
+            parent,
+            origin: Placement::new(rotation, vector(rng)),
+            axis: axis(rng),
+            inertia: Inertia::from_com(
+                mass,
+                vector(rng) * 0.5,
+                frame * Matrix3::from_diagonal(&moments) * frame.transpose(),
+            ),
+            limits: Limits::NONE,
+        });
+    }
+    Model::from_joints(&format!("random_tree_{n}_{seed}"), specs)
+}

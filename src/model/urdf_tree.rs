@@ -1,0 +1,100 @@
+//! The order in which the links of a URDF are visited, and what makes them no tree.
+
+use crate::error::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use urdf_rs::{Joint, Link, Robot};
+
+/// A link on the walk from the root to the leaves.
+pub(super) struct Visit<'a> {
+    /// The link.
+    pub link: &'a Link,
+    /// The joint that carries it; `None` for the root.
+    pub joint: Option<&'a Joint>,
+    /// The place of the parent link in the walk; zero for the root.
+    pub parent: usize,
+}
+
+/// Visits the links depth first from the root, the children of a link in the order of their joints' names, as Pinocchio
+/// does.
+pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
+    let refuse = |element: String, condition: &str| Err(Error::input(file, element, condition));
+    let mut links = BTreeMap::new();
+    for link in &robot.links {
+        if links.insert(link.name.as_str(), link).is_some() {
+            return refuse(format!("link '{}'", link.name), "the name occurs twice");
+        }
+    }
+    let mut names = BTreeSet::new();
+    let mut carried = BTreeSet::new();
+    let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
+    for joint in &robot.joints {
+        let element = || format!("joint '{}'", joint.name);
+        if !names.insert(joint.name.as_str()) {
+            return refuse(element(), "the name occurs twice");
+        }
+        let (parent, child) = (joint.parent.link.as_str(), joint.child.link.as_str());
+        if let Some(unknown) = [parent, child].iter().find(|l| !links.contains_key(**l)) {
+            return refuse(element(), &format!("there is no link '{unknown}'"));
+        }
+        if !carried.insert(child) {
+            let condition =
+                format!("link '{child}' hangs on a second joint: the links form a loop");
+            return refuse(element(), &condition);
+        }
+        children.entry(parent).or_default().push(joint);
+    }
+    for joints in children.values_mut() {
+        joints.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+    let roots: Vec<&Link> = (robot.links.iter())
+        .filter(|l| !carried.contains(l.name.as_str()))
+        .collect();
+    let root = match roots.as_slice() {
+        [root] => *root,
+        [] if robot.links.is_empty() => return refuse("robot".to_owned(), "it has no links"),
+        [] => {
+            return refuse(
+                "robot".to_owned(),
+                "it has no root link: the links form a loop",
+            );
+        }
+        [first, second, ..] => {
+            let condition = format!(
+                "it has several root links: '{}' and '{}'",
+                first.name, second.name
+            );
+            return refuse("robot".to_owned(), &condition);
+        }
+    };
+
+    let mut visits = Vec::with_capacity(robot.links.len());
+    let mut pending = vec![Visit {
+        link: root,
+        joint: None,
+        parent: 0,
+    }];
+    while let Some(visit) = pending.pop() {
+        let parent = visits.len();
+        let below = children.get(visit.link.name.as_str());
+        // The last one pushed comes next, so the first by name goes last.
+        for joint in below.into_iter().flatten().rev() {
+            pending.push(Visit {
+                link: links[joint.child.link.as_str()],
+                joint: Some(joint),
+                parent,
+            });
+        }
+        visits.push(visit);
+    }
+    if let Some(link) = robot
+        .links
+        .iter()
+        .find(|l| !visits.iter().any(|v| v.link.name == l.name))
+    {
+        return refuse(
+            format!("link '{}'", link.name),
+            "it cannot be reached from the root: the links form a loop",
+        );
+    }
+    Ok(visits)
+}

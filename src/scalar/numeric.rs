@@ -1,0 +1,62 @@
+//! `f32`, `f64` and the types of `num-dual` as scalars.
+
+use super::{Over, Scalar};
+use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
+use num_traits::NumCast;
+
+/// Rounds a constant to the floating-point type below a dual number; both types there are (`f32`, `f64`) take any `f64`.
+fn primitive<F: DualNumFloat>(x: f64) -> F {
+    NumCast::from(x).unwrap_or_else(F::nan)
+}
+
+impl<D: DualNum + Copy> Scalar for D {
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        D::from(primitive::<D::Primitive>(x))
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        DualNum::sin_cos(&self)
+    }
+
+    #[inline]
+    fn tanh(self) -> Self {
+        DualNum::tanh(&self)
+    }
+}
+
+impl<D: DualNum + Copy> Over<f64> for D {
+    #[inline]
+    fn lift(c: f64) -> Self {
+        Scalar::from_f64(c)
+    }
+
+    #[inline]
+    fn scale(self, c: f64) -> Self {
+        self * primitive::<D::Primitive>(c)
+    }
+}
+
+/// A type whose values may themselves be the constants of a model, as after [`Model::cast`](crate::model::Model::cast).
+macro_rules! over_itself {
+    ($type:ty $(, $parameter:ident $(: $bound:ident)?)* $(; const $n:ident)?) => {
+        impl<$($parameter $(: $bound + Copy)?,)* $(const $n: usize)?> Over<$type> for $type {
+            #[inline]
+            fn lift(c: Self) -> Self {
+                c
+            }
+
+            #[inline]
+            fn scale(self, c: Self) -> Self {
+                self * c
+            }
+        }
+    };
+}
+
+over_itself!(f32);
+over_itself!(Dual<T>, T: DualNum);
+over_itself!(Dual2<T>, T: DualNum);
+over_itself!(HyperDual<T>, T: DualNum);
+over_itself!(DualSVec<T, N>, T: DualNum; const N);

@@ -1,0 +1,75 @@
+//! How the momentum of a moving body changes: the matrix `B` of the derivative algorithms.
+
+use super::{Force, Inertia, Motion, cross_matrix};
+use crate::scalar::Scalar;
+use nalgebra::{Matrix3, Vector3};
+use std::ops::{Add, AddAssign};
+
+/// The Coriolis matrix of a body with inertia \(I\) and velocity \(v\),
+///
+/// \[ B = \tfrac12 \left( v \times^* I - I\, v \times + (I v) \bar\times^* \right), \]
+///
+/// where \(f \bar\times^* m = m \times^* f\) (Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body
+/// dynamics using spatial vector algebra", 2022). For a particle of mass \(\mu\) at \(r\) with velocity \(\dot r\) the
+/// definition reduces to \(B m = (r \times f, f)\) with \(f = \mu\, m_\omega \times \dot r\). So `B` reads only the
+/// angular part of its argument and twelve numbers hold it. It satisfies \(\dot I = B + B^T\) and \(B v = v \times^* I v\),
+/// and it adds up over bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coriolis<S: Scalar> {
+    /// The block that maps an angular motion to a moment: \(-\sum \mu\, [r]_\times [\dot r]_\times\).
+    moment: Matrix3<S>,
+    /// The linear momentum \(\sum \mu\, \dot r\).
+    momentum: Vector3<S>,
+}
+
+impl<S: Scalar> Coriolis<S> {
+    /// `B` of a body with inertia `inertia` and velocity `v`, both about the same origin.
+    #[inline]
+    #[must_use]
+    pub fn new(inertia: &Inertia<S>, v: &Motion<S>) -> Self {
+        // With r' = v_O + w x r the sum is -[h]x [v_O]x - [w]x S, where S = 1/2 tr(I) 1 - I holds the second moments.
+        let h = &inertia.first_moment;
+        let half_trace = inertia.rotational.trace() * S::from_f64(0.5);
+        let second = Matrix3::from_diagonal_element(half_trace) - inertia.rotational;
+        let hv = v.linear * h.transpose() - Matrix3::from_diagonal_element(h.dot(&v.linear));
+        Self {
+            moment: -hv - cross_matrix(&v.angular) * second,
+            momentum: v.linear * inertia.mass + v.angular.cross(h),
+        }
+    }
+
+    /// \(B m\).
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, m: &Motion<S>) -> Force<S> {
+        Force::new(self.moment * m.angular, m.angular.cross(&self.momentum))
+    }
+
+    /// \(B^T m\).
+    #[inline]
+    #[must_use]
+    pub fn apply_transpose(&self, m: &Motion<S>) -> Force<S> {
+        Force::new(
+            self.moment.tr_mul(&m.angular) + self.momentum.cross(&m.linear),
+            Vector3::zeros(),
+        )
+    }
+}
+
+impl<S: Scalar> Add for Coriolis<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            moment: self.moment + other.moment,
+            momentum: self.momentum + other.momentum,
+        }
+    }
+}
+
+impl<S: Scalar> AddAssign for Coriolis<S> {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}

@@ -1,0 +1,116 @@
+//! The spatial inertia of a rigid body, or of several that move as one.
+
+use super::{Force, Motion, Placement, apply_to_constant, cross_matrix};
+use crate::scalar::{Over, Scalar};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use std::ops::{Add, AddAssign};
+
+/// Ten numbers that say how a body resists acceleration (2.63 in Featherstone's book), about the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia<S: Scalar> {
+    /// Mass, kg.
+    pub mass: S,
+    /// \(h = m c\): mass times the centre of mass, kg m.
+    pub first_moment: Vector3<S>,
+    /// \(\bar I\): rotational inertia about the origin (not the centre of mass), kg m^2, symmetric.
+    pub rotational: Matrix3<S>,
+}
+
+impl<S: Scalar> Inertia<S> {
+    /// No mass at all.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self {
+            mass: S::zero(),
+            first_moment: Vector3::zeros(),
+            rotational: Matrix3::zeros(),
+        }
+    }
+
+    /// From the mass, the centre of mass `com` and the rotational inertia about `com`.
+    #[must_use]
+    pub fn from_com(mass: S, com: Vector3<S>, rotational: Matrix3<S>) -> Self {
+        let c = cross_matrix(&com);
+        Self {
+            mass,
+            first_moment: com * mass,
+            rotational: rotational - c * c * mass,
+        }
+    }
+
+    /// The centre of mass. Not defined for a massless body.
+    #[must_use]
+    pub fn com(&self) -> Vector3<S> {
+        self.first_moment.map(|h| h / self.mass)
+    }
+
+    /// The rotational inertia about the centre of mass. Not defined for a massless body.
+    #[must_use]
+    pub fn rotational_about_com(&self) -> Matrix3<S> {
+        let c = cross_matrix(&self.com());
+        self.rotational + c * c * self.mass
+    }
+
+    /// The momentum of a body with this inertia and velocity `m`: \(I m\).
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, m: &Motion<S>) -> Force<S> {
+        let h = &self.first_moment;
+        Force::new(
+            self.rotational * m.angular + h.cross(&m.linear),
+            m.linear * self.mass - h.cross(&m.angular),
+        )
+    }
+
+    /// The inertia of a body given in the frame B, in the coordinates of A, where `placement` is that of B in A (2.66).
+    #[must_use]
+    pub fn placed<T: Over<S>>(&self, placement: &Placement<T>) -> Inertia<T> {
+        let (r, p) = (&placement.rotation, &placement.translation);
+        let mass = T::lift(self.mass);
+        let h = apply_to_constant(r, &self.first_moment);
+        let column = |j| apply_to_constant(r, &self.rotational.column(j).into_owned());
+        let half = Matrix3::from_columns(&[column(0), column(1), column(2)]);
+        // [a]x [b]x = b a^T - (a . b) 1, and the moved centre is h + m p.
+        let moved = h + p * mass;
+        let outer = p * h.transpose() + moved * p.transpose();
+        let rotational = half * r.transpose() - outer;
+        Inertia {
+            mass,
+            first_moment: moved,
+            rotational: rotational + Matrix3::from_diagonal_element(outer.trace()),
+        }
+    }
+
+    /// The 6 by 6 matrix, angular rows first.
+    #[must_use]
+    pub fn to_matrix(&self) -> Matrix6<S> {
+        let h = cross_matrix(&self.first_moment);
+        let mut matrix = Matrix6::zeros();
+        matrix
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&self.rotational);
+        matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&h);
+        matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&-h);
+        matrix.fixed_view_mut::<3, 3>(3, 3).fill_diagonal(self.mass);
+        matrix
+    }
+}
+
+impl<S: Scalar> Add for Inertia<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            first_moment: self.first_moment + other.first_moment,
+            rotational: self.rotational + other.rotational,
+        }
+    }
+}
+
+impl<S: Scalar> AddAssign for Inertia<S> {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}

@@ -1,0 +1,66 @@
+//! Where one frame is in another.
+
+use super::{Motion, apply_to_constant};
+use crate::scalar::{Over, Scalar};
+use nalgebra::{Matrix3, Vector3};
+
+/// The placement of a frame B in a frame A: \(r_A = R\, r_B + p\).
+///
+/// In Featherstone's notation this is \({}^A X_B\) with \(R = E^T\).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement<S: Scalar> {
+    /// `R`: the axes of B in the coordinates of A.
+    pub rotation: Matrix3<S>,
+    /// `p`: the origin of B in the coordinates of A, in m.
+    pub translation: Vector3<S>,
+}
+
+impl<S: Scalar> Placement<S> {
+    /// A placement from its parts. `rotation` must be orthogonal with determinant one.
+    #[must_use]
+    pub fn new(rotation: Matrix3<S>, translation: Vector3<S>) -> Self {
+        Self {
+            rotation,
+            translation,
+        }
+    }
+
+    /// Both frames coincide.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self::new(Matrix3::identity(), Vector3::zeros())
+    }
+
+    /// With `self` the placement of B in A and `inner` that of C in B: the placement of C in A.
+    #[inline]
+    #[must_use]
+    pub fn compose(&self, inner: &Self) -> Self {
+        Self::new(
+            self.rotation * inner.rotation,
+            self.rotation * inner.translation + self.translation,
+        )
+    }
+
+    /// As [`compose`](Self::compose), for an `inner` that does not move.
+    #[must_use]
+    pub fn compose_constant<C: Scalar>(&self, inner: &Placement<C>) -> Self
+    where
+        S: Over<C>,
+    {
+        let column = |j| apply_to_constant(&self.rotation, &inner.rotation.column(j).into_owned());
+        Self::new(
+            Matrix3::from_columns(&[column(0), column(1), column(2)]),
+            apply_to_constant(&self.rotation, &inner.translation) + self.translation,
+        )
+    }
+
+    /// A motion given in B, in the coordinates of A (2.24 in the book).
+    #[must_use]
+    pub fn act(&self, m: &Motion<S>) -> Motion<S> {
+        let angular = self.rotation * m.angular;
+        Motion::new(
+            angular,
+            self.rotation * m.linear + self.translation.cross(&angular),
+        )
+    }
+}

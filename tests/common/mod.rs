@@ -1,0 +1,120 @@
+//! What the tests share: robots, random states, comparisons and derivatives by duals.
+#![allow(dead_code)] // every test file uses its own part of it
+
+use aghf::model::{Model, builtin_robot, builtin_robots, random_tree};
+use nalgebra::DMatrix;
+use num_dual::Dual64;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+
+/// The settings of a property test: seeded, and longer when `AGHF_CASES` says so.
+pub fn config(cases: u32) -> Config {
+    let cases = std::env::var("AGHF_CASES")
+        .map(|n| n.parse().expect("AGHF_CASES is a number of cases"))
+        .unwrap_or(cases);
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(20_261_121),
+        ..Config::default()
+    }
+}
+
+/// A robot that is built in.
+pub fn robot(name: &str) -> Model {
+    let (model, _) = builtin_robot(name)
+        .expect("it is built in")
+        .expect("it loads");
+    model
+}
+
+/// All robots that are built in.
+pub fn robots() -> Vec<Model> {
+    builtin_robots().map(robot).collect()
+}
+
+/// A robot that is built in, or, more often, a random tree.
+pub fn any_model() -> impl Strategy<Value = Model> {
+    prop_oneof![
+        1 => (0..robots().len()).prop_map(|i| robots().swap_remove(i)),
+        2 => (1..9_usize, 0..u64::MAX).prop_map(|(n, seed)| random_tree(n, seed).expect("n > 0")),
+    ]
+}
+
+/// `count` numbers in [-3, 3], zeros among them now and then.
+pub fn numbers(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    let number = prop_oneof![1 => Just(0.0), 7 => -3.0..3.0_f64];
+    prop::collection::vec(number, count)
+}
+
+/// A model and three vectors with one entry a joint: `q, v, a`.
+pub fn model_and_state() -> impl Strategy<Value = (Model, Vec<f64>, Vec<f64>, Vec<f64>)> {
+    any_model().prop_flat_map(|model| {
+        let n = model.dof();
+        (Just(model), numbers(n), numbers(n), numbers(n))
+    })
+}
+
+/// A model and `x, xdot, xddot`, each with two entries a joint.
+pub fn model_and_node() -> impl Strategy<Value = (Model, [Vec<f64>; 3])> {
+    any_model().prop_flat_map(|model| {
+        let n = 2 * model.dof();
+        let node = (numbers(n), numbers(n), numbers(n)).prop_map(|(x, xd, xdd)| [x, xd, xdd]);
+        (Just(model), node)
+    })
+}
+
+/// The largest difference relative to the largest entry of `b`, or to one where that is smaller.
+pub fn relative_error<'a>(
+    a: impl IntoIterator<Item = &'a f64>,
+    b: impl IntoIterator<Item = &'a f64>,
+) -> f64 {
+    let (a, b): (Vec<_>, Vec<_>) = (a.into_iter().collect(), b.into_iter().collect());
+    assert_eq!(a.len(), b.len(), "different sizes");
+    let largest = b.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+    let differences = a.iter().zip(b).map(|(a, b)| (*a - b).abs());
+    // A NaN must not hide: `max` would pass it over.
+    differences.fold(0.0, |m: f64, d| if d <= m { m } else { d }) / largest
+}
+
+/// Asserts that two sequences of numbers agree to `bound`, relative to the largest of the second.
+#[macro_export]
+macro_rules! assert_close {
+    ($a:expr, $b:expr, $bound:expr) => {{
+        let error = common::relative_error($a, $b);
+        assert!(
+            error <= $bound,
+            "{} and {} differ by {error:e}",
+            stringify!($a),
+            stringify!($b)
+        );
+    }};
+}
+
+/// The Jacobian of `f` at `x` by dual numbers.
+pub fn dual_jacobian(f: impl Fn(&[Dual64]) -> Vec<Dual64>, x: &[f64]) -> DMatrix<f64> {
+    let columns: Vec<Vec<f64>> = (0..x.len())
+        .map(|j| {
+            let tangent = |(i, x): (usize, &f64)| Dual64::new(*x, f64::from(u8::from(i == j)));
+            let input: Vec<Dual64> = x.iter().enumerate().map(tangent).collect();
+            f(&input).iter().map(|y| y.eps).collect()
+        })
+        .collect();
+    DMatrix::from_fn(columns.first().map_or(0, Vec::len), x.len(), |i, j| {
+        columns[j][i]
+    })
+}
+
+/// The derivative of `f` at `x` along `direction` by dual numbers.
+pub fn dual_rate(f: impl Fn(&[Dual64]) -> Vec<Dual64>, x: &[f64], direction: &[f64]) -> Vec<f64> {
+    let input: Vec<Dual64> = x
+        .iter()
+        .zip(direction)
+        .map(|(x, d)| Dual64::new(*x, *d))
+        .collect();
+    f(&input).iter().map(|y| y.eps).collect()
+}
+
+/// Constants as dual numbers.
+pub fn constants(x: &[f64]) -> Vec<Dual64> {
+    x.iter().map(|x| Dual64::from(*x)).collect()
+}
