@@ -6,10 +6,15 @@
 //! [`report`], [`cli`].
 
 pub mod aghf;
+pub mod cli;
 pub mod dynamics;
 pub mod error;
 pub mod model;
+pub mod pseudospectral;
+pub mod report;
 pub mod scalar;
+pub mod scenario;
+pub mod solve;
 pub mod spatial;
 
 pub use error::{Error, Result};

@@ -7,16 +7,16 @@ use crate::model::Model;
 use crate::scalar::{Ldlt, Over, Scalar};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
-/// The right-hand side of the flow written in the control \(u = ID(x_{P1}, x_{P2}, \dot x_{P2})\) of (13).
+/// The right-hand side of the flow written in the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
 ///
-/// With \(L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2\) the heat flow (7) is
+/// With $L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2$ the heat flow (7) is
 ///
-/// \[ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, \]
-/// \[ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2})
-///    - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right], \]
-/// \[ \dot u = \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}, \]
+/// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, $$
+/// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v}
+///    \right)^T u \right], $$
+/// $$ \dot u = \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}, $$
 ///
-/// all derivatives at \((x_{P1}, x_{P2}, \dot x_{P2})\) and \(\dot H\) along \(\dot x_{P1}\). It equals Theorem B3.
+/// all derivatives at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
 /// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
 #[derive(Clone, Debug)]
 pub struct ControlForm<'m, C: Scalar, S: Scalar> {

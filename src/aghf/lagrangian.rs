@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// The Lagrangian by its definition, equations (5) and (11):
 ///
-/// \[ L = (\dot x - F_d)^T G\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\ FD_0 \end{bmatrix}, \quad
-///    G = \begin{bmatrix} k I & 0 \\ 0 & H^T H \end{bmatrix}, \quad FD_0 = -H^{-1} C. \]
+/// $$ L = (\dot x - F_d)^T G\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\\\ FD_0 \end{bmatrix}, \quad
+///    G = \begin{bmatrix} k I & 0 \\\\ 0 & H^T H \end{bmatrix}, \quad FD_0 = -H^{-1} C. $$
 ///
 /// `x` and `xdot` have `2 N` entries. It allocates: this is the definition that the fast forms are tested against.
 /// Cost O(N^2).
@@ -37,9 +37,9 @@ pub fn lagrangian<C: Scalar, S: Over<C>>(
     Ok(slip.dot(&slip).scale(k) + force.dot(&force))
 }
 
-/// The Lagrangian from the control `u`, \(L = k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2\).
+/// The Lagrangian from the control `u`, $L = k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 ///
-/// It is the same number as [`lagrangian`] gives, since \(H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u\), the control
+/// It is the same number as [`lagrangian`] gives, since $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control
 /// (13). `xdot_p1`, `x_p2` and `u` have `N` entries.
 ///
 /// # Errors

@@ -5,11 +5,11 @@ use crate::error::{Result, check_length};
 /// The state of a curve at one time and its first two derivatives in time, `2 N` entries each.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<'a, S> {
-    /// \(x = [q; v]\).
+    /// $x = [q; v]$.
     pub x: &'a [S],
-    /// \(\dot x\).
+    /// $\dot x$.
     pub xdot: &'a [S],
-    /// \(\ddot x\).
+    /// $\ddot x$.
     pub xddot: &'a [S],
 }
 
@@ -19,37 +19,37 @@ impl<'a, S> Node<'a, S> {
         self.x.len() / 2
     }
 
-    /// \(x_{P1}\), the configuration.
+    /// $x_{P1}$, the configuration.
     #[must_use]
     pub fn x_p1(&self) -> &'a [S] {
         &self.x[..self.dof()]
     }
 
-    /// \(x_{P2}\), the velocity.
+    /// $x_{P2}$, the velocity.
     #[must_use]
     pub fn x_p2(&self) -> &'a [S] {
         &self.x[self.dof()..]
     }
 
-    /// \(\dot x_{P1}\).
+    /// $\dot x_{P1}$.
     #[must_use]
     pub fn xdot_p1(&self) -> &'a [S] {
         &self.xdot[..self.dof()]
     }
 
-    /// \(\dot x_{P2}\), the acceleration.
+    /// $\dot x_{P2}$, the acceleration.
     #[must_use]
     pub fn xdot_p2(&self) -> &'a [S] {
         &self.xdot[self.dof()..]
     }
 
-    /// \(\ddot x_{P1}\).
+    /// $\ddot x_{P1}$.
     #[must_use]
     pub fn xddot_p1(&self) -> &'a [S] {
         &self.xddot[..self.dof()]
     }
 
-    /// \(\ddot x_{P2}\).
+    /// $\ddot x_{P2}$.
     #[must_use]
     pub fn xddot_p2(&self) -> &'a [S] {
         &self.xddot[self.dof()..]

@@ -11,22 +11,22 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// Who fills in the quantities is free: [`AlgorithmB1`](super::AlgorithmB1) does it by recursions, the tests also by duals.
 #[derive(Clone, Debug)]
 pub struct TheoremB3<S: Scalar> {
-    /// \(H\), at \(x_{P1}\).
+    /// $H$, at $x_{P1}$.
     pub h: DMatrix<S>,
-    /// \(\dot H\), along \(\dot x_{P1}\).
+    /// $\dot H$, along $\dot x_{P1}$.
     pub hdot: DMatrix<S>,
-    /// \(C\), at \(x_{P1}, x_{P2}\).
+    /// $C$, at $x_{P1}, x_{P2}$.
     pub c: DVector<S>,
-    /// \(\dot C\), along \(\dot x_{P1}, \dot x_{P2}\).
+    /// $\dot C$, along $\dot x_{P1}, \dot x_{P2}$.
     pub cdot: DVector<S>,
-    /// \(FD_0 = -H^{-1} C\).
+    /// $FD_0 = -H^{-1} C$.
     pub fd0: DVector<S>,
-    /// \(\partial FD_0 / \partial x_{P1}\), rows are those of \(FD_0\).
+    /// $\partial FD_0 / \partial x_{P1}$, rows are those of $FD_0$.
     pub dfd0_dq: DMatrix<S>,
-    /// \(\partial FD_0 / \partial x_{P2}\).
+    /// $\partial FD_0 / \partial x_{P2}$.
     pub dfd0_dv: DMatrix<S>,
-    /// \(\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j}
-    /// (\dot x_{P2} - FD_0)_k\).
+    /// $\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j}
+    /// (\dot x_{P2} - FD_0)_k$.
     pub dh_dq_w: DMatrix<S>,
     ldlt: Ldlt<S>,
     force: DVector<S>,
@@ -57,7 +57,7 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B5): \(\Omega = \Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)\), into `omega`, `2 N` entries. Cost O(N^3) for the
+    /// (B5): $\Omega = \Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$, into `omega`, `2 N` entries. Cost O(N^3) for the
     /// factors of `H`, O(N^2) for the rest.
     ///
     /// # Errors
@@ -81,8 +81,8 @@ impl<S: Scalar> TheoremB3<S> {
         Ok(())
     }
 
-    /// (B6): \(\Omega_1 = 2 [\ddot x_{P1} - \dot x_{P2};\; (H^T H)^{-1} \gamma]\) with
-    /// \(\gamma = (\dot H^T H + H^T \dot H) \dot x_{P2} + H^T H \ddot x_{P2} + \dot H^T C + H^T \dot C\).
+    /// (B6): $\Omega_1 = 2 [\ddot x_{P1} - \dot x_{P2};\; (H^T H)^{-1} \gamma]$ with
+    /// $\gamma = (\dot H^T H + H^T \dot H) \dot x_{P2} + H^T H \ddot x_{P2} + \dot H^T C + H^T \dot C$.
     pub fn omega_1(&mut self, node: Node<'_, S>, omega_1: &mut DVector<S>) {
         let (n, one, zero, two) = (self.c.len(), S::one(), S::zero(), S::from_f64(2.0));
         let xdot_p2 = DVectorView::from_slice(node.xdot_p2(), n);
@@ -100,8 +100,8 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B7): \(\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\; (H^T H)^{-1} \frac{\partial FD_0}{\partial
-    /// x_{P2}}^T f]\) with \(f = H^T (2 C + 2 H \dot x_{P2})\).
+    /// (B7): $\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\; (H^T H)^{-1} \frac{\partial FD_0}{\partial
+    /// x_{P2}}^T f]$ with $f = H^T (2 C + 2 H \dot x_{P2})$.
     pub fn omega_2<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_2: &mut DVector<S>)
     where
         S: Over<C>,
@@ -121,7 +121,7 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B8): \(\Omega_3 = [0;\; 2 k (H^T H)^{-1} (\dot x_{P1} - x_{P2})]\).
+    /// (B8): $\Omega_3 = [0;\; 2 k (H^T H)^{-1} (\dot x_{P1} - x_{P2})]$.
     pub fn omega_3<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_3: &mut DVector<S>)
     where
         S: Over<C>,
@@ -137,8 +137,8 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B9): \(\Omega_4 = [\tfrac2k \left[ \frac{\partial H}{\partial x_{P1}} w \right]^T H w;\; 0]\) with
-    /// \(w = \dot x_{P2} - FD_0\).
+    /// (B9): $\Omega_4 = [\tfrac2k \left[ \frac{\partial H}{\partial x_{P1}} w \right]^T H w;\; 0]$ with
+    /// $w = \dot x_{P2} - FD_0$.
     pub fn omega_4<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_4: &mut DVector<S>)
     where
         S: Over<C>,
@@ -156,13 +156,13 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// `force` becomes \(H \dot x_{P2} + C\).
+    /// `force` becomes $H \dot x_{P2} + C$.
     fn force_along(&mut self, xdot_p2: &DVectorView<'_, S>) {
         self.force.copy_from(&self.c);
         self.force.gemv(S::one(), &self.h, xdot_p2, S::one());
     }
 
-    /// `sum` becomes \((H^T H)^{-1}\) times itself.
+    /// `sum` becomes $(H^T H)^{-1}$ times itself.
     fn solve_hth(&mut self) {
         self.ldlt.factorise(&self.h);
         self.ldlt.solve(self.sum.as_mut_slice());

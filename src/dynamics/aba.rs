@@ -7,7 +7,7 @@ use crate::scalar::{Over, Scalar};
 use crate::spatial::{Force, Motion};
 use nalgebra::Vector6;
 
-/// Forward dynamics \(a = H^{-1} (\tau - C(q, v))\); arguments as in [`rnea`](super::rnea). Cost O(N).
+/// Forward dynamics $a = H^{-1} (\tau - C(q, v))$; arguments as in [`rnea`](super::rnea). Cost O(N).
 ///
 /// # Errors
 /// An argument does not have one entry a joint.

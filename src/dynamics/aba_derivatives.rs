@@ -9,13 +9,13 @@ use nalgebra::{DMatrix, DVector};
 /// Forward dynamics and its first derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForwardDynamicsDerivatives<S: Scalar> {
-    /// \(FD(q, v, \tau)\), `N` entries.
+    /// $FD(q, v, \tau)$, `N` entries.
     pub a: DVector<S>,
-    /// \(\partial FD_i / \partial q_j\), `N` by `N`.
+    /// $\partial FD_i / \partial q_j$, `N` by `N`.
     pub dq: DMatrix<S>,
-    /// \(\partial FD_i / \partial v_j\), `N` by `N`.
+    /// $\partial FD_i / \partial v_j$, `N` by `N`.
     pub dv: DMatrix<S>,
-    /// \(\partial FD_i / \partial \tau_j = (H^{-1})_{ij}\), `N` by `N`.
+    /// $\partial FD_i / \partial \tau_j = (H^{-1})_{ij}$, `N` by `N`.
     pub h_inverse: DMatrix<S>,
     inverse_dynamics: InverseDynamicsDerivatives<S>,
 }
@@ -37,8 +37,8 @@ impl<S: Scalar> ForwardDynamicsDerivatives<S> {
 /// Forward dynamics at `(q, v, tau)`, `N` entries each, and its derivatives in all three, into `out`; line 5 of
 /// Algorithm B1 with `tau` zero.
 ///
-/// Differentiating \(ID(q, v, FD(q, v, \tau)) = \tau\) gives \(\partial FD / \partial q = -H^{-1}\, \partial ID / \partial q\)
-/// at \(a = FD\), and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
+/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\, \partial ID / \partial q$
+/// at $a = FD$, and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
 /// algorithms", RSS 2018). Cost O(N^3).
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::scalar::{Over, Scalar};
 use nalgebra::DMatrix;
 
-/// The mass matrix \(H(q)\), all `N` by `N` entries of it. Cost O(N d) with d the depth of the tree.
+/// The mass matrix $H(q)$, all `N` by `N` entries of it. Cost O(N d) with d the depth of the tree.
 ///
 /// # Errors
 /// `q` does not have one entry a joint, or `h` is not `N` by `N`.

@@ -7,11 +7,11 @@ use crate::scalar::{Over, Scalar};
 use crate::spatial::Coriolis;
 use nalgebra::DMatrix;
 
-/// The mass matrix \(H(q)\) and its rate \(\dot H = \sum_k \partial H / \partial q_k\, v_k\) along the velocity `v`; line 1
+/// The mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\, v_k$ along the velocity `v`; line 1
 /// of Algorithm B1.
 ///
-/// For `j` an ancestor of `i`, \(H_{ij} = S_j^T I_i^C S_i\) with \(I_i^C\) the inertia of the subtree of `i`; its rate
-/// follows from \(\dot S = v \times S\) and \(\dot I = B + B^T\). Cost O(N d).
+/// For `j` an ancestor of `i`, $H_{ij} = S_j^T I_i^C S_i$ with $I_i^C$ the inertia of the subtree of `i`; its rate
+/// follows from $\dot S = v \times S$ and $\dot I = B + B^T$. Cost O(N d).
 ///
 /// # Errors
 /// `q` or `v` does not have one entry a joint, or a result is not `N` by `N`.

@@ -11,7 +11,7 @@ use nalgebra::{Matrix6, Vector6};
 pub struct Data<S: Scalar> {
     /// Placements of the bodies in the base frame.
     pub(super) placements: Vec<Placement<S>>,
-    /// Joint axes \(S_i\).
+    /// Joint axes $S_i$.
     pub(super) axes: Vec<Motion<S>>,
     /// Body velocities.
     pub(super) velocities: Vec<Motion<S>>,

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
 
-/// The kinetic energy \(\tfrac12 v^T H v\) of the moving bodies, in J. Cost O(N).
+/// The kinetic energy $\tfrac12 v^T H v$ of the moving bodies, in J. Cost O(N).
 ///
 /// # Errors
 /// `q` or `v` does not have one entry a joint.
@@ -22,7 +22,7 @@ pub fn kinetic_energy<C: Scalar, S: Over<C>>(
     Ok(twice * S::from_f64(0.5))
 }
 
-/// The potential energy \(-\sum m\, g \cdot c\) of the moving bodies, in J, zero where the centres of mass are at the height
+/// The potential energy $-\sum m\, g \cdot c$ of the moving bodies, in J, zero where the centres of mass are at the height
 /// of the base. Cost O(N).
 ///
 /// # Errors

@@ -62,7 +62,7 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// Velocities of the bodies and rates \(\dot S_i = v_i \times S_i\) of the axes, after [`place`](Self::place).
+    /// Velocities of the bodies and rates $\dot S_i = v_i \times S_i$ of the axes, after [`place`](Self::place).
     pub(super) fn add_velocities<C: Scalar>(&mut self, model: &Model<C>, v: &[S]) -> Result<()> {
         model.check("v", v.len())?;
         for (i, joint) in model.joints().iter().enumerate() {
@@ -96,7 +96,7 @@ impl<S: Scalar> Data<S> {
     }
 }
 
-/// The acceleration of the base that stands for gravity: \(-a_g\).
+/// The acceleration of the base that stands for gravity: $-a_g$.
 pub(super) fn base_acceleration<C: Scalar, S: Over<C>>(model: &Model<C>) -> Motion<S> {
     Motion {
         linear: model.gravity().map(|g| -S::lift(g)),

@@ -1,8 +1,8 @@
 //! Analytic first derivatives of inverse dynamics (RNEA_D in the supplement).
 //!
 //! The formulas are those of Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body dynamics using
-//! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so \(S_j \times S_j = 0\) and the paper's
-//! \(\dot\Psi_j = v_{\lambda(j)} \times S_j\) and \(\dot S_j = v_j \times S_j\) are the same.
+//! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the paper's
+//! $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
 
 use super::{Data, check_square, kinematics};
 use crate::error::Result;
@@ -14,13 +14,13 @@ use nalgebra::{DMatrix, DVector};
 /// Inverse dynamics and its first derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<S: Scalar> {
-    /// \(\tau = ID(q, v, a)\), `N` entries.
+    /// $\tau = ID(q, v, a)$, `N` entries.
     pub tau: DVector<S>,
-    /// \(\partial ID_i / \partial q_j\), `N` by `N`.
+    /// $\partial ID_i / \partial q_j$, `N` by `N`.
     pub dq: DMatrix<S>,
-    /// \(\partial ID_i / \partial v_j\), `N` by `N`.
+    /// $\partial ID_i / \partial v_j$, `N` by `N`.
     pub dv: DMatrix<S>,
-    /// \(\partial ID_i / \partial a_j = H_{ij}\), `N` by `N`.
+    /// $\partial ID_i / \partial a_j = H_{ij}$, `N` by `N`.
     pub h: DMatrix<S>,
 }
 

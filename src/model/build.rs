@@ -29,7 +29,7 @@ pub struct JointSpec<C: Scalar> {
 }
 
 impl<C: Scalar> Model<C> {
-    /// A model of the given joints under gravity \((0, 0, -9.81)\).
+    /// A model of the given joints under gravity $(0, 0, -9.81)$.
     ///
     /// # Errors
     /// There is no joint, a parent does not come before its child, or two joints share a name. Over `f64` see also

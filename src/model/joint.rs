@@ -88,7 +88,7 @@ impl<C: Scalar> Joint<C> {
         self.kind
     }
 
-    /// \(\lambda(i)\): the body that carries the joint, `None` for the base.
+    /// $\lambda(i)$: the body that carries the joint, `None` for the base.
     #[must_use]
     pub fn parent(&self) -> Option<usize> {
         self.parent
@@ -112,7 +112,7 @@ impl<C: Scalar> Joint<C> {
         &self.origin
     }
 
-    /// Where body `i` is in its parent at position `q`: \({}^{\lambda(i)} X_i\) (4.3 in Featherstone's book).
+    /// Where body `i` is in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
     #[must_use]
     pub fn placement<S: Over<C>>(&self, q: S) -> Placement<S> {
         let lift = |v: &Vector3<C>| v.map(S::lift);
@@ -136,7 +136,7 @@ impl<C: Scalar> Joint<C> {
         }
     }
 
-    /// \(S_i\), the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
+    /// $S_i$, the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
     /// placed at `placement`.
     #[must_use]
     pub fn motion_subspace<S: Over<C>>(&self, placement: &Placement<S>) -> Motion<S> {

@@ -78,7 +78,7 @@ impl<C: Scalar> Model<C> {
         &self.frames
     }
 
-    /// The acceleration of gravity in the base frame, m/s^2; \((0, 0, -9.81)\) for a URDF.
+    /// The acceleration of gravity in the base frame, m/s^2; $(0, 0, -9.81)$ for a URDF.
     #[must_use]
     pub fn gravity(&self) -> &Vector3<C> {
         &self.gravity

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 /// The factors of a symmetric positive definite matrix.
 ///
-/// `L` is unit lower triangular and `D` diagonal, with \(H = L D L^T\). Neither pivoting nor a square root is needed for a
+/// `L` is unit lower triangular and `D` diagonal, with $H = L D L^T$. Neither pivoting nor a square root is needed for a
 /// positive definite matrix (Golub and Van Loan, *Matrix Computations*, 4.1.2), so the factorisation runs over dual
 /// numbers and over a field alike. Over `f64` a matrix that is not positive definite shows in [`Ldlt::pivots`].
 #[derive(Clone, Debug)]
@@ -46,25 +46,27 @@ impl<S: Scalar> Ldlt<S> {
         (0..self.factors.nrows()).map(|i| self.factors[(i, i)])
     }
 
-    /// Replaces `b` by \(H^{-1} b\); `b` has `n` entries. About `2 n^2` operations.
+    /// Replaces `b` by $H^{-1} b$; `b` has `n` entries. About `2 n^2` operations.
     pub fn solve(&self, b: &mut [S]) {
         let n = self.factors.nrows();
         for i in 0..n {
             for k in 0..i {
-                b[i] = b[i] - self.factors[(i, k)] * b[k];
+                let known = b[k];
+                b[i] -= self.factors[(i, k)] * known;
             }
         }
         for i in 0..n {
-            b[i] = b[i] / self.factors[(i, i)];
+            b[i] /= self.factors[(i, i)];
         }
         for i in (0..n).rev() {
             for k in i + 1..n {
-                b[i] = b[i] - self.factors[(k, i)] * b[k];
+                let known = b[k];
+                b[i] -= self.factors[(k, i)] * known;
             }
         }
     }
 
-    /// Replaces every column of `b` by \(H^{-1}\) times it; `b` has `n` rows.
+    /// Replaces every column of `b` by $H^{-1}$ times it; `b` has `n` rows.
     pub fn solve_columns(&self, b: &mut DMatrix<S>) {
         let n = b.nrows();
         if n > 0 {

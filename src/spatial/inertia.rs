@@ -10,9 +10,9 @@ use std::ops::{Add, AddAssign};
 pub struct Inertia<S: Scalar> {
     /// Mass, kg.
     pub mass: S,
-    /// \(h = m c\): mass times the centre of mass, kg m.
+    /// $h = m c$: mass times the centre of mass, kg m.
     pub first_moment: Vector3<S>,
-    /// \(\bar I\): rotational inertia about the origin (not the centre of mass), kg m^2, symmetric.
+    /// $\bar I$: rotational inertia about the origin (not the centre of mass), kg m^2, symmetric.
     pub rotational: Matrix3<S>,
 }
 
@@ -51,7 +51,7 @@ impl<S: Scalar> Inertia<S> {
         self.rotational + c * c * self.mass
     }
 
-    /// The momentum of a body with this inertia and velocity `m`: \(I m\).
+    /// The momentum of a body with this inertia and velocity `m`: $I m$.
     #[inline]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {

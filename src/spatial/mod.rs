@@ -16,7 +16,7 @@ pub use vector::{Force, Motion};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// The matrix \([a]_\times\) of the product \(b \mapsto a \times b\).
+/// The matrix $a_\times$ of the product $b \mapsto a \times b$.
 #[must_use]
 pub fn cross_matrix<S: Scalar>(a: &Vector3<S>) -> Matrix3<S> {
     let o = S::zero();

@@ -4,9 +4,9 @@ use super::{Motion, apply_to_constant};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// The placement of a frame B in a frame A: \(r_A = R\, r_B + p\).
+/// The placement of a frame B in a frame A: $r_A = R\, r_B + p$.
 ///
-/// In Featherstone's notation this is \({}^A X_B\) with \(R = E^T\).
+/// In Featherstone's notation this is ${}^A X_B$ with $R = E^T$.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement<S: Scalar> {
     /// `R`: the axes of B in the coordinates of A.

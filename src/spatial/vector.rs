@@ -91,7 +91,7 @@ vector_space!(Motion);
 vector_space!(Force);
 
 impl<S: Scalar> Motion<S> {
-    /// \(v \times m\): how fast `m` changes when it is carried along with velocity `self` (2.31 in the book).
+    /// $v \times m$: how fast `m` changes when it is carried along with velocity `self` (2.31 in the book).
     #[inline]
     #[must_use]
     pub fn cross(&self, m: &Self) -> Self {
@@ -101,7 +101,7 @@ impl<S: Scalar> Motion<S> {
         )
     }
 
-    /// \(v \times^* f\): how fast `f` changes when it is carried along with velocity `self` (2.32 in the book).
+    /// $v \times^* f$: how fast `f` changes when it is carried along with velocity `self` (2.32 in the book).
     #[inline]
     #[must_use]
     pub fn cross_force(&self, f: &Force<S>) -> Force<S> {
@@ -111,7 +111,7 @@ impl<S: Scalar> Motion<S> {
         )
     }
 
-    /// \(m \cdot f\), a power or a generalised force.
+    /// $m \cdot f$, a power or a generalised force.
     #[inline]
     #[must_use]
     pub fn dot(&self, f: &Force<S>) -> S {

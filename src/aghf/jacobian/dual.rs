@@ -16,7 +16,7 @@ type Tangents = DualSVec64<CHUNK>;
 /// Differentiates a [`RightHandSide`] by forward-mode automatic differentiation in chunks.
 ///
 /// The control form is what it differentiates unless another is given. Nothing about the Jacobian is taken as known, not
-/// even \(d\Omega / d\ddot x = 2 I\). Cost: `6 N / 8` evaluations with eight tangents each.
+/// even $d\Omega / d\ddot x = 2 I$. Cost: `6 N / 8` evaluations with eight tangents each.
 #[derive(Clone, Debug)]
 pub struct ForwardDual<R> {
     rhs: R,

@@ -6,16 +6,17 @@ pub use dual::ForwardDual;
 
 use super::Node;
 use crate::error::Result;
+use crate::model::Model;
 use nalgebra::DMatrix;
 
-/// The three blocks of the Jacobian of \(\Omega(x, \dot x, \ddot x, k)\), `2 N` by `2 N` each; rows are those of \(\Omega\).
+/// The three blocks of the Jacobian of $\Omega(x, \dot x, \ddot x, k)$, `2 N` by `2 N` each; rows are those of $\Omega$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeBlocks {
-    /// \(d\Omega / dx\), (B38).
+    /// $d\Omega / dx$, (B38).
     pub dx: DMatrix<f64>,
-    /// \(d\Omega / d\dot x\), (B39).
+    /// $d\Omega / d\dot x$, (B39).
     pub dxdot: DMatrix<f64>,
-    /// \(d\Omega / d\ddot x\), (B40).
+    /// $d\Omega / d\ddot x$, (B40).
     pub dxddot: DMatrix<f64>,
 }
 
@@ -39,4 +40,33 @@ pub trait NodeJacobian {
     /// # Errors
     /// `node` or `out` was made for a model of another size.
     fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()>;
+}
+
+/// The implementations by name.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum JacobianKind {
+    /// [`ForwardDual`].
+    #[default]
+    Dual,
+}
+
+impl JacobianKind {
+    /// The implementation for `model`.
+    #[must_use]
+    pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
+        match self {
+            Self::Dual => Box::new(ForwardDual::new(model)),
+        }
+    }
 }

@@ -1,0 +1,186 @@
+//! `aghf eval`.
+
+use super::print_json;
+use crate::aghf::{ControlForm, Node, RightHandSide};
+use crate::dynamics::{
+    Data, InverseDynamicsDerivatives, aba, bias, crba_derivatives, rnea_derivatives,
+};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scenario::load_robot;
+use clap::Args;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Evaluate the dynamics of a robot at a given state and print JSON, to compare with other code.
+///
+/// INPUT is a JSON file with the keys q, v, a, or with x, xdot, xddot, k; "-" reads the standard input. With x, q and v
+/// are its halves and a is the second half of xdot. Joints are numbered as `aghf robots ROBOT` lists them. Matrices are
+/// lists of rows; mass_matrix_dot is along v (along the first half of xdot where that is given); forward_dynamics is the
+/// acceleration under the torque of the key tau, zero where there is none. omega needs x, xdot, xddot and k.
+#[derive(Debug, Args)]
+pub(super) struct Eval {
+    /// A robot that is built in, or the path of a URDF file.
+    robot: String,
+    /// The JSON file.
+    input: PathBuf,
+}
+
+/// What the input file says.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Input {
+    State(State),
+    Curve(Curve),
+}
+
+/// A state and an acceleration.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct State {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    tau: Option<Vec<f64>>,
+}
+
+/// What the flow reads at a node.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Curve {
+    x: Vec<f64>,
+    xdot: Vec<f64>,
+    xddot: Vec<f64>,
+    k: f64,
+    tau: Option<Vec<f64>>,
+}
+
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Output {
+    inverse_dynamics: Vec<f64>,
+    mass_matrix: Vec<Vec<f64>>,
+    mass_matrix_dot: Vec<Vec<f64>>,
+    bias: Vec<f64>,
+    forward_dynamics: Vec<f64>,
+    did_dq: Vec<Vec<f64>>,
+    did_dv: Vec<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    omega: Option<Vec<f64>>,
+}
+
+impl Eval {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let (model, _) = load_robot(&self.robot, Path::new(""))?;
+        let (name, text) = self.read()?;
+        let input: Input = serde_json::from_str(&text).map_err(|e| {
+            let condition = if e.is_data() {
+                "expected numbers under q, v, a, or under x, xdot, xddot, k; tau may be added"
+                    .to_owned()
+            } else {
+                e.to_string()
+            };
+            Error::input(&name, "input", condition)
+        })?;
+        print_json(&input.evaluate(&model, &name)?)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// The name of the input and its text.
+    fn read(&self) -> Result<(String, String)> {
+        let name = self.input.display().to_string();
+        let text = if name == "-" {
+            std::io::read_to_string(std::io::stdin())
+        } else {
+            std::fs::read_to_string(&self.input)
+        };
+        Ok((name, text.map_err(|e| Error::io(&self.input, e))?))
+    }
+}
+
+impl Input {
+    fn evaluate(self, model: &Model, file: &str) -> Result<Output> {
+        let n = model.dof();
+        let check = |key: &str, expected: usize, found: usize| {
+            let condition = format!("expected {expected} numbers, found {found}");
+            if expected == found {
+                Ok(())
+            } else {
+                Err(Error::input(file, key, condition))
+            }
+        };
+        let (state, rate, omega) = match self {
+            Self::State(state) => (state, None, None),
+            Self::Curve(Curve {
+                x,
+                xdot,
+                xddot,
+                k,
+                tau,
+            }) => {
+                for (key, vector) in [("x", &x), ("xdot", &xdot), ("xddot", &xddot)] {
+                    check(key, 2 * n, vector.len())?;
+                }
+                if k <= 0.0 {
+                    let condition = format!("it is {k}, a positive number is needed");
+                    return Err(Error::input(file, "k", condition));
+                }
+                let mut omega = vec![0.0; 2 * n];
+                let node = Node {
+                    x: &x,
+                    xdot: &xdot,
+                    xddot: &xddot,
+                };
+                ControlForm::new(model).omega(node, k, &mut omega)?;
+                let half = |x: &[f64], second: bool| x[n * usize::from(second)..][..n].to_vec();
+                let state = State {
+                    q: half(&x, false),
+                    v: half(&x, true),
+                    a: half(&xdot, true),
+                    tau,
+                };
+                (state, Some(half(&xdot, false)), Some(omega))
+            }
+        };
+        let State { q, v, a, tau } = state;
+        let tau = tau.unwrap_or_else(|| vec![0.0; n]);
+        for (key, vector) in [("q", &q), ("v", &v), ("a", &a), ("tau", &tau)] {
+            check(key, n, vector.len())?;
+        }
+        let data = &mut Data::new(model);
+        let mut id = InverseDynamicsDerivatives::new(n);
+        let (mut c, mut acceleration) = (vec![0.0; n], vec![0.0; n]);
+        let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        rnea_derivatives(model, data, &q, &v, &a, &mut id)?;
+        bias(model, data, &q, &v, &mut c)?;
+        aba(model, data, &q, &v, &tau, &mut acceleration)?;
+        crba_derivatives(
+            model,
+            data,
+            &q,
+            rate.as_ref().unwrap_or(&v),
+            &mut h,
+            &mut hdot,
+        )?;
+        Ok(Output {
+            inverse_dynamics: id.tau.as_slice().to_vec(),
+            mass_matrix: rows(&h),
+            mass_matrix_dot: rows(&hdot),
+            bias: c,
+            forward_dynamics: acceleration,
+            did_dq: rows(&id.dq),
+            did_dv: rows(&id.dv),
+            omega,
+        })
+    }
+}
+
+/// A matrix as a list of rows.
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix
+        .row_iter()
+        .map(|row| row.iter().copied().collect())
+        .collect()
+}

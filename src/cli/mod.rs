@@ -1,0 +1,64 @@
+//! The command line: reads arguments, calls the library, prints.
+
+mod eval;
+mod robots;
+mod solve;
+
+use crate::error::Error;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Exit code for bad input.
+const BAD_INPUT: u8 = 2;
+/// Exit code for a solve that failed.
+const FAILED: u8 = 3;
+
+/// Plans motions of robots with the Affine Geometric Heat Flow.
+///
+/// Without a command it solves kinova_free_01 with the paper's best parameters.
+#[derive(Debug, Parser)]
+#[command(name = "aghf", version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input, 3 the solve failed.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Solve(solve::Solve),
+    Robots(robots::Robots),
+    Eval(eval::Eval),
+}
+
+/// Runs the command line and returns its exit code.
+#[must_use]
+pub fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
+        Command::Solve(solve) => solve.run(),
+        Command::Robots(robots) => robots.run(),
+        Command::Eval(eval) => eval.run(),
+    };
+    result.unwrap_or_else(|error: Error| {
+        eprintln!("aghf: {error}");
+        ExitCode::from(BAD_INPUT)
+    })
+}
+
+/// Prints to the standard output; a reader that went away is no error.
+fn print(text: &str) -> Result<(), Error> {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io("standard output", e)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a value as JSON.
+fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
+    let mut text = Vec::new();
+    crate::report::write_json(value, &mut text).map_err(|e| Error::io("standard output", e))?;
+    print(&String::from_utf8_lossy(&text))
+}

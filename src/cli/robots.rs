@@ -1,0 +1,79 @@
+//! `aghf robots`.
+
+use super::{print, print_json};
+use crate::error::{Error, Result};
+use crate::model::{LoadReport, Model, builtin_robots};
+use crate::report::robot_table;
+use crate::scenario::load_robot;
+use clap::Args;
+use serde_json::json;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// List the robots that are built in, or show one: joints, limits, masses, and what was noticed on loading.
+#[derive(Debug, Args)]
+pub(super) struct Robots {
+    /// A robot that is built in, or the path of a URDF file [default: all that are built in].
+    robot: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Robots {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let names: Vec<&str> = match &self.robot {
+            Some(robot) => vec![robot],
+            None => builtin_robots().collect(),
+        };
+        let mut all = Vec::new();
+        for name in names {
+            let (model, report) = load_robot(name, Path::new(""))?;
+            if self.json {
+                all.push(as_json(name, &model, &report));
+            } else {
+                print(&format!(
+                    "{name}: {} joints, {:.4} kg moving",
+                    model.dof(),
+                    model.mass()
+                ))?;
+                print(&robot_table(&model))?;
+                for note in report {
+                    print(&format!("  {note}"))?;
+                }
+                print("")?;
+            }
+        }
+        if self.json {
+            print_json(&all)?;
+        }
+        Ok::<_, Error>(ExitCode::SUCCESS)
+    }
+}
+
+/// A robot in JSON; limits that do not exist are null.
+fn as_json(name: &str, model: &Model, report: &LoadReport) -> serde_json::Value {
+    let joints = model
+        .joints()
+        .iter()
+        .zip(model.inertias())
+        .map(|(joint, inertia)| {
+            let limits = joint.limits();
+            json!({
+                "name": joint.name(),
+                "kind": format!("{:?}", joint.kind()).to_lowercase(),
+                "parent": joint.parent().map(|p| model.joints()[p].name()),
+                "lower": limits.lower,
+                "upper": limits.upper,
+                "velocity": limits.velocity,
+                "effort": limits.effort,
+                "mass_kg": inertia.mass,
+            })
+        });
+    json!({
+        "robot": name,
+        "mass_kg": model.mass(),
+        "joints": joints.collect::<Vec<_>>(),
+        "notes": report.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}

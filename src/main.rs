@@ -1,0 +1,5 @@
+//! The `aghf` binary.
+
+fn main() -> std::process::ExitCode {
+    aghf::cli::main()
+}

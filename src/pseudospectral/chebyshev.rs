@@ -1,0 +1,166 @@
+//! Nodes, differentiation matrices, interpolation and quadrature.
+
+use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::PI;
+
+/// The Chebyshev-Gauss-Lobatto nodes of degree `p` on the horizon `[0, T]`, and what can be done with values at them.
+///
+/// Node `i` is at $t_i = \tfrac T2 (1 - \cos(\pi i / p))$, `i = 0..p`: numbered by increasing time, so that node 0 is the
+/// start. The paper's $t_i = \cos(\pi i / p)$ on `[-1, 1]` decreases; its node `i` is ours `p - i`.
+#[derive(Clone, Debug)]
+pub struct Chebyshev {
+    horizon: f64,
+    times: Vec<f64>,
+    d: DMatrix<f64>,
+    d2: DMatrix<f64>,
+    weights: DVector<f64>,
+}
+
+impl Chebyshev {
+    /// Nodes of degree `p` on `[0, horizon]`, in s. Cost O(p^2).
+    ///
+    /// # Errors
+    /// `p` is below 2, so that no node is inside, or the horizon is not positive and finite.
+    pub fn new(p: usize, horizon: f64) -> Result<Self> {
+        if p < 2 {
+            return Err(Error::input(
+                "settings",
+                "p",
+                format!("it is {p}, at least 2 is needed"),
+            ));
+        }
+        if !(horizon.is_finite() && horizon > 0.0) {
+            let condition = format!("it is {horizon}, a positive time is needed");
+            return Err(Error::input("settings", "horizon", condition));
+        }
+        let d = differentiation(p);
+        let d2 = second_differentiation(p, &d);
+        let scale = 2.0 / horizon;
+        Ok(Self {
+            horizon,
+            // 1 - cos is 2 sin^2 of the half angle, which loses no digits near the start.
+            times: (0..=p)
+                .map(|i| horizon * (PI * i as f64 / (2 * p) as f64).sin().powi(2))
+                .collect(),
+            d: d * scale,
+            d2: d2 * scale.powi(2),
+            weights: clenshaw_curtis(p) / scale,
+        })
+    }
+
+    /// The degree `p`: there are `p + 1` nodes.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.times.len() - 1
+    }
+
+    /// `T`, in s.
+    #[must_use]
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
+    /// The nodes, in s, from 0 to `T`.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// `D`, `p + 1` by `p + 1`: takes values at the nodes to derivatives in time at the nodes.
+    #[must_use]
+    pub fn d(&self) -> &DMatrix<f64> {
+        &self.d
+    }
+
+    /// `D^2`: takes values to second derivatives.
+    #[must_use]
+    pub fn d2(&self) -> &DMatrix<f64> {
+        &self.d2
+    }
+
+    /// The weights of Clenshaw-Curtis quadrature over `[0, T]`; exact for polynomials of degree `p`.
+    #[must_use]
+    pub fn weights(&self) -> &DVector<f64> {
+        &self.weights
+    }
+
+    /// The weights with which values at the nodes enter the interpolating polynomial at time `t`, into `out`.
+    ///
+    /// This is the second barycentric formula (Berrut and Trefethen, "Barycentric Lagrange interpolation", 2004),
+    /// stable for any `t` in the horizon. Cost O(p).
+    pub fn interpolation(&self, t: f64, out: &mut DVector<f64>) {
+        if let Some(node) = self.times.iter().position(|node| *node == t) {
+            out.fill(0.0);
+            out[node] = 1.0;
+            return;
+        }
+        let p = self.degree();
+        for (i, node) in self.times.iter().enumerate() {
+            let end = if i == 0 || i == p { 0.5 } else { 1.0 };
+            out[i] = alternating(i) * end / (t - node);
+        }
+        let sum = out.sum();
+        *out /= sum;
+    }
+}
+
+/// $(-1)^i$.
+fn alternating(i: usize) -> f64 {
+    if i.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// `x_i - x_j` for the nodes on `[-1, 1]` as a product, so that close nodes lose no digits.
+fn difference(p: usize, i: usize, j: usize) -> f64 {
+    let angle = |k: f64| (PI * k / (2 * p) as f64).sin();
+    2.0 * angle((i + j) as f64) * angle(i as f64 - j as f64)
+}
+
+/// `D` on `[-1, 1]`; the diagonal makes the derivative of a constant zero (Baltensperger and Trummer, 2003).
+fn differentiation(p: usize) -> DMatrix<f64> {
+    let end = |i| if i == 0 || i == p { 2.0 } else { 1.0 };
+    let mut d = DMatrix::from_fn(p + 1, p + 1, |i, j| {
+        if i == j {
+            0.0
+        } else {
+            end(i) / end(j) * alternating(i + j) / difference(p, i, j)
+        }
+    });
+    fill_diagonal_by_negative_sum(&mut d);
+    d
+}
+
+/// `D^2` on `[-1, 1]` from `D`, without the loss of digits of a product (Welfert, 1997).
+fn second_differentiation(p: usize, d: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut d2 = DMatrix::from_fn(p + 1, p + 1, |i, j| {
+        if i == j {
+            0.0
+        } else {
+            2.0 * d[(i, j)] * (d[(i, i)] - 1.0 / difference(p, i, j))
+        }
+    });
+    fill_diagonal_by_negative_sum(&mut d2);
+    d2
+}
+
+/// Makes the rows of a matrix with an empty diagonal sum to zero.
+fn fill_diagonal_by_negative_sum(matrix: &mut DMatrix<f64>) {
+    for i in 0..matrix.nrows() {
+        matrix[(i, i)] = -matrix.row(i).sum();
+    }
+}
+
+/// The weights of Clenshaw-Curtis quadrature on `[-1, 1]` (Trefethen, *Spectral Methods in MATLAB*, 2000, chapter 12).
+fn clenshaw_curtis(p: usize) -> DVector<f64> {
+    DVector::from_fn(p + 1, |i, _| {
+        let theta = PI * i as f64 / p as f64;
+        let series: f64 = (1..=p / 2)
+            .map(|k| {
+                let half = if 2 * k == p { 1.0 } else { 2.0 };
+                half * (2.0 * k as f64 * theta).cos() / (4.0 * (k * k) as f64 - 1.0)
+            })
+            .sum();
+        let end = if i == 0 || i == p { 1.0 } else { 2.0 };
+        end * (1.0 - series) / p as f64
+    })
+}

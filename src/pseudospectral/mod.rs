@@ -1,0 +1,9 @@
+//! Curves as polynomials through their values at Chebyshev-Gauss-Lobatto nodes, equations (20) to (23).
+
+mod chebyshev;
+mod collocation;
+mod curve;
+
+pub use chebyshev::Chebyshev;
+pub use collocation::{Collocation, assemble_jacobian};
+pub use curve::Curve;

@@ -1,0 +1,7 @@
+//! What a user sees of a result: tables and files.
+
+mod files;
+mod table;
+
+pub use files::{write_json, write_outcome};
+pub use table::{robot_table, summary_table};

@@ -1,0 +1,124 @@
+//! Tables for people.
+
+use crate::model::{JointKind, Model};
+use crate::scenario::Summary;
+use comfy_table::{CellAlignment, Table, presets};
+
+/// An empty table without lines.
+fn table() -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table
+}
+
+/// A number for people: short, but telling small from large.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+/// The name by which a value is chosen on the command line.
+fn choice(value: &impl clap::ValueEnum) -> String {
+    value
+        .to_possible_value()
+        .map_or_else(String::new, |v| v.get_name().to_owned())
+}
+
+/// What came of a solve.
+#[must_use]
+pub fn summary_table(summary: &Summary) -> String {
+    let s = summary;
+    let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
+    let settings = format!(
+        "{}, jacobian {}, p {}, k {:e}, s_max {}, tolerance {:e}, guess {}",
+        choice(&s.method),
+        choice(&s.jacobian),
+        s.p,
+        s.k,
+        s.s_max,
+        s.tolerance,
+        choice(&s.guess)
+    );
+    let gains = format!(
+        "final error with feedback ({}, {})",
+        s.feedback.kp, s.feedback.kv
+    );
+    let work = format!(
+        "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
+        s.steps, s.rejected_steps, s.omega_evaluations, s.jacobian_evaluations, s.factorisations
+    );
+    let mut table = table();
+    table.add_row(["scenario", &format!("{} ({})", s.scenario, s.robot)]);
+    table.add_row(["method", &settings]);
+    table.add_row(["success", if s.success { "yes" } else { "no" }]);
+    table.add_row([
+        &gains,
+        &format!(
+            "{}, to be below {}",
+            optional(s.final_error_inf),
+            s.success_threshold
+        ),
+    ]);
+    table.add_row(["final error open loop", &optional(s.open_loop_error_inf)]);
+    table.add_row(["control effort, int |u|^2 dt", &short(s.control_effort)]);
+    table.add_row(["action", &short(s.action)]);
+    table.add_row([
+        "action at the nodes, before and after",
+        &format!(
+            "{}, {}",
+            short(s.action_at_nodes_of_guess),
+            short(s.action_at_nodes)
+        ),
+    ]);
+    table.add_row(["dynamics defect, max |qdot - v|", &short(s.dynamics_defect)]);
+    table.add_row(["solve time", &format!("{:.4} s", s.solve_seconds)]);
+    table.add_row(["work", &work]);
+    if let Some(failure) = &s.failure {
+        table.add_row(["failure", failure]);
+    }
+    for note in &s.outside_limits {
+        table.add_row(["outside limits", note]);
+    }
+    table.to_string()
+}
+
+/// The joints of a robot.
+#[must_use]
+pub fn robot_table(model: &Model) -> String {
+    let mut table = table();
+    table.set_header([
+        "joint",
+        "kind",
+        "carried by",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+    ]);
+    for joint in model.joints() {
+        let kind = match joint.kind() {
+            JointKind::Revolute => "revolute",
+            JointKind::Continuous => "continuous",
+            JointKind::Prismatic => "prismatic",
+        };
+        let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
+        let limits = joint.limits();
+        let numbers = [limits.lower, limits.upper, limits.velocity, limits.effort];
+        let limit = |x: f64| {
+            if x.is_finite() {
+                format!("{x:.4}")
+            } else {
+                "-".to_owned()
+            }
+        };
+        let words = [joint.name(), kind, carrier].map(str::to_owned);
+        table.add_row(words.into_iter().chain(numbers.map(limit)));
+    }
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.to_string()
+}

@@ -1,0 +1,221 @@
+//! Reading a scenario.
+
+use super::builtin::builtin_scenario;
+use crate::error::{Error, Result};
+use crate::model::{LoadReport, Model, builtin_robot, load_urdf};
+use crate::solve::{Feedback, Guess, Problem};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A sphere to keep clear of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereObstacle {
+    /// Its centre in the base frame, m.
+    pub center_m: [f64; 3],
+    /// Its radius, m.
+    pub radius_m: f64,
+}
+
+/// The parameters of the flow that suit a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FlowParameters {
+    /// Degree of the polynomial.
+    pub p: usize,
+    /// Penalty of (11).
+    pub k: f64,
+    /// How far the flow runs.
+    pub s_max: f64,
+    /// The curve to start from.
+    pub guess: Guess,
+}
+
+impl Default for FlowParameters {
+    /// The paper's best for Kinova without obstacles.
+    fn default() -> Self {
+        Self {
+            p: 9,
+            k: 1e9,
+            s_max: 0.1,
+            guess: Guess::default(),
+        }
+    }
+}
+
+/// A scenario as it is written in a file. Angles in rad, lengths in m, times in s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioFile {
+    /// A robot that is built in, or the path of a URDF file, relative to the scenario file.
+    pub robot: String,
+    /// `T`.
+    pub horizon_s: f64,
+    /// Configuration at the start, `N` entries.
+    pub q_start: Vec<f64>,
+    /// Velocity at the start.
+    pub v_start: Vec<f64>,
+    /// Configuration at the end.
+    pub q_goal: Vec<f64>,
+    /// Velocity at the end.
+    pub v_goal: Vec<f64>,
+    /// What to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sphere_obstacles: Vec<SphereObstacle>,
+    /// Parameters of the flow; the paper's for Kinova where there are none.
+    #[serde(default)]
+    pub flow: FlowParameters,
+    /// The gains of the forward simulation; the paper's for Kinova, 10 and 10, where there are none.
+    #[serde(default = "kinova_gains")]
+    pub feedback: Feedback,
+    /// The final error below which a solve is a success; the paper's 0.05 where there is none.
+    #[serde(default = "paper_threshold")]
+    pub success_threshold: f64,
+}
+
+fn kinova_gains() -> Feedback {
+    Feedback { kp: 10.0, kv: 10.0 }
+}
+
+fn paper_threshold() -> f64 {
+    0.05
+}
+
+/// A scenario with its robot, checked.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The name: that of the file without its ending.
+    pub name: String,
+    /// What the file says.
+    pub file: ScenarioFile,
+    /// The robot.
+    pub model: Model,
+}
+
+impl Scenario {
+    /// The scenario that is built in under this name, or else the one in the file at this path.
+    ///
+    /// # Errors
+    /// Names the file, the key and what is wrong with it.
+    pub fn load(name_or_path: &str) -> Result<Self> {
+        if let Some(text) = builtin_scenario(name_or_path) {
+            return Self::parse(text, name_or_path, Path::new(""));
+        }
+        let path = Path::new(name_or_path);
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            if e.kind() == std::io::ErrorKind::NotFound {
+                let condition = "there is neither a file nor a built-in scenario of this name";
+                Error::input(name_or_path, "scenario", condition)
+            } else {
+                Error::io(path, e)
+            }
+        })?;
+        Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// A scenario from its text. `path` names it in errors; robots are looked for in `folder`.
+    fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
+        let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
+        let file: ScenarioFile = serde_json::from_str(text)
+            .map_err(|e| Error::input(path, "scenario", e.to_string()))?;
+        if !file.sphere_obstacles.is_empty() {
+            return refuse(
+                "sphere_obstacles",
+                "obstacles are not supported yet".to_owned(),
+            );
+        }
+        let (model, _) = load_robot(&file.robot, folder)
+            .map_err(|e| Error::input(path, "robot", e.to_string()))?;
+        let states = [
+            ("q_start", &file.q_start),
+            ("v_start", &file.v_start),
+            ("q_goal", &file.q_goal),
+            ("v_goal", &file.v_goal),
+        ];
+        for (key, state) in states {
+            if state.len() != model.dof() {
+                let (expected, found) = (model.dof(), state.len());
+                let joints =
+                    format!("the robot has {expected} joints, but {found} values are given");
+                return refuse(key, joints);
+            }
+        }
+        let positive = [
+            ("horizon_s", file.horizon_s),
+            ("flow.k", file.flow.k),
+            ("flow.s_max", file.flow.s_max),
+            ("success_threshold", file.success_threshold),
+        ];
+        for (key, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(key, format!("it is {value}, a positive number is needed"));
+            }
+        }
+        for (key, gain) in [
+            ("feedback.kp", file.feedback.kp),
+            ("feedback.kv", file.feedback.kv),
+        ] {
+            if !(gain.is_finite() && gain >= 0.0) {
+                return refuse(key, format!("it is {gain}, a gain is not negative"));
+            }
+        }
+        let name = Path::new(path).file_stem().unwrap_or_default();
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            file,
+            model,
+        })
+    }
+
+    /// The problem to solve.
+    ///
+    /// # Errors
+    /// As [`Problem::new`].
+    pub fn problem(&self) -> Result<Problem<'_>> {
+        let state = |q: &[f64], v: &[f64]| [q, v].concat();
+        Problem::new(
+            &self.model,
+            state(&self.file.q_start, &self.file.v_start),
+            state(&self.file.q_goal, &self.file.v_goal),
+            self.file.horizon_s,
+        )
+    }
+
+    /// Boundary positions outside the limits of their joints, in words. The paper's Digit scenarios have some, so they are
+    /// told rather than refused.
+    #[must_use]
+    pub fn outside_limits(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (key, q) in [
+            ("q_start", &self.file.q_start),
+            ("q_goal", &self.file.q_goal),
+        ] {
+            for (joint, q) in self.model.joints().iter().zip(q) {
+                let (lower, upper) = (joint.limits().lower, joint.limits().upper);
+                if !(lower..=upper).contains(q) {
+                    let name = joint.name();
+                    notes.push(format!(
+                        "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
+                    ));
+                }
+            }
+        }
+        notes
+    }
+}
+
+/// The robot that is built in under this name, or else the one in the URDF file at this path below `folder`.
+///
+/// # Errors
+/// Names the file, the element and what is wrong with it.
+pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadReport)> {
+    if let Some(robot) = builtin_robot(name_or_path) {
+        return robot;
+    }
+    let path = folder.join(name_or_path);
+    if !path.exists() {
+        let condition = "there is neither a file nor a built-in robot of this name";
+        return Err(Error::input(path.display().to_string(), "robot", condition));
+    }
+    load_urdf(&path)
+}

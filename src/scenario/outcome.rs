@@ -1,0 +1,221 @@
+//! Solving a scenario and testing whether that was a success.
+
+use super::Scenario;
+use crate::aghf::jacobian::JacobianKind;
+use crate::error::Result;
+use crate::pseudospectral::Curve;
+use crate::solve::{
+    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, Statistics, flow, measure, simulate,
+};
+use serde::Serialize;
+use std::time::Instant;
+
+/// How a scenario is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The Affine Geometric Heat Flow as published (Algorithm B3).
+    #[default]
+    Flow,
+}
+
+/// What overrides the parameters of a scenario.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SolveOptions {
+    /// How to solve it.
+    pub method: Method,
+    /// How the Jacobian is computed.
+    pub jacobian: JacobianKind,
+    /// Degree of the polynomial.
+    pub p: Option<usize>,
+    /// Penalty of (11).
+    pub k: Option<f64>,
+    /// How far the flow runs.
+    pub s_max: Option<f64>,
+    /// Absolute and relative tolerance of the integrator.
+    pub tolerance: Option<f64>,
+    /// The curve to start from.
+    pub guess: Option<Guess>,
+}
+
+impl SolveOptions {
+    /// The settings of the flow for `scenario`: these options, and the scenario's parameters where there are none.
+    #[must_use]
+    pub fn flow_settings(&self, scenario: &Scenario) -> FlowSettings {
+        let parameters = scenario.file.flow;
+        FlowSettings {
+            p: self.p.unwrap_or(parameters.p),
+            k: self.k.unwrap_or(parameters.k),
+            s_max: self.s_max.unwrap_or(parameters.s_max),
+            tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
+            guess: self.guess.unwrap_or(parameters.guess),
+            jacobian: self.jacobian,
+        }
+    }
+}
+
+/// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The name of the scenario.
+    pub scenario: String,
+    /// The name of the robot.
+    pub robot: String,
+    /// How it was solved.
+    pub method: Method,
+    /// How the Jacobian was computed.
+    pub jacobian: JacobianKind,
+    /// Degree of the polynomial.
+    pub p: usize,
+    /// Penalty of (11).
+    pub k: f64,
+    /// How far the flow was to run.
+    pub s_max: f64,
+    /// Tolerance of the integrator.
+    pub tolerance: f64,
+    /// The curve it started from.
+    pub guess: Guess,
+    /// Whether the flow came to its end and the simulation with feedback ended within the threshold of the goal.
+    pub success: bool,
+    /// The threshold.
+    pub success_threshold: f64,
+    /// The final error of the simulation with feedback: the largest of all positions and velocities.
+    pub final_error_inf: Option<f64>,
+    /// The same without feedback.
+    pub open_loop_error_inf: Option<f64>,
+    /// The gains of the feedback.
+    pub feedback: Feedback,
+    /// $\int |u|^2 dt$ on 2001 times.
+    pub control_effort: f64,
+    /// The action on 2001 times.
+    pub action: f64,
+    /// The action by quadrature over the nodes, which is what the flow sees.
+    pub action_at_nodes: f64,
+    /// The action at the nodes before the flow.
+    pub action_at_nodes_of_guess: f64,
+    /// $\max |\dot q - v|_\infty$ on 2001 times.
+    pub dynamics_defect: f64,
+    /// Wall time of the flow, s.
+    pub solve_seconds: f64,
+    /// Accepted steps of the integrator.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected_steps: usize,
+    /// Evaluations of $\Omega$, each at one node.
+    pub omega_evaluations: usize,
+    /// Evaluations of the Jacobian of $\Omega$, each at one node.
+    pub jacobian_evaluations: usize,
+    /// LU factorisations of the Newton matrix.
+    pub factorisations: usize,
+    /// Why the flow did not come to its end, if it did not.
+    pub failure: Option<String>,
+    /// Boundary positions outside joint limits.
+    pub outside_limits: Vec<String>,
+}
+
+/// What came of a solve.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// In numbers.
+    pub summary: Summary,
+    /// The curve; the last good one if the flow failed.
+    pub curve: Curve,
+    /// The action along the flow.
+    pub history: Vec<FlowRecord>,
+}
+
+/// Solves `scenario` and tests the result by forward simulation. `observe` is called as the flow proceeds.
+///
+/// # Errors
+/// Bad input. A solve that fails is an outcome whose summary says so.
+pub fn solve(
+    scenario: &Scenario,
+    options: &SolveOptions,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<Outcome> {
+    let settings = options.flow_settings(scenario);
+    let problem = scenario.problem()?;
+    let started = Instant::now();
+    let outcome = flow(&problem, &settings, observe)?;
+    let solve_seconds = started.elapsed().as_secs_f64();
+    let (solution, failure) = match outcome {
+        Ok(solution) => (solution, None),
+        Err(failure) => {
+            let reason = failure.to_string();
+            let kept = FlowSolution {
+                curve: failure.last_good,
+                history: failure.history,
+                statistics: failure.statistics,
+            };
+            (kept, Some(reason))
+        }
+    };
+    let FlowSolution {
+        curve,
+        history,
+        statistics,
+    } = solution;
+    let summary = summarise(scenario, &settings, &curve, &history, statistics)?;
+    let success = failure.is_none()
+        && summary
+            .final_error_inf
+            .is_some_and(|error| error < summary.success_threshold);
+    Ok(Outcome {
+        summary: Summary {
+            method: options.method,
+            success,
+            solve_seconds,
+            failure,
+            ..summary
+        },
+        curve,
+        history,
+    })
+}
+
+/// Everything about a curve that can be measured after the fact.
+fn summarise(
+    scenario: &Scenario,
+    settings: &FlowSettings,
+    curve: &Curve,
+    history: &[FlowRecord],
+    statistics: Statistics,
+) -> Result<Summary> {
+    let model = &scenario.model;
+    let effort = measure(model, curve, settings.k)?;
+    let final_error = |feedback| -> Result<Option<f64>> {
+        Ok(simulate(model, curve, feedback)?
+            .ok()
+            .map(|simulation| simulation.error_inf))
+    };
+    let interior = settings.p - 1;
+    Ok(Summary {
+        scenario: scenario.name.clone(),
+        robot: scenario.file.robot.clone(),
+        method: Method::default(),
+        jacobian: settings.jacobian,
+        p: settings.p,
+        k: settings.k,
+        s_max: settings.s_max,
+        tolerance: settings.tolerance,
+        guess: settings.guess,
+        success: false,
+        success_threshold: scenario.file.success_threshold,
+        final_error_inf: final_error(scenario.file.feedback)?,
+        open_loop_error_inf: final_error(Feedback::NONE)?,
+        feedback: scenario.file.feedback,
+        control_effort: effort.control_effort,
+        action: effort.action,
+        action_at_nodes: effort.action_at_nodes,
+        action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
+        dynamics_defect: effort.dynamics_defect,
+        solve_seconds: 0.0,
+        steps: statistics.steps,
+        rejected_steps: statistics.rejected_steps,
+        omega_evaluations: statistics.rhs_evaluations * interior,
+        jacobian_evaluations: statistics.jacobian_evaluations * interior,
+        factorisations: statistics.factorisations,
+        failure: None,
+        outside_limits: scenario.outside_limits(),
+    })
+}

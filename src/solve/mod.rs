@@ -1,0 +1,13 @@
+//! From a problem to a trajectory: the flow, what control it takes, and whether that control does it.
+
+mod control;
+mod flow;
+mod integrate;
+mod problem;
+mod simulate;
+
+pub use control::{Effort, Sample, control_at, measure, sample};
+pub use flow::{FlowFailure, FlowRecord, FlowSettings, FlowSolution, flow, output_count};
+pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
+pub use problem::{Guess, Problem};
+pub use simulate::{Feedback, Simulation, simulate};
