@@ -1,9 +1,4 @@
-//! Trajectory optimisation with the Affine Geometric Heat Flow (AGHF), in which every analytic derivative is proved
-//! against automatic differentiation.
-//!
-//! Data flows one way through the modules, each knowing only those before it:
-//! [`scalar`], [`spatial`], [`model`], [`dynamics`], [`aghf`](mod@aghf), [`pseudospectral`], [`solve`], [`scenario`],
-//! [`report`], [`cli`].
+#![doc = include_str!("../README.md")]
 
 pub mod aghf;
 pub mod cli;

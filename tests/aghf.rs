@@ -272,13 +272,12 @@ fn the_jacobian_does_not_depend_on_the_form() {
     }
 }
 
-/// At rest in a configuration, holding itself: the curve that stays is not a solution (holding costs effort), but the
-/// velocity rows have nothing to say at `k` alone.
+/// A pendulum that rests where it takes torque to hold it: the flow moves it to where it takes less.
 #[test]
 fn omega_of_a_resting_pendulum_by_hand() {
     let model = robot("pendulum_1");
     let parts = [vec![0.0, 0.0], vec![0.0, 0.0], vec![0.0, 0.0]];
-    // u = 9.81 / 2 level, du/dq = 0 there; hanging or not, nothing moves, so Omega vanishes.
+    // Level, u = 9.81 / 2 and du/dq = 0: a maximum of |u|^2, so the flow does not move.
     assert_close!(
         &omega_of(ControlForm::new(&model), &parts, 5.0),
         &[0.0, 0.0],

@@ -37,7 +37,7 @@ fn errors(p: usize) -> [f64; 4] {
         c.interpolation(t, &mut weights);
         worst.max((weights.dot(&at(0)) - smooth(t)[0]).abs())
     });
-    // The integral by the trapezium rule in a variable that makes the ends flat.
+    // The integral by far more nodes than any degree here needs.
     let fine = chebyshev(400);
     let integral: f64 = fine
         .weights()

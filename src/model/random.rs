@@ -46,7 +46,7 @@ pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
             .then(|| rng.random_range(i.saturating_sub(4)..i.max(1)));
         let rotation = Rotation3::new(vector(rng) * 3.0).into_inner();
         let mass = rng.random_range(0.2..3.0);
-        // Six point masses on random axes are a body, so the triangle inequality holds.
+        // Moments of inertia from positive second moments are those of a body: the triangle inequality holds.
         let frame = Rotation3::new(vector(rng) * 3.0).into_inner();
         let second = Vector3::from_fn(|_, _| rng.random_range(0.01..0.3));
         let moments = Vector3::from_element(second.sum()) - second;

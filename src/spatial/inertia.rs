@@ -38,19 +38,6 @@ impl<S: Scalar> Inertia<S> {
         }
     }
 
-    /// The centre of mass. Not defined for a massless body.
-    #[must_use]
-    pub fn com(&self) -> Vector3<S> {
-        self.first_moment.map(|h| h / self.mass)
-    }
-
-    /// The rotational inertia about the centre of mass. Not defined for a massless body.
-    #[must_use]
-    pub fn rotational_about_com(&self) -> Matrix3<S> {
-        let c = cross_matrix(&self.com());
-        self.rotational + c * c * self.mass
-    }
-
     /// The momentum of a body with this inertia and velocity `m`: $I m$.
     #[inline]
     #[must_use]

@@ -1,6 +1,8 @@
 //! What the tests share: robots, random states, comparisons and derivatives by duals.
 #![allow(dead_code)] // every test file uses its own part of it
 
+pub mod ode;
+
 use aghf::model::{Model, builtin_robot, builtin_robots, random_tree};
 use nalgebra::DMatrix;
 use num_dual::Dual64;

@@ -1,0 +1,97 @@
+//! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
+
+mod common;
+
+use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
+use aghf::dynamics::{
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
+    crba_derivatives, rnea, rnea_derivatives,
+};
+use aghf::scalar::Over;
+use common::robot;
+use nalgebra::DMatrix;
+use num_dual::DualSVec64;
+
+/// How many allocations `work` makes.
+fn allocations(work: impl FnOnce() -> aghf::Result<()>) -> u64 {
+    let mut result = Ok(());
+    let count = allocation_counter::measure(|| result = work()).count_total;
+    result.expect("lengths agree");
+    count
+}
+
+fn nothing_is_allocated<S: Over<f64>>() {
+    let model = robot("digit_v3_pinned");
+    let n = model.dof();
+    let wave = |m: usize| {
+        (0..m)
+            .map(|i| S::from_f64((0.7 * i as f64).sin()))
+            .collect::<Vec<S>>()
+    };
+    let (q, v, a, mut tau) = (wave(n), wave(n), wave(n), wave(n));
+    let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    let mut id = InverseDynamicsDerivatives::new(n);
+    let mut fd = ForwardDynamicsDerivatives::new(n);
+    let data = &mut Data::new(&model);
+    assert_eq!(
+        allocations(|| rnea(&model, data, &q, &v, &a, &mut tau)),
+        0,
+        "rnea"
+    );
+    assert_eq!(
+        allocations(|| bias(&model, data, &q, &v, &mut tau)),
+        0,
+        "bias"
+    );
+    assert_eq!(
+        allocations(|| aba(&model, data, &q, &v, &a, &mut tau)),
+        0,
+        "aba"
+    );
+    assert_eq!(allocations(|| crba(&model, data, &q, &mut h)), 0, "crba");
+    let rates = allocations(|| crba_derivatives(&model, data, &q, &v, &mut h, &mut hdot));
+    assert_eq!(rates, 0, "crba_derivatives");
+    let of_id = allocations(|| rnea_derivatives(&model, data, &q, &v, &a, &mut id));
+    assert_eq!(of_id, 0, "rnea_derivatives");
+    let of_fd = allocations(|| aba_derivatives(&model, data, &q, &v, &a, &mut fd));
+    assert_eq!(of_fd, 0, "aba_derivatives");
+
+    let (x, xdot, xddot, mut omega) = (wave(2 * n), wave(2 * n), wave(2 * n), wave(2 * n));
+    let node = Node {
+        x: &x,
+        xdot: &xdot,
+        xddot: &xddot,
+    };
+    let mut control = ControlForm::new(&model);
+    assert_eq!(
+        allocations(|| control.omega(node, 3.0, &mut omega)),
+        0,
+        "control form"
+    );
+    let mut b1 = AlgorithmB1::new(&model);
+    assert_eq!(
+        allocations(|| b1.omega(node, 3.0, &mut omega)),
+        0,
+        "Algorithm B1"
+    );
+}
+
+#[test]
+fn nothing_is_allocated_over_f64() {
+    nothing_is_allocated::<f64>();
+}
+
+#[test]
+fn nothing_is_allocated_over_duals() {
+    nothing_is_allocated::<DualSVec64<8>>();
+}
+
+/// The counter does count.
+#[test]
+fn an_allocation_shows() {
+    let made = allocations(|| {
+        std::hint::black_box(vec![0.0; 10]);
+        Ok(())
+    });
+    assert_eq!(made, 1);
+}
