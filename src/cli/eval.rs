@@ -164,7 +164,7 @@ impl Input {
             &mut h,
             &mut hdot,
         )?;
-        Ok(Output {
+        let output = Output {
             inverse_dynamics: id.tau.as_slice().to_vec(),
             mass_matrix: rows(&h),
             mass_matrix_dot: rows(&hdot),
@@ -173,7 +173,36 @@ impl Input {
             did_dq: rows(&id.dq),
             did_dv: rows(&id.dv),
             omega,
-        })
+        };
+        output.check(file)?;
+        Ok(output)
+    }
+}
+
+impl Output {
+    /// Numbers that overflowed have no place in JSON.
+    fn check(&self, file: &str) -> Result<()> {
+        let vectors = [
+            ("inverse_dynamics", &self.inverse_dynamics),
+            ("bias", &self.bias),
+            ("forward_dynamics", &self.forward_dynamics),
+        ];
+        let matrices = [
+            ("mass_matrix", &self.mass_matrix),
+            ("mass_matrix_dot", &self.mass_matrix_dot),
+            ("did_dq", &self.did_dq),
+            ("did_dv", &self.did_dv),
+        ];
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        let of_vectors = vectors
+            .into_iter()
+            .chain(self.omega.as_ref().map(|o| ("omega", o)));
+        let of_vectors = of_vectors.map(|(key, x)| (key, finite(x)));
+        let of_matrices = matrices.map(|(key, rows)| (key, rows.iter().all(|row| finite(row))));
+        match of_vectors.chain(of_matrices).find(|(_, finite)| !finite) {
+            Some((key, _)) => Err(Error::input(file, key, "it is not finite at this input")),
+            None => Ok(()),
+        }
     }
 }
 

@@ -30,13 +30,13 @@ pub(super) struct Solve {
     #[arg(long)]
     p: Option<usize>,
     /// Penalty on velocities that are not those of the curve.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     k: Option<f64>,
     /// How far the flow runs.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     s_max: Option<f64>,
     /// Absolute and relative tolerance of the integrator [default: 1e-4].
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// The curve to start from: a line in the whole state, or in the configuration with the velocity that goes with it.
     #[arg(long, value_enum)]

@@ -25,6 +25,16 @@ pub struct Data<S: Scalar> {
     pub(super) forces: Vec<Force<S>>,
     /// Rates of the axes.
     pub(super) axis_rates: Vec<Motion<S>>,
+    /// Body motions if the weights of a contraction were joint velocities.
+    pub(super) virtual_velocities: Vec<Motion<S>>,
+    /// Body momenta that go with them, then those of subtrees.
+    pub(super) virtual_momenta: Vec<Force<S>>,
+    /// Body Coriolis matrices that go with them, then those of subtrees.
+    pub(super) virtual_coriolis: Vec<Coriolis<S>>,
+    /// Transposed Coriolis matrices times virtual velocities, then sums over subtrees.
+    pub(super) virtual_forces: Vec<Force<S>>,
+    /// What moving a joint adds to the virtual velocities of its subtree.
+    pub(super) virtual_axis_rates: Vec<Motion<S>>,
     /// Articulated-body inertias.
     pub(super) articulated: Vec<Matrix6<S>>,
     /// Articulated-body inertias times axes.
@@ -49,6 +59,11 @@ impl<S: Scalar> Data<S> {
             coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
             forces: vec![Force::zero(); n],
             axis_rates: vec![Motion::zero(); n],
+            virtual_velocities: vec![Motion::zero(); n],
+            virtual_momenta: vec![Force::zero(); n],
+            virtual_coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
+            virtual_forces: vec![Force::zero(); n],
+            virtual_axis_rates: vec![Motion::zero(); n],
             articulated: vec![Matrix6::zeros(); n],
             articulated_axes: vec![Vector6::zeros(); n],
             numbers: vec![S::zero(); n],

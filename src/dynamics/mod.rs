@@ -10,21 +10,27 @@
 mod aba;
 mod aba_derivatives;
 mod crba;
+mod crba_contracted;
 mod crba_derivatives;
 mod data;
 mod energy;
 mod kinematics;
 mod rnea;
+mod rnea_contracted;
 mod rnea_derivatives;
 
 pub use aba::aba;
 pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
 pub use crba::crba;
+pub use crba_contracted::crba_contracted;
 pub use crba_derivatives::crba_derivatives;
 pub use data::Data;
 pub use energy::{kinetic_energy, potential_energy};
 pub use kinematics::{forward_kinematics, frame_placement};
 pub use rnea::{bias, rnea};
+pub use rnea_contracted::{
+    ContractedGradient, ContractedHessian, rnea_contracted_gradient, rnea_contracted_hessian,
+};
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
 
 #[cfg(doc)]

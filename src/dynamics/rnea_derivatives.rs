@@ -8,7 +8,7 @@ use super::{Data, check_square, kinematics};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::Coriolis;
+use crate::spatial::{Coriolis, Motion};
 use nalgebra::{DMatrix, DVector};
 
 /// Inverse dynamics and its first derivatives.
@@ -59,22 +59,8 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
     data.place(model, q)?;
     data.add_velocities(model, v)?;
     data.add_accelerations(model, v, a)?;
-    for i in 0..n {
-        let (inertia, velocity) = (data.inertias[i], &data.velocities[i]);
-        let coriolis = Coriolis::new(&inertia, velocity);
-        // B v is the velocity product force.
-        data.forces[i] = inertia.apply(&data.accelerations[i]) + coriolis.apply(velocity);
-        data.coriolis[i] = coriolis;
-    }
-    // From here on the accelerations become Psi'' = a_parent x S + v_parent x Psi'.
-    let base = kinematics::base_acceleration(model);
-    for (i, joint) in model.joints().iter().enumerate().rev() {
-        let (axis, rate) = (data.axes[i], data.axis_rates[i]);
-        data.accelerations[i] = match joint.parent() {
-            Some(p) => data.accelerations[p].cross(&axis) + data.velocities[p].cross(&rate),
-            None => base.cross(&axis),
-        };
-    }
+    data.add_forces();
+    data.accelerations_to_axes(model, &kinematics::base_acceleration(model));
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, rate, rate2) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
@@ -104,4 +90,29 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
         }
     }
     Ok(())
+}
+
+impl<S: Scalar> Data<S> {
+    /// Coriolis matrices and forces of the bodies, after [`add_accelerations`](Self::add_accelerations).
+    pub(super) fn add_forces(&mut self) {
+        for i in 0..self.forces.len() {
+            let (inertia, velocity) = (&self.inertias[i], &self.velocities[i]);
+            let coriolis = Coriolis::new(inertia, velocity);
+            // B v is the velocity product force.
+            self.forces[i] = inertia.apply(&self.accelerations[i]) + coriolis.apply(velocity);
+            self.coriolis[i] = coriolis;
+        }
+    }
+
+    /// Turns the accelerations of the bodies into those of the axes,
+    /// $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot\Psi_i$.
+    pub(super) fn accelerations_to_axes<C: Scalar>(&mut self, model: &Model<C>, base: &Motion<S>) {
+        for (i, joint) in model.joints().iter().enumerate().rev() {
+            let (axis, rate) = (&self.axes[i], &self.axis_rates[i]);
+            self.accelerations[i] = match joint.parent() {
+                Some(p) => self.accelerations[p].cross(axis) + self.velocities[p].cross(rate),
+                None => base.cross(axis),
+            };
+        }
+    }
 }

@@ -8,12 +8,13 @@ mod builtin;
 mod joint;
 mod random;
 mod urdf;
+mod urdf_text;
 mod urdf_tree;
 
 pub use build::{JointSpec, pendulum};
 pub use builtin::{builtin_robot, builtin_robots};
 pub use joint::{Joint, JointKind, Limits};
-pub use random::random_tree;
+pub use random::{random_chain, random_tree};
 pub use urdf::{LoadNote, LoadReport, load_urdf, parse_urdf};
 
 use crate::error::{Result, check_length};

@@ -32,8 +32,30 @@ fn axis(rng: &mut ChaCha8Rng) -> Vector3<f64> {
 /// # Errors
 /// `n` is zero.
 pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let rng = &mut rng;
+    // Now and then a second joint on the base, else any earlier body, most often a recent one.
+    let parent = |i: usize, rng: &mut ChaCha8Rng| {
+        (i > 0 && rng.random_bool(0.9)).then(|| rng.random_range(i.saturating_sub(4)..i.max(1)))
+    };
+    random_robot(&format!("random_tree_{n}_{seed}"), n, seed, parent)
+}
+
+/// A random chain of `n` joints, otherwise as [`random_tree`]: the deepest tree there is.
+///
+/// # Errors
+/// `n` is zero.
+pub fn random_chain(n: usize, seed: u64) -> Result<Model> {
+    let name = format!("random_chain_{n}_{seed}");
+    random_robot(&name, n, seed, |i, _| i.checked_sub(1))
+}
+
+/// A random robot whose joint `i` hangs on `parent(i)`.
+fn random_robot(
+    name: &str,
+    n: usize,
+    seed: u64,
+    parent: impl Fn(usize, &mut ChaCha8Rng) -> Option<usize>,
+) -> Result<Model> {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut specs = Vec::with_capacity(n);
     for i in 0..n {
         let kind = match rng.random_range(0..4) {
@@ -41,9 +63,7 @@ pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
             1 => JointKind::Continuous,
             _ => JointKind::Revolute,
         };
-        // Now and then a second joint on the base, else any earlier body, most often a recent one.
-        let parent = (i > 0 && rng.random_bool(0.9))
-            .then(|| rng.random_range(i.saturating_sub(4)..i.max(1)));
+        let parent = parent(i, rng);
         let rotation = Rotation3::new(vector(rng) * 3.0).into_inner();
         let mass = rng.random_range(0.2..3.0);
         // Moments of inertia from positive second moments are those of a body: the triangle inequality holds.
@@ -64,5 +84,5 @@ pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
             limits: Limits::NONE,
         });
     }
-    Model::from_joints(&format!("random_tree_{n}_{seed}"), specs)
+    Model::from_joints(name, specs)
 }

@@ -1,5 +1,6 @@
 //! Reading a robot from a URDF file.
 
+use super::urdf_text;
 use super::urdf_tree::{self, Visit};
 use super::{Frame, JointKind, JointSpec, Limits, Model};
 use crate::error::{Error, Result};
@@ -81,6 +82,7 @@ pub fn load_urdf(path: &Path) -> Result<(Model, LoadReport)> {
 /// several roots, loops, unknown links, floating, planar, spherical and mimic joints, and joints that move nothing that
 /// has inertia about them.
 pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
+    urdf_text::check(text, file)?;
     let robot = urdf_rs::read_from_string(text)
         .map_err(|e| Error::input(file, "robot", format!("not a valid URDF: {e}")))?;
     let mut loader = Loader {
@@ -154,7 +156,12 @@ impl Loader<'_> {
             }
         };
         if let Some(body) = body {
-            self.specs[body].inertia += inertia.placed(&placement);
+            let placed = inertia.placed(&placement);
+            if !is_finite(&placed) {
+                let condition = "its inertia about the joint that moves it is not finite";
+                return Err(self.error(format!("link '{}'", link.name), condition));
+            }
+            self.specs[body].inertia += placed;
         }
         self.frames.push(Frame {
             name: link.name.clone(),
@@ -265,11 +272,17 @@ impl Loader<'_> {
             return Ok(Limits::NONE);
         }
         let refuse = |why: String| Err(self.error(format!("joint '{}'", joint.name), why));
-        if [limit.lower, limit.upper, limit.velocity, limit.effort]
+        let (velocity, effort) = (limit.velocity, limit.effort);
+        if [limit.lower, limit.upper, velocity, effort]
             .iter()
             .any(|x| x.is_nan())
         {
             return refuse("a limit is not a number".to_owned());
+        }
+        for (what, most) in [("velocity", velocity), ("effort", effort)] {
+            if most < 0.0 {
+                return refuse(format!("its {what} limit is negative: {most}"));
+            }
         }
         let (lower, upper) = match kind {
             JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
@@ -280,13 +293,24 @@ impl Loader<'_> {
                 "its lower limit {lower} is above its upper limit {upper}"
             ));
         }
+        if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
+            return refuse(format!(
+                "no position is within its limits {lower} and {upper}"
+            ));
+        }
         Ok(Limits {
             lower,
             upper,
-            velocity: limit.velocity,
-            effort: limit.effort,
+            velocity,
+            effort,
         })
     }
+}
+
+/// Whether products of finite numbers stayed finite.
+fn is_finite(inertia: &Inertia<f64>) -> bool {
+    let numbers = inertia.first_moment.iter().chain(&inertia.rotational);
+    numbers.chain([&inertia.mass]).all(|x| x.is_finite())
 }
 
 /// Why no body can have this inertia about its centre of mass, if none can.

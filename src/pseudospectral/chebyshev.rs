@@ -18,18 +18,27 @@ pub struct Chebyshev {
 }
 
 impl Chebyshev {
+    /// The largest degree. Far below it the matrices of the flow no longer fit into memory.
+    pub const LARGEST_DEGREE: usize = 200;
+
+    /// What is wrong with a degree, if anything is.
+    pub(crate) fn check_degree(p: usize) -> std::result::Result<(), String> {
+        if (2..=Self::LARGEST_DEGREE).contains(&p) {
+            return Ok(());
+        }
+        let largest = Self::LARGEST_DEGREE;
+        Err(format!(
+            "it is {p}, at least 2 and at most {largest} is needed"
+        ))
+    }
+
     /// Nodes of degree `p` on `[0, horizon]`, in s. Cost O(p^2).
     ///
     /// # Errors
-    /// `p` is below 2, so that no node is inside, or the horizon is not positive and finite.
+    /// `p` is below 2, so that no node is inside, or above [`LARGEST_DEGREE`](Self::LARGEST_DEGREE), or the horizon is not
+    /// positive and finite.
     pub fn new(p: usize, horizon: f64) -> Result<Self> {
-        if p < 2 {
-            return Err(Error::input(
-                "settings",
-                "p",
-                format!("it is {p}, at least 2 is needed"),
-            ));
-        }
+        Self::check_degree(p).map_err(|condition| Error::input("settings", "p", condition))?;
         if !(horizon.is_finite() && horizon > 0.0) {
             let condition = format!("it is {horizon}, a positive time is needed");
             return Err(Error::input("settings", "horizon", condition));

@@ -33,7 +33,7 @@ pub fn summary_table(summary: &Summary) -> String {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
     let settings = format!(
-        "{}, jacobian {}, p {}, k {:e}, s_max {}, tolerance {:e}, guess {}",
+        "{}, jacobian {}, p {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
         choice(&s.method),
         choice(&s.jacobian),
         s.p,

@@ -1,7 +1,7 @@
 //! `H = L D L^T` without pivots, square roots or comparisons.
 
 use super::Scalar;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Dyn, Matrix, RawStorage};
 
 /// The factors of a symmetric positive definite matrix.
 ///
@@ -24,20 +24,26 @@ impl<S: Scalar> Ldlt<S> {
     }
 
     /// Factorises the `n` by `n` matrix `h`, of which it reads the lower triangle. About `n^3 / 3` operations.
-    pub fn factorise(&mut self, h: &DMatrix<S>) {
+    pub fn factorise<V: RawStorage<S, Dyn, Dyn>>(&mut self, h: &Matrix<S, Dyn, Dyn, V>) {
         let n = self.factors.nrows();
         for j in 0..n {
             for i in j..n {
-                let mut entry = h[(i, j)];
-                for k in 0..j {
-                    entry -= self.factors[(i, k)] * self.factors[(j, k)] * self.factors[(k, k)];
-                }
-                self.factors[(i, j)] = if i == j {
-                    entry
-                } else {
-                    entry / self.factors[(j, j)]
-                };
+                self.factors[(i, j)] = h[(i, j)];
             }
+        }
+        // Column by column, each taken off those to its right, so that memory is walked in order.
+        for j in 0..n {
+            let (done, right) = self.factors.as_mut_slice().split_at_mut((j + 1) * n);
+            let column = &mut done[j * n + j..];
+            let inverse = S::one() / column[0];
+            for (c, target) in right.chunks_exact_mut(n).enumerate() {
+                let below = &column[1 + c..];
+                let factor = below[0] * inverse;
+                for (x, l) in target[j + 1 + c..].iter_mut().zip(below) {
+                    *x -= *l * factor;
+                }
+            }
+            column[1..].iter_mut().for_each(|l| *l *= inverse);
         }
     }
 
@@ -48,22 +54,29 @@ impl<S: Scalar> Ldlt<S> {
 
     /// Replaces `b` by $H^{-1} b$; `b` has `n` entries. About `2 n^2` operations.
     pub fn solve(&self, b: &mut [S]) {
+        for k in 0..self.factors.nrows() {
+            let [known, rest @ ..] = &mut b[k..] else {
+                return;
+            };
+            for (x, l) in rest.iter_mut().zip(&self.column(k)[1..]) {
+                *x -= *l * *known;
+            }
+        }
+        for k in (0..self.factors.nrows()).rev() {
+            let [unknown, rest @ ..] = &mut b[k..] else {
+                return;
+            };
+            let column = self.column(k);
+            let known =
+                (rest.iter().zip(&column[1..])).fold(S::zero(), |sum, (x, l)| sum + *x * *l);
+            *unknown = *unknown / column[0] - known;
+        }
+    }
+
+    /// Column `k` of the factors from the diagonal down.
+    fn column(&self, k: usize) -> &[S] {
         let n = self.factors.nrows();
-        for i in 0..n {
-            for k in 0..i {
-                let known = b[k];
-                b[i] -= self.factors[(i, k)] * known;
-            }
-        }
-        for i in 0..n {
-            b[i] /= self.factors[(i, i)];
-        }
-        for i in (0..n).rev() {
-            for k in i + 1..n {
-                let known = b[k];
-                b[i] -= self.factors[(k, i)] * known;
-            }
-        }
+        &self.factors.as_slice()[k * n + k..(k + 1) * n]
     }
 
     /// Replaces every column of `b` by $H^{-1}$ times it; `b` has `n` rows.

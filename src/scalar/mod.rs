@@ -8,9 +8,11 @@
 //! The constants of a model have a type of their own. [`Over<C>`] says that a scalar can be multiplied by a constant of
 //! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
 
+mod jet;
 mod ldlt;
 mod numeric;
 
+pub use jet::Jet;
 pub use ldlt::Ldlt;
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};

@@ -3,6 +3,7 @@
 use super::builtin::builtin_scenario;
 use crate::error::{Error, Result};
 use crate::model::{LoadReport, Model, builtin_robot, load_urdf};
+use crate::pseudospectral::Chebyshev;
 use crate::solve::{Feedback, Guess, Problem};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -116,8 +117,7 @@ impl Scenario {
     /// A scenario from its text. `path` names it in errors; robots are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
-        let file: ScenarioFile = serde_json::from_str(text)
-            .map_err(|e| Error::input(path, "scenario", e.to_string()))?;
+        let file: ScenarioFile = read_json(text, path)?;
         if !file.sphere_obstacles.is_empty() {
             return refuse(
                 "sphere_obstacles",
@@ -159,6 +159,8 @@ impl Scenario {
                 return refuse(key, format!("it is {gain}, a gain is not negative"));
             }
         }
+        Chebyshev::check_degree(file.flow.p)
+            .map_err(|condition| Error::input(path, "flow.p", condition))?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
@@ -218,4 +220,28 @@ pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadRepor
         return Err(Error::input(path.display().to_string(), "robot", condition));
     }
     load_urdf(&path)
+}
+
+/// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T> {
+    // Serde would take a list for the values of the keys in order.
+    if text.trim_start().starts_with('[') {
+        return Err(Error::input(
+            file,
+            "scenario",
+            "it is a list, not an object with keys",
+        ));
+    }
+    let reader = &mut serde_json::Deserializer::from_str(text);
+    let value = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
+        let key = match error.path().to_string().as_str() {
+            "." => "scenario".to_owned(),
+            path => path.to_owned(),
+        };
+        Error::input(file, key, error.into_inner().to_string())
+    })?;
+    reader
+        .end()
+        .map_err(|e| Error::input(file, "scenario", e.to_string()))?;
+    Ok(value)
 }

@@ -48,7 +48,8 @@ impl<R: RightHandSide<f64, Tangents>> ForwardDual<R> {
 impl<R: RightHandSide<f64, Tangents>> NodeJacobian for ForwardDual<R> {
     fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
         let m = self.omega.len();
-        node.check(m / 2, out.dx.nrows())?;
+        out.check(m / 2)?;
+        node.check(m / 2, m)?;
         let values = node.x.iter().chain(node.xdot).chain(node.xddot);
         for (input, value) in self.inputs.iter_mut().zip(values) {
             *input = Tangents::from(*value);

@@ -1,26 +1,32 @@
 //! The Jacobian of the right-hand side at one node: one file for each way to compute it, behind one trait.
 
+mod control_form;
+mod difference;
 mod dual;
 
+pub use control_form::ControlForm;
+pub use difference::CentralDifference;
 pub use dual::ForwardDual;
 
 use super::Node;
+use crate::dynamics::check_square;
 use crate::error::Result;
 use crate::model::Model;
+use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
 /// The three blocks of the Jacobian of $\Omega(x, \dot x, \ddot x, k)$, `2 N` by `2 N` each; rows are those of $\Omega$.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NodeBlocks {
+pub struct NodeBlocks<S: Scalar = f64> {
     /// $d\Omega / dx$, (B38).
-    pub dx: DMatrix<f64>,
+    pub dx: DMatrix<S>,
     /// $d\Omega / d\dot x$, (B39).
-    pub dxdot: DMatrix<f64>,
+    pub dxdot: DMatrix<S>,
     /// $d\Omega / d\ddot x$, (B40).
-    pub dxddot: DMatrix<f64>,
+    pub dxddot: DMatrix<S>,
 }
 
-impl NodeBlocks {
+impl<S: Scalar> NodeBlocks<S> {
     /// Room for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
@@ -30,6 +36,18 @@ impl NodeBlocks {
             dxdot: zeros(),
             dxddot: zeros(),
         }
+    }
+
+    /// Checks that the blocks are those of a model with `n` joints.
+    pub(crate) fn check(&self, n: usize) -> Result<()> {
+        for (what, block) in [
+            ("dx", &self.dx),
+            ("dxdot", &self.dxdot),
+            ("dxddot", &self.dxddot),
+        ] {
+            check_square(what, 2 * n, block)?;
+        }
+        Ok(())
     }
 }
 
@@ -56,9 +74,13 @@ pub trait NodeJacobian {
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum JacobianKind {
-    /// [`ForwardDual`].
+    /// Analytic, by contracted second derivatives of inverse dynamics.
     #[default]
+    ControlForm,
+    /// Dual numbers, eight tangents at a time.
     Dual,
+    /// Central differences of order four, for comparison only.
+    Difference,
 }
 
 impl JacobianKind {
@@ -66,6 +88,8 @@ impl JacobianKind {
     #[must_use]
     pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
         match self {
+            Self::ControlForm => Box::new(ControlForm::new(model)),
+            Self::Difference => Box::new(CentralDifference::new(model)),
             Self::Dual => Box::new(ForwardDual::new(model)),
         }
     }

@@ -1,0 +1,140 @@
+//! The right-hand side of the flow and its Jacobians at one node, on robots of 2 to 128 joints.
+//!
+//! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
+//! the growth `N^e` between the two largest robots of each column.
+
+use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
+use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
+use aghf::model::{Model, builtin_robot, random_chain};
+use clap::ValueEnum;
+use criterion::Criterion;
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// The penalty; it changes no time.
+const K: f64 = 1e7;
+
+/// Seconds a call, by what was called and `N`.
+type Times = BTreeMap<(String, usize), Vec<f64>>;
+
+/// Robots up to this size also get the Jacobians that are no match for large ones.
+const LARGEST_FOR_ALL: usize = 22;
+
+fn models() -> Vec<Model> {
+    let names = [
+        "pendulum_2",
+        "pendulum_3",
+        "pendulum_4",
+        "pendulum_5",
+        "pendulum_6",
+        "kinova_gen3",
+        "digit_v3_pinned",
+    ];
+    let built_in = names.map(|name| builtin_robot(name).expect("built in").expect("it loads").0);
+    let chains = [32, 64, 128].map(|n| random_chain(n, 1).expect("it has joints"));
+    built_in.into_iter().chain(chains).collect()
+}
+
+fn measure(
+    criterion: &mut Criterion,
+    times: &mut Times,
+    what: &str,
+    n: usize,
+    mut call: impl FnMut(),
+) {
+    let mut seen = Vec::new();
+    criterion.bench_function(&format!("{what}/{n}"), |bencher| {
+        bencher.iter_custom(|iterations| {
+            let start = Instant::now();
+            (0..iterations).for_each(|_| call());
+            let elapsed = start.elapsed();
+            seen.push(elapsed.as_secs_f64() / iterations as f64);
+            elapsed
+        });
+    });
+    times.insert((what.to_owned(), n), seen);
+}
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(600))
+        .configure_from_args();
+    let mut times = Times::new();
+    for model in &models() {
+        let n = model.dof();
+        let wave = |f: f64| {
+            (0..2 * n)
+                .map(|i| (f * (i as f64 + 1.0)).sin())
+                .collect::<Vec<_>>()
+        };
+        let (x, xdot, xddot) = (wave(0.7), wave(1.3), wave(2.1));
+        let node = Node {
+            x: &x,
+            xdot: &xdot,
+            xddot: &xddot,
+        };
+        let mut omega = vec![0.0; 2 * n];
+        let mut control = ControlForm::<f64, f64>::new(model);
+        measure(&mut criterion, &mut times, "omega control-form", n, || {
+            control
+                .omega(black_box(node), K, &mut omega)
+                .expect("lengths agree");
+        });
+        let mut b1 = AlgorithmB1::<f64, f64>::new(model);
+        measure(&mut criterion, &mut times, "omega algorithm-b1", n, || {
+            b1.omega(black_box(node), K, &mut omega)
+                .expect("lengths agree");
+        });
+        let mut blocks = NodeBlocks::new(n);
+        for kind in JacobianKind::value_variants() {
+            if n > LARGEST_FOR_ALL && *kind != JacobianKind::ControlForm {
+                continue;
+            }
+            let name = kind
+                .to_possible_value()
+                .expect("none is hidden")
+                .get_name()
+                .to_owned();
+            let mut jacobian = kind.build(model);
+            measure(
+                &mut criterion,
+                &mut times,
+                &format!("jacobian {name}"),
+                n,
+                || {
+                    jacobian
+                        .at(black_box(node), K, &mut blocks)
+                        .expect("lengths agree");
+                },
+            );
+        }
+    }
+    criterion.final_summary();
+    report(&mut times);
+}
+
+/// Prints medians and growth.
+fn report(times: &mut Times) {
+    let mut columns: BTreeMap<&str, Vec<(usize, f64)>> = BTreeMap::new();
+    for ((what, n), seen) in times.iter_mut() {
+        seen.sort_by(f64::total_cmp);
+        if let Some(median) = seen.get(seen.len() / 2) {
+            columns.entry(what).or_default().push((*n, *median));
+        }
+    }
+    println!("\nmedians in microseconds by N; growth between the two largest");
+    for (what, points) in columns {
+        let row: Vec<String> = points
+            .iter()
+            .map(|(n, t)| format!("{n}: {:.1}", 1e6 * t))
+            .collect();
+        let growth = match points[..] {
+            [.., (n, s), (m, t)] => (t / s).ln() / (m as f64 / n as f64).ln(),
+            _ => f64::NAN,
+        };
+        println!("{what:24} {}  growth N^{growth:.2}", row.join("  "));
+    }
+}

@@ -1,0 +1,69 @@
+//! The derivative of the mass matrix, contracted with a vector.
+
+use super::{Data, check_square};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::DMatrix;
+
+/// $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\, w$ in `q` for a fixed `w`, into `k`,
+/// `N` by `N`. Cost O(N d) with d the depth of the tree.
+///
+/// With `w` for joint velocities the bodies have virtual velocities $\mu$ and momenta $I \mu$. Moving joint `k` carries its
+/// subtree along and adds $\mu_{\lambda(k)} \times S_k$ to the virtual velocities there, which is all there is to
+/// differentiate. This is the tensor-free product of line 8 of Algorithm B1, which the paper gets from RNEA_D.
+///
+/// # Errors
+/// `q` or `w` does not have one entry a joint, or `k` is not `N` by `N`.
+pub fn crba_contracted<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    q: &[S],
+    w: &[S],
+    k: &mut DMatrix<S>,
+) -> Result<()> {
+    check_square("k", model.dof(), k)?;
+    data.place(model, q)?;
+    data.add_virtual_velocities(model, w)?;
+    k.fill(S::zero());
+    for (i, joint) in model.joints().iter().enumerate().rev() {
+        let (axis, gained) = (data.axes[i], data.virtual_axis_rates[i]);
+        let (inertia, momentum) = (data.inertias[i], data.virtual_momenta[i]);
+        let by_a = inertia.apply(&axis);
+        let momentum_by_q = axis.cross_force(&momentum) + inertia.apply(&gained);
+        let mut ancestor = Some(i);
+        while let Some(j) = ancestor {
+            k[(i, j)] = data.virtual_axis_rates[j].dot(&by_a);
+            k[(j, i)] = data.axes[j].dot(&momentum_by_q);
+            ancestor = model.joints()[j].parent();
+        }
+        if let Some(parent) = joint.parent() {
+            data.inertias[parent] += inertia;
+            data.virtual_momenta[parent] += momentum;
+        }
+    }
+    Ok(())
+}
+
+impl<S: Scalar> Data<S> {
+    /// Virtual velocities $\mu$, momenta and the motions $\mu_{\lambda(i)} \times S_i$ for the weights `w`, after
+    /// [`place`](Self::place).
+    pub(super) fn add_virtual_velocities<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        w: &[S],
+    ) -> Result<()> {
+        model.check("w", w.len())?;
+        for (i, joint) in model.joints().iter().enumerate() {
+            let own = self.axes[i] * w[i];
+            self.virtual_velocities[i] = match joint.parent() {
+                Some(parent) => self.virtual_velocities[parent] + own,
+                None => own,
+            };
+            // The own part is along the axis and drops out of the product.
+            self.virtual_axis_rates[i] = self.virtual_velocities[i].cross(&self.axes[i]);
+            self.virtual_momenta[i] = self.inertias[i].apply(&self.virtual_velocities[i]);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,288 @@
+//! The `aghf` binary solves a scenario from end to end: its files, its output, its exit codes.
+
+mod command;
+
+use aghf::aghf::jacobian::JacobianKind;
+use aghf::dynamics::{Data, rnea};
+use aghf::scenario::{Scenario, builtin_scenarios};
+use command::{aghf, empty_folder, files};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+fn json_file(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+/// The header and the rows of a CSV.
+fn csv_file(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut reader = csv::Reader::from_path(path).expect("it is there");
+    let header = reader
+        .headers()
+        .expect("it has one")
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let rows = reader.records().map(|row| {
+        let row = row.expect("as long as the header");
+        row.iter().map(|x| x.parse().expect("a number")).collect()
+    });
+    (header, rows.collect())
+}
+
+#[test]
+fn without_arguments_it_solves_kinova() {
+    let folder = empty_folder("default");
+    let run = aghf(&folder, &[]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let expected = [
+        "out/kinova_free_01/summary.json",
+        "out/kinova_free_01/trajectory.csv",
+    ];
+    assert_eq!(files(&folder), expected.map(str::to_owned).into());
+    for words in expected
+        .iter()
+        .chain(&["kinova_free_01 (kinova_gen3)", "success", "yes"])
+    {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+
+    let Scenario {
+        file: scenario,
+        model,
+        ..
+    } = Scenario::load("kinova_free_01").expect("built in");
+    let (header, rows) = csv_file(&folder.join(expected[1]));
+    let joints = (1..=7).map(|i| format!("joint_{i}"));
+    let columns = ["q", "v", "a", "u"]
+        .iter()
+        .flat_map(|x| joints.clone().map(move |j| format!("{x}_{j}")));
+    assert_eq!(
+        header,
+        std::iter::once("t".to_owned())
+            .chain(columns)
+            .collect::<Vec<_>>()
+    );
+    assert_eq!((header.len(), rows.len()), (1 + 4 * 7, 201));
+    assert!(rows.iter().flatten().all(|x| x.is_finite()));
+    assert!(rows.windows(2).all(|w| w[0][0] < w[1][0]), "time ascends");
+    assert_eq!((rows[0][0], rows[200][0]), (0.0, 2.0));
+    for (row, q, v) in [
+        (&rows[0], &scenario.q_start, &scenario.v_start),
+        (&rows[200], &scenario.q_goal, &scenario.v_goal),
+    ] {
+        let state = q.iter().chain(v);
+        assert!(
+            row[1..15]
+                .iter()
+                .zip(state)
+                .all(|(a, b)| (a - b).abs() < 1e-12),
+            "{row:?}"
+        );
+    }
+
+    // The control is the inverse dynamics of the other columns.
+    for row in rows.iter().step_by(40) {
+        let column = |i: usize| &row[1 + 7 * i..][..7];
+        let mut tau = [0.0; 7];
+        let data = &mut Data::new(&model);
+        rnea(&model, data, column(0), column(1), column(2), &mut tau).expect("lengths agree");
+        assert_eq!(column(3), tau, "at {}", row[0]);
+    }
+
+    let summary = json_file(&folder.join(expected[0]));
+    for key in [
+        "final_error_inf",
+        "open_loop_error_inf",
+        "control_effort",
+        "action",
+        "dynamics_defect",
+        "solve_seconds",
+        "steps",
+        "omega_evaluations",
+        "jacobian_evaluations",
+    ] {
+        assert!(
+            summary[key].as_f64().is_some_and(|x| x > 0.0),
+            "{key}: {summary}"
+        );
+    }
+    for (key, value) in [
+        ("scenario", "kinova_free_01"),
+        ("robot", "kinova_gen3"),
+        ("method", "flow"),
+    ] {
+        assert_eq!(summary[key], value);
+    }
+    let jacobian = serde_json::to_value(JacobianKind::default()).expect("a name");
+    assert_eq!(summary["jacobian"], jacobian);
+    assert_eq!(summary["success"], true);
+    assert!(summary["final_error_inf"].as_f64() < Some(0.05));
+}
+
+#[test]
+fn json_is_the_summary_and_nothing_else() {
+    let folder = empty_folder("json");
+    let run = aghf(&folder, &["solve", "pendulum_1_swingup", "--json"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let written = std::fs::read_to_string(folder.join("out/pendulum_1_swingup/summary.json"));
+    assert_eq!(run.stdout, written.expect("it is there"));
+    serde_json::from_str::<Value>(&run.stdout).expect("it is JSON");
+}
+
+#[test]
+fn options_override_the_scenario_and_show_in_the_summary() {
+    let folder = empty_folder("options");
+    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --p 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
+        --guess line-state --out deep/in/here --json";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let expected = ["deep/in/here/summary.json", "deep/in/here/trajectory.csv"];
+    assert_eq!(files(&folder), expected.map(str::to_owned).into());
+    let summary = json_file(&folder.join(expected[0]));
+    for (key, value) in [
+        ("p", json!(8)),
+        ("k", json!(3e4)),
+        ("s_max", json!(50.0)),
+        ("tolerance", json!(1e-5)),
+        ("guess", json!("line-state")),
+        ("method", json!("flow")),
+        ("jacobian", json!("dual")),
+    ] {
+        assert_eq!(summary[key], value, "{key}");
+    }
+}
+
+#[test]
+fn a_scenario_file_is_solved_under_its_own_name() {
+    let folder = empty_folder("file");
+    std::fs::create_dir(folder.join("tasks")).expect("writable");
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/pendulum_1");
+    std::fs::copy(
+        robots.join("pendulum_1.urdf"),
+        folder.join("tasks/mine.urdf"),
+    )
+    .expect("writable");
+    let mut scenario = json_file(&robots.join("pendulum_1_swingup.json"));
+    scenario["robot"] = json!("mine.urdf");
+    std::fs::write(folder.join("tasks/lift.json"), scenario.to_string()).expect("writable");
+    let run = aghf(&folder, &["solve", "tasks/lift.json", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let summary = json_file(&folder.join("out/lift/summary.json"));
+    assert_eq!(
+        (&summary["scenario"], &summary["robot"]),
+        (&json!("lift"), &json!("mine.urdf"))
+    );
+}
+
+#[test]
+fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
+    let folder = empty_folder("failed");
+    let arguments = ["solve", "pendulum_5_swingup", "--k", "1e5", "--s-max", "1"];
+    let run = aghf(&folder, &arguments);
+    assert_eq!(run.code, Some(3), "{}", run.stderr);
+    let words: Vec<_> = run
+        .stdout
+        .lines()
+        .filter(|l| l.contains("success"))
+        .collect();
+    assert!(
+        words.iter().any(|l| l.trim_end().ends_with("no")),
+        "{}",
+        run.stdout
+    );
+    let expected =
+        ["summary.json", "trajectory.csv"].map(|f| format!("out/pendulum_5_swingup/{f}"));
+    assert_eq!(files(&folder), expected.clone().into());
+    assert_eq!(json_file(&folder.join(&expected[0]))["success"], false);
+    assert_eq!(csv_file(&folder.join(&expected[1])).1.len(), 201);
+}
+
+/// The names in the help, where "a_1 to a_3" stands for three.
+#[test]
+fn the_help_of_solve_names_all_scenarios() {
+    let run = aghf(&empty_folder("help"), &["solve", "--help"]);
+    assert_eq!(run.code, Some(0));
+    let text = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let list = text.split("Built in: ").nth(1).expect("it lists them");
+    let list = list.split(['.', '[']).next().expect("it ends");
+    let mut named = Vec::new();
+    for item in list.split(", ") {
+        let Some((first, last)) = item.split_once(" to ") else {
+            named.push(item.to_owned());
+            continue;
+        };
+        let differs = first
+            .bytes()
+            .zip(last.bytes())
+            .position(|(a, b)| a != b)
+            .expect("they differ");
+        let digit = |name: &str| {
+            name[differs..=differs]
+                .parse::<u32>()
+                .expect("in one digit")
+        };
+        for i in digit(first)..=digit(last) {
+            named.push(format!("{}{i}{}", &first[..differs], &first[differs + 1..]));
+        }
+    }
+    assert_eq!(named, builtin_scenarios().collect::<Vec<_>>());
+}
+
+#[test]
+fn the_help_is_plain_text() {
+    for arguments in [
+        &["--help"][..],
+        &["solve", "--help"],
+        &["robots", "--help"],
+        &["eval", "--help"],
+    ] {
+        let run = aghf(&empty_folder("plain"), arguments);
+        assert!(
+            !run.stdout.contains("[`"),
+            "a link of rustdoc in {arguments:?}: {}",
+            run.stdout
+        );
+    }
+}
+
+/// Runs with its standard output somewhere else, and returns its exit code and what it says on standard error.
+fn with_stdout(stdout: Stdio, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_aghf"));
+    command
+        .current_dir(empty_folder("stdout"))
+        .args(arguments)
+        .stdout(stdout)
+        .stderr(Stdio::piped());
+    let output = command
+        .spawn()
+        .expect("it runs")
+        .wait_with_output()
+        .expect("it ends");
+    (
+        output.status.code(),
+        String::from_utf8(output.stderr).expect("it prints text"),
+    )
+}
+
+#[test]
+fn a_reader_that_went_away_is_no_error_and_a_full_disk_is_one() {
+    for arguments in [
+        &["robots"][..],
+        &["robots", "--json"],
+        &["solve", "pendulum_1_swingup"],
+    ] {
+        let (reader, writer) = std::io::pipe().expect("pipes are to be had");
+        drop(reader);
+        assert_eq!(
+            with_stdout(writer.into(), arguments),
+            (Some(0), String::new())
+        );
+    }
+    if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
+        let (code, message) = with_stdout(full.into(), &["robots"]);
+        assert_eq!(code, Some(2));
+        assert!(message.starts_with("aghf: standard output: "), "{message}");
+    }
+}

@@ -1,0 +1,243 @@
+//! Scenarios that are built in load, and a solve tells the truth about itself.
+
+use aghf::model::builtin_robots;
+use aghf::scenario::{Outcome, Scenario, SolveOptions, builtin_scenarios, solve};
+use serde_json::Value;
+use std::path::Path;
+
+#[test]
+fn all_that_are_built_in_load_and_fit_their_robots() {
+    assert_eq!(builtin_scenarios().count(), 12);
+    for name in builtin_scenarios() {
+        let scenario = Scenario::load(name).unwrap_or_else(|e| panic!("{e}"));
+        let (file, n) = (&scenario.file, scenario.model.dof());
+        assert_eq!(scenario.name, name);
+        assert!(
+            builtin_robots().any(|robot| robot == file.robot),
+            "{name}: {}",
+            file.robot
+        );
+        assert_eq!(scenario.model.name(), file.robot);
+        for state in [&file.q_start, &file.v_start, &file.q_goal, &file.v_goal] {
+            assert_eq!(state.len(), n, "{name}");
+        }
+        let problem = scenario.problem().unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(
+            problem.start(),
+            [&file.q_start[..], &file.v_start[..]].concat()
+        );
+        assert_eq!(
+            problem.goal(),
+            [&file.q_goal[..], &file.v_goal[..]].concat()
+        );
+        assert_eq!(problem.horizon(), file.horizon_s);
+        assert!(file.flow.p >= 2 && file.success_threshold == 0.05, "{name}");
+    }
+}
+
+#[test]
+fn scenarios_that_do_not_exist() {
+    let error = Scenario::load("kinova_free_99")
+        .expect_err("there are five")
+        .to_string();
+    assert!(error.starts_with("kinova_free_99: scenario: "), "{error}");
+    assert!(
+        error.contains("neither a file nor a built-in scenario"),
+        "{error}"
+    );
+    let here = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let error = Scenario::load(here.to_str().expect("it is text"))
+        .expect_err("a folder")
+        .to_string();
+    assert!(
+        error.starts_with(here.to_str().expect("it is text")),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_goal_of_digit_stretch_is_outside_a_limit() {
+    let digit = Scenario::load("digit_free_stretch").expect("built in");
+    let notes = digit.outside_limits();
+    assert!(
+        notes.iter().any(
+            |n| n.starts_with("q_goal: joint 'right_tarsus' at 1 is outside [-1.2497, 0.8779]")
+        ),
+        "{notes:?}"
+    );
+    assert_eq!(
+        Scenario::load("pendulum_5_swingup")
+            .expect("built in")
+            .outside_limits(),
+        [""; 0]
+    );
+}
+
+fn solved(name: &str, options: &SolveOptions) -> Outcome {
+    let scenario = Scenario::load(name).expect("built in");
+    solve(&scenario, options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn the_summary_of_a_swing_up_is_consistent() {
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let mut seen = Vec::new();
+    let options = SolveOptions::default();
+    let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
+    let (s, history) = (&outcome.summary, &outcome.history);
+    assert!(
+        s.success && s.failure.is_none() && s.outside_limits.is_empty(),
+        "{s:?}"
+    );
+    assert_eq!(
+        (s.scenario.as_str(), s.robot.as_str()),
+        ("pendulum_1_swingup", "pendulum_1")
+    );
+    assert_eq!((s.p, s.k, s.s_max, s.tolerance), (9, 1e5, 100.0, 1e-4));
+    assert!(
+        s.final_error_inf.expect("it ended") < s.success_threshold,
+        "{s:?}"
+    );
+    assert!(s.open_loop_error_inf.expect("it ended") > 0.0, "{s:?}");
+    assert!(
+        s.control_effort > 0.0 && s.control_effort <= s.action,
+        "{s:?}"
+    );
+    assert!(s.dynamics_defect > 0.0 && s.dynamics_defect < 0.1, "{s:?}");
+    assert!(
+        s.steps > 0 && s.factorisations > 0 && s.solve_seconds > 0.0,
+        "{s:?}"
+    );
+    let interior = s.p - 1;
+    assert!(s.omega_evaluations >= s.steps * interior, "{s:?}");
+    assert_eq!(
+        (
+            s.omega_evaluations % interior,
+            s.jacobian_evaluations % interior
+        ),
+        (0, 0)
+    );
+
+    assert_eq!(seen, *history);
+    assert_eq!(
+        (history[0].s, history.last().expect("it is long").s),
+        (0.0, s.s_max)
+    );
+    assert!(history.windows(2).all(|w| w[0].s < w[1].s));
+    assert_eq!(history[0].action_at_nodes, s.action_at_nodes_of_guess);
+    let last = history.last().expect("it is long").action_at_nodes;
+    assert!(
+        (last - s.action_at_nodes).abs() <= 1e-9 * last,
+        "{last} {}",
+        s.action_at_nodes
+    );
+    assert!(
+        s.action_at_nodes < s.action_at_nodes_of_guess,
+        "the flow goes down"
+    );
+
+    let x = outcome.curve.x();
+    assert_eq!(x.shape(), (2, s.p + 1));
+    assert_eq!(x.column(0).as_slice(), [scenario.file.q_start[0], 0.0]);
+    assert_eq!(x.column(s.p).as_slice(), [scenario.file.q_goal[0], 0.0]);
+}
+
+#[test]
+fn a_flow_that_is_cut_short_says_so() {
+    let options = SolveOptions {
+        k: Some(1e5),
+        s_max: Some(1.0),
+        ..Default::default()
+    };
+    let summary = solved("pendulum_5_swingup", &options).summary;
+    assert!(!summary.success, "{summary:?}");
+    let reached = summary
+        .final_error_inf
+        .is_some_and(|e| e < summary.success_threshold);
+    assert!(summary.failure.is_some() || !reached, "{summary:?}");
+}
+
+#[test]
+fn bad_options_are_errors() {
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let nan = f64::NAN;
+    let base = SolveOptions::default();
+    let cases = [
+        (SolveOptions { p: Some(0), ..base }, "p: it is 0"),
+        (
+            SolveOptions { p: Some(1), ..base },
+            "p: it is 1, at least 2",
+        ),
+        (
+            SolveOptions {
+                k: Some(-1.0),
+                ..base
+            },
+            "k: it is -1, a positive number",
+        ),
+        (
+            SolveOptions {
+                k: Some(f64::INFINITY),
+                ..base
+            },
+            "k: it is inf",
+        ),
+        (
+            SolveOptions {
+                s_max: Some(0.0),
+                ..base
+            },
+            "s_max: it is 0",
+        ),
+        (
+            SolveOptions {
+                s_max: Some(nan),
+                ..base
+            },
+            "s_max: it is NaN",
+        ),
+        (
+            SolveOptions {
+                tolerance: Some(nan),
+                ..base
+            },
+            "tolerance: it is NaN",
+        ),
+        (
+            SolveOptions {
+                tolerance: Some(-1e-4),
+                ..base
+            },
+            "tolerance: it is -0.0001",
+        ),
+    ];
+    for (options, words) in cases {
+        let error = solve(&scenario, &options, &mut |_| {})
+            .expect_err(words)
+            .to_string();
+        assert!(error.contains(words), "{error}; want {words}");
+    }
+}
+
+/// No solve leaves anything behind for the next one.
+#[test]
+fn the_same_solve_gives_the_same_bits() {
+    let shown = |outcome: &Outcome| {
+        let mut summary = serde_json::to_value(&outcome.summary).expect("numbers");
+        summary["solve_seconds"] = Value::Null;
+        let bits: Vec<u64> = outcome.curve.x().iter().map(|x| x.to_bits()).collect();
+        (summary.to_string(), bits, outcome.history.clone())
+    };
+    let options = SolveOptions::default();
+    for name in ["pendulum_2_swingup", "kinova_free_03"] {
+        let first = shown(&solved(name, &options));
+        solved(
+            "pendulum_1_swingup",
+            &SolveOptions {
+                p: Some(5),
+                ..options
+            },
+        );
+        assert_eq!(shown(&solved(name, &options)), first, "{name}");
+    }
+}

@@ -1,0 +1,320 @@
+//! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
+
+use aghf::scenario::{Scenario, SolveOptions, load_robot};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A folder for the files of one test.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("scenario")
+        .join(test);
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    folder
+}
+
+/// A good scenario to break.
+fn good() -> Value {
+    json!({
+        "robot": "pendulum_2", "horizon_s": 2.0,
+        "q_start": [-1.5, 0.25], "v_start": [0.0, 0.5], "q_goal": [1.5, 0.75], "v_goal": [1.0, 0.0],
+        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state" },
+        "feedback": { "kp": 10.0, "kv": 5.0 }, "success_threshold": 0.125
+    })
+}
+
+/// [`good`] with the value at `pointer` replaced.
+fn good_but(pointer: &str, value: Value) -> Value {
+    let mut scenario = good();
+    *scenario.pointer_mut(pointer).expect("there is such a key") = value;
+    scenario
+}
+
+/// Writes a scenario file and loads it.
+fn load_text(test: &str, text: &str) -> Result<Scenario, String> {
+    let path = folder(test).join("bad.json");
+    std::fs::write(&path, text).expect("the folder is writable");
+    let path = path.to_str().expect("it is text");
+    Scenario::load(path).map_err(|e| {
+        let error = e.to_string();
+        let rest = error
+            .strip_prefix(path)
+            .unwrap_or_else(|| panic!("no file: {error}"));
+        rest.trim_start_matches(": ").to_owned()
+    })
+}
+
+/// Asserts that each text is refused with all words (between semicolons) in the message after the name of the file.
+fn assert_refused<T: AsRef<str>>(test: &str, cases: impl IntoIterator<Item = (T, &'static str)>) {
+    let mut problems = Vec::new();
+    for (text, words) in cases {
+        match load_text(test, text.as_ref()) {
+            Ok(_) => problems.push(format!("accepted {}; want {words}", text.as_ref())),
+            Err(error) if words.split("; ").all(|word| error.contains(word)) => {}
+            Err(error) => problems.push(format!("{error}; want {words}")),
+        }
+    }
+    assert!(problems.is_empty(), "{problems:#?}");
+}
+
+#[test]
+fn what_a_file_says_is_what_is_solved() {
+    let scenario = load_text("good", &good().to_string()).expect("it is good");
+    assert_eq!(scenario.name, "bad", "it is called as its file");
+    assert_eq!(
+        serde_json::to_value(&scenario.file).expect("numbers"),
+        good()
+    );
+    let settings = SolveOptions::default().flow_settings(&scenario);
+    assert_eq!(
+        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (7, 1e5, 10.0, 1e-4)
+    );
+    let options = SolveOptions {
+        p: Some(4),
+        k: Some(3.0),
+        s_max: Some(2.0),
+        tolerance: Some(1e-3),
+        ..Default::default()
+    };
+    let settings = options.flow_settings(&scenario);
+    assert_eq!(
+        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (4, 3.0, 2.0, 1e-3)
+    );
+}
+
+#[test]
+fn what_a_file_leaves_out_is_the_papers_choice_for_kinova() {
+    let mut short = good();
+    for key in ["flow", "feedback", "success_threshold"] {
+        short.as_object_mut().expect("it is one").remove(key);
+    }
+    let file = load_text("defaults", &short.to_string())
+        .expect("it is good")
+        .file;
+    assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
+    assert_eq!(
+        (file.feedback.kp, file.feedback.kv, file.success_threshold),
+        (10.0, 10.0, 0.05)
+    );
+}
+
+#[test]
+fn text_that_is_no_scenario() {
+    assert_refused(
+        "malformed",
+        [
+            ("", "line 1"),
+            ("{ \"robot\": \"pendulum_2\"", "line 1"),
+            ("{\n \"robot\": pendulum_2 }", "line 2"),
+            ("[1, 2]", "scenario"),
+            ("null", "scenario"),
+        ],
+    );
+    let two = format!("{}{}", good(), good());
+    assert_refused("malformed", [(two, "trailing")]);
+}
+
+#[test]
+fn keys_that_are_missing() {
+    for key in [
+        "robot",
+        "horizon_s",
+        "q_start",
+        "v_start",
+        "q_goal",
+        "v_goal",
+    ] {
+        let mut scenario = good();
+        scenario.as_object_mut().expect("it is one").remove(key);
+        let error = load_text("missing", &scenario.to_string()).expect_err("a key is missing");
+        assert!(error.contains(&format!("missing field `{key}`")), "{error}");
+    }
+    for key in ["kp", "kv"] {
+        let mut scenario = good();
+        scenario["feedback"]
+            .as_object_mut()
+            .expect("it is one")
+            .remove(key);
+        let error = load_text("missing", &scenario.to_string()).expect_err("a key is missing");
+        assert!(error.contains(&format!("missing field `{key}`")), "{error}");
+    }
+}
+
+#[test]
+fn keys_that_are_unknown_or_repeated() {
+    let mut cases = Vec::new();
+    for (place, words) in [
+        ("", "unknown field `horizn_s`"),
+        ("/flow", "unknown field `horizn_s`"),
+        ("/feedback", "unknown field `horizn_s`"),
+    ] {
+        let mut scenario = good();
+        let object = scenario.pointer_mut(place).expect("it is there");
+        object["horizn_s"] = json!(1.0);
+        cases.push((scenario.to_string(), words));
+    }
+    let repeated = good().to_string().replacen('{', "{\"horizon_s\": 3.0, ", 1);
+    cases.push((repeated, "duplicate field `horizon_s`"));
+    assert_refused("unknown", cases);
+}
+
+#[test]
+fn states_of_the_wrong_length() {
+    for key in ["q_start", "v_start", "q_goal", "v_goal"] {
+        for wrong in [json!([]), json!([1.0]), json!([1.0, 2.0, 3.0])] {
+            let found = wrong.as_array().map_or(0, Vec::len);
+            let text = good_but(&format!("/{key}"), wrong).to_string();
+            let error = load_text("lengths", &text).expect_err("the length is wrong");
+            let expected = format!("{key}: the robot has 2 joints, but {found} values are given");
+            assert_eq!(error, expected);
+        }
+    }
+}
+
+#[test]
+fn numbers_out_of_their_range() {
+    let cases = [
+        ("/horizon_s", json!(0.0), "horizon_s: it is 0; positive"),
+        ("/horizon_s", json!(-2.0), "horizon_s: it is -2; positive"),
+        ("/flow/k", json!(-1.0), "flow.k: it is -1; positive"),
+        ("/flow/k", json!(0), "flow.k: it is 0; positive"),
+        (
+            "/flow/s_max",
+            json!(-0.5),
+            "flow.s_max: it is -0.5; positive",
+        ),
+        ("/flow/s_max", json!(0.0), "flow.s_max: it is 0; positive"),
+        (
+            "/feedback/kp",
+            json!(-3.0),
+            "feedback.kp: it is -3; not negative",
+        ),
+        (
+            "/feedback/kv",
+            json!(-4.0),
+            "feedback.kv: it is -4; not negative",
+        ),
+        (
+            "/success_threshold",
+            json!(0.0),
+            "success_threshold: it is 0; positive",
+        ),
+        (
+            "/success_threshold",
+            json!(-1),
+            "success_threshold: it is -1; positive",
+        ),
+    ];
+    assert_refused(
+        "ranges",
+        cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)),
+    );
+}
+
+#[test]
+fn degrees_that_are_too_small() {
+    let degree = |p: usize| good_but("/flow/p", json!(p)).to_string();
+    assert_refused(
+        "degrees",
+        [
+            (degree(1), "flow.p: it is 1"),
+            (degree(0), "flow.p: it is 0"),
+        ],
+    );
+}
+
+/// Where the JSON is good but a value is of the wrong kind, the key must be told too.
+#[test]
+fn values_of_the_wrong_kind() {
+    let cases = [
+        ("/horizon_s", json!("two"), "horizon_s; two"),
+        ("/horizon_s", json!(null), "horizon_s; null"),
+        ("/q_goal", json!([1.0, "up"]), "q_goal; up"),
+        ("/v_goal", json!(1.0), "v_goal"),
+        ("/flow/p", json!(7.5), "flow.p; 7.5"),
+        ("/flow/p", json!(-7), "flow.p; -7"),
+        ("/flow/guess", json!("circle"), "flow.guess; circle"),
+        ("/feedback", json!(10.0), "feedback"),
+        ("/robot", json!(3), "robot"),
+    ];
+    assert_refused(
+        "kinds",
+        cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)),
+    );
+}
+
+#[test]
+fn numbers_too_large_for_f64() {
+    let huge = |what: &str| good().to_string().replace(what, "1e999");
+    assert_refused(
+        "huge",
+        [
+            (huge("-1.5"), "out of range; q_start"),
+            (huge("2.0"), "out of range; horizon_s"),
+            (huge("100000.0"), "out of range; flow.k"),
+            (huge("0.125"), "out of range; success_threshold"),
+        ],
+    );
+}
+
+#[test]
+fn robots_that_do_not_exist_or_are_bad() {
+    let path = folder("robots").join("broken.urdf");
+    std::fs::write(
+        path,
+        r#"<robot name="x"><link name="a"/><link name="b"/></robot>"#,
+    )
+    .expect("writable");
+    let robot = |name: &str| good_but("/robot", json!(name)).to_string();
+    assert_refused(
+        "robots",
+        [
+            (
+                robot("pendulum_7"),
+                "robot: ; pendulum_7; neither a file nor a built-in robot",
+            ),
+            (
+                robot("arms/no.urdf"),
+                "robot: ; arms/no.urdf; neither a file nor a built-in robot",
+            ),
+            (
+                robot("broken.urdf"),
+                "robot: ; broken.urdf; several root links; 'a'; 'b'",
+            ),
+            (robot(""), "robot: "),
+        ],
+    );
+}
+
+#[test]
+fn obstacles_are_refused_for_now() {
+    let mut scenario = good();
+    scenario["sphere_obstacles"] = json!([{ "center_m": [0.0, 0.0, 1.0], "radius_m": 0.1 }]);
+    assert_refused(
+        "obstacles",
+        [(scenario.to_string(), "sphere_obstacles: ; not supported")],
+    );
+    scenario["sphere_obstacles"] = json!([]);
+    load_text("obstacles", &scenario.to_string()).expect("no obstacles are no obstacle");
+    scenario["sphere_obstacles"] = json!([{ "center_m": [0.0, 1.0], "radius_m": 0.1 }]);
+    assert_refused("obstacles", [(scenario.to_string(), "length 2")]);
+}
+
+#[test]
+fn a_robot_is_looked_for_beside_the_scenario() {
+    let folder = folder("beside");
+    std::fs::create_dir_all(folder.join("arms")).expect("the folder is writable");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/pendulum_2/pendulum_2.urdf");
+    let text = std::fs::read_to_string(source)
+        .expect("it exists")
+        .replace("joint_1", "shoulder");
+    std::fs::write(folder.join("arms/mine.urdf"), text).expect("the folder is writable");
+    let scenario = good_but("/robot", json!("arms/mine.urdf")).to_string();
+    let scenario = load_text("beside", &scenario).expect("it is there");
+    assert_eq!(scenario.model.joints()[0].name(), "shoulder");
+    assert_eq!(scenario.model.name(), "pendulum_2", "as the file says");
+    let (model, _) = load_robot("arms/mine.urdf", &folder).expect("it is there");
+    assert_eq!(model.joints()[0].name(), "shoulder");
+}
