@@ -12,4 +12,5 @@ pub mod scenario;
 pub mod solve;
 pub mod spatial;
 
+pub use aghf::check;
 pub use error::{Error, Result};

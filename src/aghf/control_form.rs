@@ -13,9 +13,12 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 ///
 /// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, $$
 /// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v}
-///    \right)^T u \right], $$
-/// $$ \dot u = \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}, $$
+///    \right)^T u \right] $$
+/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2}
+///    + H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
 ///
+/// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}$. The last
+/// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. Here
 /// all derivatives at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
 /// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
 #[derive(Clone, Debug)]
@@ -25,7 +28,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar> {
     id: InverseDynamicsDerivatives<S>,
     hdot: DMatrix<S>,
     ldlt: Ldlt<S>,
-    udot: DVector<S>,
+    rate: DVector<S>,
     sum: DVector<S>,
 }
 
@@ -40,7 +43,7 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
             id: InverseDynamicsDerivatives::new(n),
             hdot: DMatrix::zeros(n, n),
             ldlt: Ldlt::new(n),
-            udot: DVector::zeros(n),
+            rate: DVector::zeros(n),
             sum: DVector::zeros(n),
         }
     }
@@ -63,9 +66,9 @@ impl<C: Scalar, S: Over<C>> RightHandSide<C, S> for ControlForm<'_, C, S> {
         let InverseDynamicsDerivatives { tau: u, dq, dv, h } = &self.id;
 
         let view = |x| DVectorView::from_slice(x, n);
-        self.udot.gemv(one, dq, &view(node.xdot_p1()), zero);
-        self.udot.gemv(one, dv, &view(a), one);
-        self.udot.gemv(one, h, &view(node.xddot_p2()), one);
+        // What the inertia forces leave of the rate of u.
+        self.rate.gemv(one, dq, &view(node.xdot_p1()), zero);
+        self.rate.gemv(one, dv, &view(a), one);
 
         self.sum.gemv_tr(one, dq, u, zero);
         let per_k = C::one() / k;
@@ -75,15 +78,15 @@ impl<C: Scalar, S: Over<C>> RightHandSide<C, S> for ControlForm<'_, C, S> {
 
         self.sum.gemv_tr(-one, dv, u, zero);
         self.sum.gemv(one, &self.hdot, u, one);
-        self.sum.gemv(one, h, &self.udot, one);
         for i in 0..n {
             self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
         }
         self.ldlt.factorise(h);
         self.ldlt.solve(self.sum.as_mut_slice());
+        self.sum += &self.rate;
         self.ldlt.solve(self.sum.as_mut_slice());
         for i in 0..n {
-            omega[n + i] = two * self.sum[i];
+            omega[n + i] = two * (node.xddot_p2()[i] + self.sum[i]);
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 //! `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
 
 mod algorithm_b1;
+pub mod check;
 mod control_form;
 pub mod jacobian;
 mod lagrangian;

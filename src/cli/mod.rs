@@ -1,5 +1,6 @@
 //! The command line: reads arguments, calls the library, prints.
 
+mod check;
 mod eval;
 mod robots;
 mod solve;
@@ -8,6 +9,8 @@ use crate::error::Error;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
+/// Exit code for a derivative that is off by more than its bound.
+const OFF: u8 = 1;
 /// Exit code for bad input.
 const BAD_INPUT: u8 = 2;
 /// Exit code for a solve that failed.
@@ -23,13 +26,15 @@ struct Cli {
     command: Option<Command>,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input, 3 the solve failed.";
+const EXIT_CODES: &str =
+    "Exit codes: 0 success, 1 a check exceeded its bound, 2 bad input, 3 the solve failed.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
     Robots(robots::Robots),
     Eval(eval::Eval),
+    Check(check::Check),
 }
 
 /// Runs the command line and returns its exit code.
@@ -40,6 +45,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.run(),
         Command::Robots(robots) => robots.run(),
         Command::Eval(eval) => eval.run(),
+        Command::Check(check) => check.run(),
     };
     result.unwrap_or_else(|error: Error| {
         eprintln!("aghf: {error}");

@@ -4,4 +4,4 @@ mod files;
 mod table;
 
 pub use files::{write_json, write_outcome};
-pub use table::{robot_table, summary_table};
+pub use table::{check_table, robot_table, summary_table};

@@ -1,5 +1,6 @@
 //! Tables for people.
 
+use crate::aghf::check::Finding;
 use crate::model::{JointKind, Model};
 use crate::scenario::Summary;
 use comfy_table::{CellAlignment, Table, presets};
@@ -81,6 +82,33 @@ pub fn summary_table(summary: &Summary) -> String {
     }
     for note in &s.outside_limits {
         table.add_row(["outside limits", note]);
+    }
+    table.to_string()
+}
+
+/// What was found by checking derivatives: the worst of each quantity.
+#[must_use]
+pub fn check_table(findings: &[Finding]) -> String {
+    let mut table = table();
+    table.set_header([
+        "quantity",
+        "k",
+        "worst relative error",
+        "bound",
+        "entry",
+        "state",
+        "",
+    ]);
+    for f in findings {
+        table.add_row([
+            f.quantity.clone(),
+            f.k.map_or_else(String::new, |k| format!("{k:e}")),
+            format!("{:.1e}", f.error),
+            format!("{:.0e}", f.bound),
+            format!("({}, {})", f.entry.0, f.entry.1),
+            f.sample.to_string(),
+            if f.passes() { "ok" } else { "OFF" }.to_owned(),
+        ]);
     }
     table.to_string()
 }

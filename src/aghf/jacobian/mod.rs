@@ -13,6 +13,7 @@ use crate::dynamics::check_square;
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::Scalar;
+use clap::ValueEnum;
 use nalgebra::DMatrix;
 
 /// The three blocks of the Jacobian of $\Omega(x, \dot x, \ddot x, k)$, `2 N` by `2 N` each; rows are those of $\Omega$.
@@ -84,6 +85,14 @@ pub enum JacobianKind {
 }
 
 impl JacobianKind {
+    /// All implementations with the names by which they are chosen.
+    pub fn by_name() -> impl Iterator<Item = (String, Self)> {
+        Self::value_variants().iter().filter_map(|kind| {
+            let name = kind.to_possible_value()?.get_name().to_owned();
+            Some((name, *kind))
+        })
+    }
+
     /// The implementation for `model`.
     #[must_use]
     pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {

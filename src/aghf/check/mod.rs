@@ -1,0 +1,314 @@
+//! Analytic derivatives against dual numbers, at random states of any robot.
+//!
+//! The dual numbers are those of `num-dual`, which nothing analytic here is built from. Errors are relative to the largest
+//! entry of what is compared. The rows of $\Omega_{P1}$ and of $\Omega_{P2}$ are compared apart, since the first have the size
+//! `1 / k`, in which a wrong term of the others would drown.
+
+mod dynamics;
+
+pub use dynamics::check_dynamics;
+
+use super::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
+use super::{AlgorithmB1, Node};
+use crate::error::Result;
+use crate::model::Model;
+use nalgebra::{DMatrix, DMatrixView};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// The largest relative error that rounding explains.
+pub const BOUND: f64 = 1e-9;
+/// What duals of the control form and of Algorithm B1 may differ by: the latter multiplies by $H H$, as it is printed, what it
+/// divides by it again, which costs the square of the condition number of `H`.
+pub const FORMS_BOUND: f64 = 1e-7;
+/// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
+pub const DIFFERENCE_BOUND: f64 = 1e-4;
+
+/// What to check with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckOptions {
+    /// How many random states.
+    pub samples: usize,
+    /// The seed of the states: the same seed gives the same states.
+    pub seed: u64,
+    /// The penalties at which Jacobians are checked; at 1 no term hides behind `1 / k`.
+    pub penalties: Vec<f64>,
+}
+
+impl Default for CheckOptions {
+    /// Twenty states, at `k = 1` and at the paper's penalties for Digit and Kinova.
+    fn default() -> Self {
+        Self {
+            samples: 20,
+            seed: 1,
+            penalties: vec![1.0, 1e7, 1e9],
+        }
+    }
+}
+
+/// A random state: what the flow reads at a node, `2 N` entries each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct State {
+    /// $x = [q; v]$.
+    pub x: Vec<f64>,
+    /// $\dot x$.
+    pub xdot: Vec<f64>,
+    /// $\ddot x$.
+    pub xddot: Vec<f64>,
+}
+
+impl State {
+    /// State number `sample` of those that `seed` gives for `model`: positions within the limits of the joints, or within
+    /// half a turn where there are none, everything else from -3 to 3.
+    #[must_use]
+    pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(sample as u64);
+        let n = model.dof();
+        let mut numbers = |count: usize| -> Vec<f64> {
+            (0..count).map(|_| rng.random_range(-3.0..3.0)).collect()
+        };
+        let (mut x, xdot, xddot) = (numbers(2 * n), numbers(2 * n), numbers(2 * n));
+        for (q, joint) in x.iter_mut().zip(model.joints()) {
+            let limits = joint.limits();
+            let (lower, upper) = (limits.lower.max(-PI), limits.upper.min(PI));
+            // Limits that lie outside half a turn have no part in it.
+            if lower < upper {
+                *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
+            }
+        }
+        Self { x, xdot, xddot }
+    }
+
+    /// The state as the flow reads it.
+    #[must_use]
+    pub fn node(&self) -> Node<'_, f64> {
+        Node {
+            x: &self.x,
+            xdot: &self.xdot,
+            xddot: &self.xddot,
+        }
+    }
+}
+
+/// The worst that was seen of one quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What was compared.
+    pub quantity: String,
+    /// The penalty, where it matters.
+    pub k: Option<f64>,
+    /// The worst relative error.
+    pub error: f64,
+    /// What it may be.
+    pub bound: f64,
+    /// Row and column of the worst entry.
+    pub entry: (usize, usize),
+    /// The number of the state that gave it.
+    pub sample: usize,
+    /// That state.
+    pub state: State,
+}
+
+impl Finding {
+    /// Whether the error is within its bound; one that is not a number is not.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.error <= self.bound
+    }
+}
+
+/// Collects the worst of each quantity, in the order of first sight.
+#[derive(Default)]
+struct Findings {
+    place: BTreeMap<(String, u64), usize>,
+    all: Vec<Finding>,
+}
+
+/// Where a comparison is made.
+#[derive(Clone, Copy)]
+struct At<'a> {
+    k: Option<f64>,
+    sample: usize,
+    state: &'a State,
+}
+
+impl Findings {
+    /// Compares `a` with `b`, which is right.
+    fn compare(
+        &mut self,
+        quantity: &str,
+        at: At<'_>,
+        a: DMatrixView<'_, f64>,
+        b: DMatrixView<'_, f64>,
+    ) {
+        self.compare_above(BOUND, quantity, at, a, b, 0.0);
+    }
+
+    /// Compares `a` with `b`, which is right. Entries smaller than `floor` count as so large.
+    fn compare_above(
+        &mut self,
+        bound: f64,
+        quantity: &str,
+        at: At<'_>,
+        a: DMatrixView<'_, f64>,
+        b: DMatrixView<'_, f64>,
+        floor: f64,
+    ) {
+        let difference = a - b;
+        // A NaN is the worst of all.
+        let key = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
+        let (entry, worst) =
+            (difference.iter().map(key).enumerate()).fold((0, 0.0), |worst, next| {
+                if next.1 > worst.1 { next } else { worst }
+            });
+        let size = b.iter().map(key).fold(floor, f64::max);
+        let error = if worst == 0.0 { 0.0 } else { worst / size };
+        let rows = difference.nrows().max(1);
+        let finding = Finding {
+            quantity: quantity.to_owned(),
+            k: at.k,
+            error,
+            bound,
+            entry: (entry % rows, entry / rows),
+            sample: at.sample,
+            state: at.state.clone(),
+        };
+        let key = (quantity.to_owned(), at.k.unwrap_or(0.0).to_bits());
+        match self.place.get(&key) {
+            None => {
+                self.place.insert(key, self.all.len());
+                self.all.push(finding);
+            }
+            Some(place) if error > self.all[*place].error => self.all[*place] = finding,
+            Some(_) => {}
+        }
+    }
+}
+
+/// Compares a Jacobian with duals of the control form at random states: the worst of each block at each penalty, the rows
+/// of $\Omega_{P1}$ and $\Omega_{P2}$ apart. `name` stands before the names of the blocks.
+///
+/// # Errors
+/// `jacobian` is for another model.
+pub fn check_jacobian(
+    model: &Model,
+    name: &str,
+    jacobian: &mut dyn NodeJacobian,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    compare_jacobians(
+        model,
+        name,
+        jacobian,
+        &mut ForwardDual::new(model),
+        BOUND,
+        options,
+    )
+}
+
+fn compare_jacobians(
+    model: &Model,
+    name: &str,
+    jacobian: &mut dyn NodeJacobian,
+    truth: &mut dyn NodeJacobian,
+    bound: f64,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let n = model.dof();
+    let mut findings = Findings::default();
+    each_pair(model, jacobian, truth, options, &mut |at, ours, truth| {
+        for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
+            for (by, a, b) in pairs(ours, truth) {
+                let quantity = format!("{name}: d{part}/{by}");
+                let (a, b) = (a.rows(row, n), b.rows(row, n));
+                findings.compare_above(bound, &quantity, at, a.as_view(), b.as_view(), 0.0);
+            }
+        }
+    })?;
+    Ok(findings.all)
+}
+
+/// Central differences are held to less: they lose what is small beside the largest entry of all blocks.
+fn check_differences(model: &Model, name: &str, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let mut findings = Findings::default();
+    let jacobian = &mut CentralDifference::new(model);
+    let duals = &mut ForwardDual::new(model);
+    each_pair(model, jacobian, duals, options, &mut |at, ours, truth| {
+        let pairs = pairs(ours, truth);
+        let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
+        for (by, a, b) in pairs {
+            let quantity = format!("{name}: dOmega/{by}");
+            let (a, b) = (a.as_view(), b.as_view());
+            findings.compare_above(DIFFERENCE_BOUND, &quantity, at, a, b, largest);
+        }
+    })?;
+    Ok(findings.all)
+}
+
+/// The blocks of two Jacobians by the name of what they are derivatives in.
+fn pairs<'a>(
+    a: &'a NodeBlocks,
+    b: &'a NodeBlocks,
+) -> [(&'static str, &'a DMatrix<f64>, &'a DMatrix<f64>); 3] {
+    [
+        ("dx", &a.dx, &b.dx),
+        ("dxdot", &a.dxdot, &b.dxdot),
+        ("dxddot", &a.dxddot, &b.dxddot),
+    ]
+}
+
+/// Evaluates two Jacobians at all states and penalties and shows what they give to `look`.
+fn each_pair(
+    model: &Model,
+    jacobian: &mut dyn NodeJacobian,
+    truth: &mut dyn NodeJacobian,
+    options: &CheckOptions,
+    look: &mut dyn FnMut(At<'_>, &NodeBlocks, &NodeBlocks),
+) -> Result<()> {
+    let (mut a, mut b) = (NodeBlocks::new(model.dof()), NodeBlocks::new(model.dof()));
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        for k in &options.penalties {
+            jacobian.at(state.node(), *k, &mut a)?;
+            truth.at(state.node(), *k, &mut b)?;
+            let at = At {
+                k: Some(*k),
+                sample,
+                state,
+            };
+            look(at, &a, &b);
+        }
+    }
+    Ok(())
+}
+
+/// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, and
+/// every Jacobian of [`JacobianKind`]. Duals of the control form are themselves compared with duals of Algorithm B1.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let mut findings = check_dynamics(model, options)?;
+    for (name, kind) in JacobianKind::by_name() {
+        findings.extend(match kind {
+            JacobianKind::Difference => check_differences(model, &name, options)?,
+            JacobianKind::Dual => {
+                let b1 = &mut ForwardDual::of(AlgorithmB1::new(model), model.dof());
+                compare_jacobians(
+                    model,
+                    &name,
+                    &mut ForwardDual::new(model),
+                    b1,
+                    FORMS_BOUND,
+                    options,
+                )?
+            }
+            _ => check_jacobian(model, &name, kind.build(model).as_mut(), options)?,
+        });
+    }
+    Ok(findings)
+}

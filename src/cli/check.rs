@@ -1,0 +1,67 @@
+//! `aghf check`.
+
+use super::{OFF, print, print_json};
+use crate::aghf::check::{CheckOptions, check_all};
+use crate::error::{Error, Result};
+use crate::report::check_table;
+use crate::scenario::load_robot;
+use clap::Args;
+use serde_json::json;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Compare every analytic derivative with dual numbers at random states of a robot.
+///
+/// Prints the worst relative error of each quantity, the entry where it was and the number of the state that gave it; the same
+/// seed gives the same states. With --json the states are printed too. Exit code 1 when something exceeds its bound.
+#[derive(Debug, Args)]
+pub(super) struct Check {
+    /// A robot that is built in, or the path of a URDF file.
+    robot: String,
+    /// How many random states.
+    #[arg(long, default_value_t = CheckOptions::default().samples)]
+    samples: usize,
+    /// The seed of the states.
+    #[arg(long, default_value_t = CheckOptions::default().seed)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        if self.samples == 0 {
+            return Err(Error::input(
+                "settings",
+                "samples",
+                "it is 0, at least 1 is needed",
+            ));
+        }
+        let (model, _) = load_robot(&self.robot, Path::new(""))?;
+        let options = CheckOptions {
+            samples: self.samples,
+            seed: self.seed,
+            ..CheckOptions::default()
+        };
+        let findings = check_all(&model, &options)?;
+        let passed = findings.iter().all(|f| f.passes());
+        if self.json {
+            let (samples, seed) = (self.samples, self.seed);
+            print_json(&json!({
+                "robot": self.robot,
+                "samples": samples,
+                "seed": seed,
+                "passed": passed,
+                "findings": findings,
+            }))?;
+        } else {
+            print(&check_table(&findings))?;
+        }
+        Ok(if passed {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(OFF)
+        })
+    }
+}
