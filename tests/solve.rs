@@ -2,7 +2,6 @@
 
 mod common;
 
-use aghf::aghf::jacobian::JacobianKind;
 use aghf::model::{Model, pendulum};
 use aghf::pseudospectral::{Chebyshev, Curve};
 use aghf::scenario::{Scenario, builtin_scenarios};
@@ -12,17 +11,6 @@ use aghf::solve::{
 };
 use common::robot;
 use nalgebra::DMatrix;
-
-fn settings(p: usize, k: f64, s_max: f64) -> FlowSettings {
-    FlowSettings {
-        p,
-        k,
-        s_max,
-        tolerance: FlowSettings::TOLERANCE,
-        guess: Guess::LineConfiguration,
-        jacobian: JacobianKind::default(),
-    }
-}
 
 fn run(problem: &Problem<'_>, settings: &FlowSettings) -> FlowSolution {
     flow(problem, settings, &mut |_| ())
@@ -59,7 +47,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     let model = robot("pendulum_2");
     let problem = swing_up(&model);
     let mut seen = Vec::new();
-    let solution = flow(&problem, &settings(9, 1e5, 10.0), &mut |record| {
+    let solution = flow(&problem, &FlowSettings::new(9, 1e5, 10.0), &mut |record| {
         seen.push(record)
     });
     let solution = solution.expect("valid").expect("it reaches its end");
@@ -89,7 +77,7 @@ fn a_long_flow_comes_to_rest() {
     let problem = swing_up(&model);
     let tight = FlowSettings {
         tolerance: 1e-9,
-        ..settings(8, 100.0, 1e3)
+        ..FlowSettings::new(8, 100.0, 1e3)
     };
     let curve = run(&problem, &tight).curve;
     let size = |x: &DMatrix<f64>| {
@@ -127,7 +115,7 @@ fn a_tighter_tolerance_changes_little() {
             &problem,
             &FlowSettings {
                 tolerance,
-                ..settings(9, 1e9, 0.1)
+                ..FlowSettings::new(9, 1e9, 0.1)
             },
         )
     };
@@ -234,7 +222,7 @@ fn a_flow_that_is_not_finite_says_where() {
     let model = robot("pendulum_2");
     let problem =
         Problem::new(&model, vec![0.5, 1.0, 1e200, 0.0], vec![0.0; 4], 2.0).expect("finite");
-    let failure = flow(&problem, &settings(5, 1e3, 1.0), &mut |_| ())
+    let failure = flow(&problem, &FlowSettings::new(5, 1e3, 1.0), &mut |_| ())
         .expect("valid")
         .expect_err("overflows");
     assert_eq!(failure.s, 0.0);
@@ -252,7 +240,7 @@ fn a_flow_that_is_not_finite_says_where() {
 fn a_flow_that_stops_on_the_way_keeps_its_last_curve() {
     let model = robot("pendulum_5");
     let problem = swing_up(&model);
-    let failure = flow(&problem, &settings(15, 1e5, 100.0), &mut |_| ()).expect("valid");
+    let failure = flow(&problem, &FlowSettings::new(15, 1e5, 100.0), &mut |_| ()).expect("valid");
     let failure = failure.expect_err("it does not reach its end");
     assert!(failure.s > 1.0 && failure.s < 100.0, "{}", failure.s);
     assert_eq!(failure.history.last().map(|r| r.s), Some(failure.s));
@@ -278,13 +266,13 @@ fn bad_problems_and_settings_are_errors() {
     refused(&state, &state, -1.0, "horizon: it is -1");
     let problem = Problem::new(&model, state.clone(), state, 1.0).expect("valid");
     let bad = [
-        (settings(1, 1.0, 1.0), "p: it is 1"),
-        (settings(5, 0.0, 1.0), "k: it is 0"),
-        (settings(5, 1.0, f64::NAN), "s_max: it is NaN"),
+        (FlowSettings::new(1, 1.0, 1.0), "p: it is 1"),
+        (FlowSettings::new(5, 0.0, 1.0), "k: it is 0"),
+        (FlowSettings::new(5, 1.0, f64::NAN), "s_max: it is NaN"),
         (
             FlowSettings {
                 tolerance: -1.0,
-                ..settings(5, 1.0, 1.0)
+                ..FlowSettings::new(5, 1.0, 1.0)
             },
             "tolerance: it is -1",
         ),

@@ -6,6 +6,8 @@
 mod algorithm_b1;
 pub mod check;
 mod control_form;
+mod definition;
+pub mod guide;
 pub mod jacobian;
 mod lagrangian;
 mod node;
@@ -13,6 +15,7 @@ mod theorem_b3;
 
 pub use algorithm_b1::AlgorithmB1;
 pub use control_form::ControlForm;
+pub use definition::{ControlEffort, Definition, Lagrangian};
 pub use lagrangian::{lagrangian, lagrangian_of_control};
 pub use node::Node;
 pub use theorem_b3::TheoremB3;

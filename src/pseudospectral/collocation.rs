@@ -86,7 +86,12 @@ impl<C: Scalar, S: Over<C>> Collocation<C, S> {
     ///
     /// # Errors
     /// `out` has the wrong length, or `rhs` is for another model.
-    pub fn rates(&self, rhs: &mut impl RightHandSide<C, S>, k: C, out: &mut [S]) -> Result<()> {
+    pub fn rates(
+        &self,
+        rhs: &mut (impl RightHandSide<C, S> + ?Sized),
+        k: C,
+        out: &mut [S],
+    ) -> Result<()> {
         check_length("rates", self.unknowns(), out.len())?;
         for (i, omega) in self.interior().zip(out.chunks_exact_mut(self.xi.nrows())) {
             rhs.omega(self.node(i), k, omega)?;

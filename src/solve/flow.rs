@@ -3,7 +3,7 @@
 use super::integrate::{Failure, Ode, Statistics, Tolerance, integrate};
 use super::{Guess, Problem};
 use crate::aghf::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use crate::aghf::{ControlForm, lagrangian_of_control};
+use crate::aghf::{ControlForm, RightHandSide, lagrangian_of_control};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
 use crate::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian};
@@ -35,6 +35,25 @@ pub struct FlowSettings {
 impl FlowSettings {
     /// The tolerance that the paper uses, and the default.
     pub const TOLERANCE: f64 = 1e-4;
+
+    /// Settings with the default tolerance, guess and Jacobian.
+    #[must_use]
+    pub fn new(p: usize, k: f64, s_max: f64) -> Self {
+        Self {
+            p,
+            k,
+            s_max,
+            tolerance: Self::TOLERANCE,
+            guess: Guess::default(),
+            jacobian: JacobianKind::default(),
+        }
+    }
+
+    /// The same with another Jacobian.
+    #[must_use]
+    pub fn with_jacobian(self, jacobian: JacobianKind) -> Self {
+        Self { jacobian, ..self }
+    }
 
     /// # Errors
     /// A number is not positive and finite.
@@ -102,18 +121,43 @@ impl fmt::Display for FlowFailure {
 
 impl std::error::Error for FlowFailure {}
 
-/// Runs the flow (Algorithm B3) from the guess to `s_max`; `observe` is called at each value of `s` of the history.
-///
-/// The outer error is bad input. The inner one is a flow that could not be carried to its end; it keeps the last good
-/// curve.
+/// What comes of a flow: a curve, or a flow that could not be carried to its end, which keeps the last good curve.
+pub type FlowOutcome = std::result::Result<FlowSolution, Box<FlowFailure>>;
+
+/// Runs the flow (Algorithm B3) from the guess to `s_max` with the control form of $\Omega$ and the Jacobian that the settings
+/// name; `observe` is called at each value of `s` of the history.
 ///
 /// # Errors
-/// A setting is not positive and finite, or the degree is below 2.
+/// A setting is not positive and finite, or the degree is out of range.
 pub fn flow(
     problem: &Problem<'_>,
     settings: &FlowSettings,
     observe: &mut dyn FnMut(FlowRecord),
-) -> Result<std::result::Result<FlowSolution, Box<FlowFailure>>> {
+) -> Result<FlowOutcome> {
+    let model = problem.model();
+    let jacobian = &mut *settings.jacobian.build(model);
+    flow_with(
+        problem,
+        settings,
+        &mut ControlForm::new(model),
+        jacobian,
+        observe,
+    )
+}
+
+/// Runs the flow of any right-hand side with any Jacobian of it. The history tells the paper's action whatever the
+/// right-hand side is. See the guide on [Jacobians](crate::aghf::guide::your_own_jacobian) and
+/// [Lagrangians](crate::aghf::guide::your_own_lagrangian).
+///
+/// # Errors
+/// As [`flow`], or `rhs` or `jacobian` is for another robot.
+pub fn flow_with(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    rhs: &mut dyn RightHandSide<f64, f64>,
+    jacobian: &mut dyn NodeJacobian,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
     settings.check()?;
     let model = problem.model();
     let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
@@ -122,8 +166,8 @@ pub fn flow(
     let interior = guess.columns_range(collocation.interior());
     let unknowns: Vec<f64> = interior.iter().copied().collect();
     let mut system = CollocatedFlow {
-        rhs: ControlForm::new(model),
-        jacobian: settings.jacobian.build(model),
+        rhs,
+        jacobian,
         blocks: NodeBlocks::new(model.dof()),
         collocation: collocation.clone(),
         k: settings.k,
@@ -182,9 +226,9 @@ fn outputs(s_max: f64) -> Vec<f64> {
 }
 
 /// The collocated flow as the integrator sees it.
-struct CollocatedFlow<'m> {
-    rhs: ControlForm<'m, f64, f64>,
-    jacobian: Box<dyn NodeJacobian + 'm>,
+struct CollocatedFlow<'a> {
+    rhs: &'a mut dyn RightHandSide<f64, f64>,
+    jacobian: &'a mut dyn NodeJacobian,
     blocks: NodeBlocks,
     collocation: Collocation<f64, f64>,
     k: f64,
@@ -205,7 +249,7 @@ impl Ode for CollocatedFlow<'_> {
         } = self;
         let rates = collocation
             .set(y)
-            .and_then(|()| collocation.rates(rhs, *k, dy));
+            .and_then(|()| collocation.rates(*rhs, *k, dy));
         if let Err(error) = rates {
             dy.fill(f64::NAN);
             self.error = Some(error);
@@ -221,7 +265,7 @@ impl Ode for CollocatedFlow<'_> {
             ..
         } = self;
         let assembled = (collocation.set(y))
-            .and_then(|()| assemble_jacobian(collocation, jacobian.as_mut(), *k, blocks, jac));
+            .and_then(|()| assemble_jacobian(collocation, *jacobian, *k, blocks, jac));
         if let Err(error) = assembled {
             jac.fill(f64::NAN);
             self.error = Some(error);

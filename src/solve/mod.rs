@@ -7,7 +7,9 @@ mod problem;
 mod simulate;
 
 pub use control::{Effort, Sample, control_at, measure, sample};
-pub use flow::{FlowFailure, FlowRecord, FlowSettings, FlowSolution, flow, output_count};
+pub use flow::{
+    FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_with, output_count,
+};
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, simulate};
