@@ -5,42 +5,61 @@
 //! (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
 //!
 //! Every function takes the model, a [`Data`] for scratch, its arguments and its results. Nothing is left behind in
-//! the scratch, so nothing can go stale, and nothing is allocated.
+//! the scratch, so nothing can go stale, and nothing is allocated where the algorithm does not say so.
+//!
+//! Second derivatives come as explicit tensors, whose index convention [`Tensor3`] and [`Tensor4`] share: a derivative index
+//! comes last.
 
 mod aba;
 mod aba_derivatives;
+mod aba_second_derivatives;
+mod cdot_derivatives;
 mod crba;
 mod crba_contracted;
 mod crba_derivatives;
+mod crba_second_derivatives;
 mod data;
 mod energy;
+mod hdot_derivatives;
 mod kinematics;
 mod rnea;
 mod rnea_contracted;
 mod rnea_derivatives;
+mod rnea_second_derivatives;
+mod tensor;
 
 pub use aba::aba;
 pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
+pub use aba_second_derivatives::{ForwardDynamicsSecondDerivatives, aba_second_derivatives};
+pub use cdot_derivatives::{BiasRateDerivatives, cdot_derivatives};
 pub use crba::crba;
 pub use crba_contracted::crba_contracted;
 pub use crba_derivatives::crba_derivatives;
+pub use crba_second_derivatives::{MassMatrixDerivatives, crba_second_derivatives};
 pub use data::Data;
 pub use energy::{kinetic_energy, potential_energy};
+pub use hdot_derivatives::hdot_derivatives;
 pub use kinematics::{forward_kinematics, frame_placement};
 pub use rnea::{bias, rnea};
 pub use rnea_contracted::{
     ContractedGradient, ContractedHessian, rnea_contracted_gradient, rnea_contracted_hessian,
 };
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
-
-#[cfg(doc)]
-use crate::scalar::Scalar;
+pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_derivatives};
+pub use tensor::{Tensor3, Tensor4};
 
 use crate::error::{Result, check_length};
+use crate::model::Model;
+use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
 /// Checks that a result is an `n` by `n` matrix.
 pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>) -> Result<()> {
     check_length(what, n, matrix.nrows())?;
     check_length(what, n, matrix.ncols())
+}
+
+/// Joint `from` and the joints it hangs from, up to the base.
+fn path_to_base<C: Scalar>(model: &Model<C>, from: usize) -> impl Iterator<Item = usize> + '_ {
+    std::iter::successors(Some(from), |i| model.joints()[*i].parent())
 }

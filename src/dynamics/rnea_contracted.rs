@@ -26,7 +26,7 @@
 //!
 //! and the other half of each block follows from the symmetry of second derivatives.
 
-use super::{Data, check_square, kinematics};
+use super::{Data, check_square};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -206,11 +206,8 @@ impl<S: Scalar> Data<S> {
     where
         S: Over<C>,
     {
-        self.place(model, q)?;
-        self.add_velocities(model, v)?;
-        self.add_accelerations(model, v, a)?;
+        self.prepare_derivatives(model, q, v, a)?;
         self.add_virtual_velocities(model, w)?;
-        self.add_forces();
         for (force, (coriolis, mu)) in self
             .virtual_forces
             .iter_mut()
@@ -218,7 +215,6 @@ impl<S: Scalar> Data<S> {
         {
             *force = coriolis.apply_transpose(mu) * S::from_f64(2.0);
         }
-        self.accelerations_to_axes(model, &kinematics::base_acceleration(model));
         Ok(())
     }
 }

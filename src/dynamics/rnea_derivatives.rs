@@ -8,7 +8,7 @@ use super::{Data, check_square, kinematics};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::{Coriolis, Motion};
+use crate::spatial::Coriolis;
 use nalgebra::{DMatrix, DVector};
 
 /// Inverse dynamics and its first derivatives.
@@ -56,11 +56,7 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
         check_square(what, n, matrix)?;
         matrix.fill(S::zero());
     }
-    data.place(model, q)?;
-    data.add_velocities(model, v)?;
-    data.add_accelerations(model, v, a)?;
-    data.add_forces();
-    data.accelerations_to_axes(model, &kinematics::base_acceleration(model));
+    data.prepare_derivatives(model, q, v, a)?;
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, rate, rate2) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
@@ -93,26 +89,38 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// Coriolis matrices and forces of the bodies, after [`add_accelerations`](Self::add_accelerations).
-    pub(super) fn add_forces(&mut self) {
-        for i in 0..self.forces.len() {
-            let (inertia, velocity) = (&self.inertias[i], &self.velocities[i]);
-            let coriolis = Coriolis::new(inertia, velocity);
+    /// What the derivatives of inverse dynamics are sums of: the axes $S$ and their rates, the inertias, Coriolis matrices
+    /// and forces of the bodies, and in `accelerations` $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot
+    /// \Psi_i$ for each joint.
+    pub(super) fn prepare_derivatives<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        q: &[S],
+        v: &[S],
+        a: &[S],
+    ) -> Result<()>
+    where
+        S: Over<C>,
+    {
+        self.place(model, q)?;
+        self.add_velocities(model, v)?;
+        self.add_accelerations(model, v, a)?;
+        for i in 0..model.dof() {
+            let (inertia, velocity) = (self.inertias[i], &self.velocities[i]);
+            let coriolis = Coriolis::new(&inertia, velocity);
             // B v is the velocity product force.
             self.forces[i] = inertia.apply(&self.accelerations[i]) + coriolis.apply(velocity);
             self.coriolis[i] = coriolis;
         }
-    }
-
-    /// Turns the accelerations of the bodies into those of the axes,
-    /// $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot\Psi_i$.
-    pub(super) fn accelerations_to_axes<C: Scalar>(&mut self, model: &Model<C>, base: &Motion<S>) {
+        // From here on the accelerations become Psi''.
+        let base = kinematics::base_acceleration(model);
         for (i, joint) in model.joints().iter().enumerate().rev() {
-            let (axis, rate) = (&self.axes[i], &self.axis_rates[i]);
+            let (axis, rate) = (self.axes[i], self.axis_rates[i]);
             self.accelerations[i] = match joint.parent() {
-                Some(p) => self.accelerations[p].cross(axis) + self.velocities[p].cross(rate),
-                None => base.cross(axis),
+                Some(p) => self.accelerations[p].cross(&axis) + self.velocities[p].cross(&rate),
+                None => base.cross(&axis),
             };
         }
+        Ok(())
     }
 }

@@ -1,0 +1,24 @@
+//! The derivative of the rate of the mass matrix (get_Hdot_D in the supplement).
+
+use super::{Tensor3, Tensor4};
+use crate::error::Result;
+use crate::scalar::Scalar;
+
+/// The derivative of $\dot H = \sum_l \partial H / \partial q_l\, \dot q_l$ in `q`,
+///
+/// $$ \frac{\partial \dot H_{ij}}{\partial q_k} = \sum_l \frac{\partial^2 H_{ij}}{\partial q_k\, \partial q_l} \dot q_l, $$
+///
+/// from $\partial^2 H / \partial q^2$ and the `N` entries of $\dot q$, into `out`; line 6 of Algorithm B2. Cost O(N^4).
+///
+/// # Errors
+/// The lengths differ.
+pub fn hdot_derivatives<S: Scalar>(
+    d2h: &Tensor4<S>,
+    qdot: &[S],
+    out: &mut Tensor3<S>,
+) -> Result<()> {
+    d2h.check("d2h", qdot.len())?;
+    out.check("out", qdot.len())?;
+    d2h.times_fourth(qdot, out);
+    Ok(())
+}
