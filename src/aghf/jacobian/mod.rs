@@ -3,10 +3,12 @@
 mod control_form;
 mod difference;
 mod dual;
+pub mod theorem_b4;
 
 pub use control_form::ControlForm;
 pub use difference::CentralDifference;
 pub use dual::ForwardDual;
+pub use theorem_b4::TheoremB4;
 
 use super::Node;
 use crate::dynamics::check_square;
@@ -80,6 +82,10 @@ pub enum JacobianKind {
     ControlForm,
     /// Dual numbers, eight tangents at a time.
     Dual,
+    /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
+    #[value(name = "theorem-b4")]
+    #[serde(rename = "theorem-b4")]
+    TheoremB4,
     /// Central differences of order four, for comparison only.
     Difference,
 }
@@ -100,6 +106,7 @@ impl JacobianKind {
             Self::ControlForm => Box::new(ControlForm::new(model)),
             Self::Difference => Box::new(CentralDifference::new(model)),
             Self::Dual => Box::new(ForwardDual::new(model)),
+            Self::TheoremB4 => Box::new(TheoremB4::new(model)),
         }
     }
 }
