@@ -13,17 +13,16 @@ use common::{config, model_and_state, relative_error, robot, robots};
 use nalgebra::{DMatrix, DVector};
 use num_dual::HyperDual64;
 use proptest::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How far the tensors of inverse dynamics may be off, relative to their largest entry.
 const BOUND: f64 = 1e-9;
 
-/// What rounding leaves of three solves with `H`.
+/// What rounding leaves of the solves with `H`.
 fn solve_bound(model: &Model, q: &[f64]) -> f64 {
     let mut h = DMatrix::zeros(model.dof(), model.dof());
     crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
     let eigenvalues = h.symmetric_eigenvalues();
-    BOUND + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
+    BOUND + 1e-13 * eigenvalues.max() / eigenvalues.min()
 }
 
 /// The mixed second derivative of `f` at `x` along two directions.
@@ -91,17 +90,8 @@ fn mass_tensors(model: &Model, q: &[f64], v: &[f64]) -> MassMatrixDerivatives<f6
     out
 }
 
-/// The largest error of every property, printed so that a report can quote it.
-static WORST: AtomicU64 = AtomicU64::new(0);
-
-/// Asserts that `a` is `b` and remembers the error.
 fn close(what: &str, a: &[f64], b: &[f64], bound: f64) {
     let error = relative_error(a, b);
-    // Errors are positive, so their bits are in order.
-    let before = WORST.fetch_max(error.to_bits(), Ordering::Relaxed);
-    if f64::from_bits(before) < error {
-        println!("{what}: worst so far {error:e}, bound {bound:e}");
-    }
     assert!(
         error <= bound,
         "{what} is off by {error:e}, bound {bound:e}"
@@ -314,80 +304,6 @@ fn all_robots_at_the_states_that_hide_terms() {
             check_rates(&model, &[q, v.clone()].concat(), &[v, a].concat());
         }
     }
-}
-
-/// Every contraction against its sum, on a tensor without any symmetry.
-#[test]
-fn contractions_are_the_sums_that_they_say() {
-    let n = 3;
-    let (mut t3, mut t4) = (Tensor3::new(n), Tensor4::new(n));
-    let number = |i: usize| ((i as f64 + 1.0) * 0.77).sin();
-    let mut count = 0;
-    for i in 0..n {
-        for j in 0..n {
-            for k in 0..n {
-                t3[(i, j, k)] = number(count);
-                for l in 0..n {
-                    t4[(i, j, k, l)] = number(100 + count);
-                    count += 1;
-                }
-            }
-        }
-    }
-    let w = DVector::from_vec(vec![0.3, -1.1, 2.0]);
-    let u = DVector::from_vec(vec![0.9, 0.4, -0.6]);
-    let m = DMatrix::from_fn(n, n, |i, j| number(200 + i + 7 * j));
-    let sum = |f: &dyn Fn(usize) -> f64| (0..n).map(f).sum::<f64>();
-    let matrix = |f: &dyn Fn(usize, usize) -> f64| DMatrix::from_fn(n, n, f);
-    let tensor = |f: &dyn Fn(usize, usize, usize) -> f64| {
-        let mut t = Tensor3::new(n);
-        for i in 0..n {
-            for j in 0..n {
-                for k in 0..n {
-                    t[(i, j, k)] = f(i, j, k);
-                }
-            }
-        }
-        t
-    };
-    let (a, b) = (&t3, &t4);
-    let same = |x: &DMatrix<f64>, y: &DMatrix<f64>| assert_close!(x, y, 1e-15);
-    same(
-        &a.times_first(&w),
-        &matrix(&|j, k| sum(&|i| a[(i, j, k)] * w[i])),
-    );
-    same(
-        &a.times_second(&w),
-        &matrix(&|i, k| sum(&|j| a[(i, j, k)] * w[j])),
-    );
-    same(
-        &a.times_third(&w),
-        &matrix(&|i, j| sum(&|k| a[(i, j, k)] * w[k])),
-    );
-    same(
-        &b.times_first_and_second(&u, &w),
-        &matrix(&|k, l| sum(&|i| sum(&|j| b[(i, j, k, l)] * u[i] * w[j]))),
-    );
-    let same = |x: &Tensor3<f64>, y: &Tensor3<f64>| assert_close!(x.entries(), y.entries(), 1e-15);
-    same(
-        &a.map_first(&m),
-        &tensor(&|i, j, k| sum(&|l| m[(i, l)] * a[(l, j, k)])),
-    );
-    same(
-        &a.map_second(&m),
-        &tensor(&|i, j, k| sum(&|l| a[(i, l, k)] * m[(l, j)])),
-    );
-    same(&a.swap_last(), &tensor(&|i, j, k| a[(i, k, j)]));
-    let mut fourth = Tensor3::new(n);
-    b.times_fourth(w.as_slice(), &mut fourth);
-    same(
-        &fourth,
-        &tensor(&|i, j, k| sum(&|l| b[(i, j, k, l)] * w[l])),
-    );
-    same(
-        &(a.clone() + &fourth),
-        &tensor(&|i, j, k| a[(i, j, k)] + fourth[(i, j, k)]),
-    );
 }
 
 /// A pendulum of one link by hand: `ID = m l^2 a + m g l cos q` with `l` half a metre.

@@ -15,7 +15,8 @@ use nalgebra::{DMatrix, DVector};
 /// The quantities that Theorem B4 is written in, at one node.
 ///
 /// Vectors have `N` entries, matrices are `N` by `N`. Tensors follow the convention of [`Tensor3`]: a derivative index
-/// comes last. The blocks of the theorem are methods; they return new matrices.
+/// comes last. The blocks of the theorem are methods; they return new matrices and cost O(N^3), (B59) and what uses it
+/// O(N^4).
 #[derive(Clone, Debug)]
 pub struct Quantities<S: Scalar> {
     /// $x_{P2}$.
