@@ -80,12 +80,10 @@ pub enum JacobianKind {
     /// Analytic, by contracted second derivatives of inverse dynamics.
     #[default]
     ControlForm,
+    /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
+    TheoremB4,
     /// Dual numbers, eight tangents at a time.
     Dual,
-    /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
-    #[value(name = "theorem-b4")]
-    #[serde(rename = "theorem-b4")]
-    TheoremB4,
     /// Central differences of order four, for comparison only.
     Difference,
 }
@@ -104,9 +102,9 @@ impl JacobianKind {
     pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
         match self {
             Self::ControlForm => Box::new(ControlForm::new(model)),
+            Self::TheoremB4 => Box::new(TheoremB4::new(model)),
             Self::Difference => Box::new(CentralDifference::new(model)),
             Self::Dual => Box::new(ForwardDual::new(model)),
-            Self::TheoremB4 => Box::new(TheoremB4::new(model)),
         }
     }
 }
