@@ -2,6 +2,7 @@
 
 mod common;
 
+use aghf::aghf::jacobian::JacobianKind;
 use aghf::model::{Model, pendulum};
 use aghf::pseudospectral::{Chebyshev, Curve};
 use aghf::scenario::{Scenario, builtin_scenarios};
@@ -299,5 +300,27 @@ fn every_built_in_scenario_succeeds() {
             summary.final_error_inf, summary.open_loop_error_inf
         );
         assert!(summary.success, "{name}: {summary:?}");
+    }
+}
+
+/// Acceptance: the same solve with each Jacobian ends at the same curve, to the tolerance.
+#[test]
+fn every_jacobian_gives_the_same_curve() {
+    for name in ["kinova_free_01", "digit_free_stretch"] {
+        let scenario = Scenario::load(name).expect("built in");
+        let problem = scenario.problem().expect("valid");
+        let parameters = scenario.file.flow;
+        let settings = FlowSettings::new(parameters.p, parameters.k, parameters.s_max);
+        let reference = run(&problem, &settings).curve;
+        for (kind_name, kind) in JacobianKind::by_name() {
+            let curve = run(&problem, &settings.with_jacobian(kind)).curve;
+            // The integrator's error test is relative to entries of up to about ten.
+            let difference = (curve.x() - reference.x()).amax();
+            println!("{name}, {kind_name}: {difference:e}");
+            assert!(
+                difference < 10.0 * FlowSettings::TOLERANCE,
+                "{name}, {kind_name}: {difference:e}"
+            );
+        }
     }
 }

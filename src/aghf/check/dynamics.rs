@@ -1,5 +1,6 @@
 //! The derivatives of the dynamics against dual numbers.
 
+use super::tensors::second_derivatives;
 use super::{At, CheckOptions, Finding, Findings, State};
 use crate::aghf::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::dynamics::{
@@ -29,6 +30,7 @@ pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Findi
         forward_dynamics(model, at, &mut findings)?;
         mass_matrix(model, at, &mut findings)?;
         contractions(model, at, &mut findings)?;
+        second_derivatives(model, at, &mut findings)?;
         for k in &options.penalties {
             omega(model, *k, At { k: Some(*k), ..at }, &mut findings)?;
         }
@@ -174,13 +176,13 @@ fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<(
 }
 
 /// `q`, `v` and `a` behind one another.
-fn state_of(at: At<'_>) -> Vec<f64> {
+pub(super) fn state_of(at: At<'_>) -> Vec<f64> {
     let node = at.state.node();
     [node.x, node.xdot_p2()].concat()
 }
 
 /// Three parts of equal length.
-fn split<S>(state: &[S]) -> (&[S], &[S], &[S]) {
+pub(super) fn split<S>(state: &[S]) -> (&[S], &[S], &[S]) {
     let n = state.len() / 3;
     (&state[..n], &state[n..2 * n], &state[2 * n..])
 }
@@ -190,7 +192,10 @@ fn zeros(n: usize) -> Vec<Dual64> {
 }
 
 /// The Jacobian of `f` at `x`, one dual number a column.
-fn by_duals(x: &[f64], f: impl Fn(&[Dual64]) -> Result<Vec<Dual64>>) -> Result<DMatrix<f64>> {
+pub(super) fn by_duals(
+    x: &[f64],
+    f: impl Fn(&[Dual64]) -> Result<Vec<Dual64>>,
+) -> Result<DMatrix<f64>> {
     let mut input: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
     let mut columns = Vec::with_capacity(x.len());
     for j in 0..x.len() {

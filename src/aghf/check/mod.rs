@@ -5,6 +5,7 @@
 //! `1 / k`, in which a wrong term of the others would drown.
 
 mod dynamics;
+mod tensors;
 
 pub use dynamics::check_dynamics;
 

@@ -1,0 +1,115 @@
+//! The explicit tensors of second derivatives against dual numbers of the first ones.
+
+use super::dynamics::{by_duals, split, state_of};
+use super::{At, Findings};
+use crate::dynamics::{
+    Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, Tensor3, aba_derivatives,
+    aba_second_derivatives, crba, crba_second_derivatives, rnea_derivatives,
+    rnea_second_derivatives,
+};
+use crate::error::Result;
+use crate::model::Model;
+use nalgebra::{DMatrix, DMatrixView};
+use num_dual::Dual64;
+
+/// Compares the second derivatives of inverse and forward dynamics and of the mass matrix.
+pub(super) fn second_derivatives(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    inverse_dynamics(model, at, findings)?;
+    forward_dynamics(model, at, findings)?;
+    mass_matrix(model, at, findings)
+}
+
+fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let state = state_of(at);
+    let (q, v, a) = split(&state);
+    let mut second = InverseDynamicsSecondDerivatives::new(n);
+    rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut second)?;
+    let truth = by_duals(&state, |state| {
+        let (q, v, a) = split(state);
+        let mut id = InverseDynamicsDerivatives::new(n);
+        rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
+        Ok(entries([&id.dq, &id.dv, &id.h]))
+    })?;
+    let blocks = [
+        ("dqdq", &second.dqdq, 0, 0),
+        ("dqdv", &second.dqdv, 0, n),
+        ("dvdv", &second.dvdv, 1, n),
+        ("dadq", &second.dadq, 2, 0),
+    ];
+    for (name, tensor, block, column) in blocks {
+        let quantity = format!("inverse dynamics: d2/{name}");
+        let truth = truth.view((block * n * n, column), (n * n, n));
+        findings.compare(&quantity, at, unfold(tensor, n), truth);
+    }
+    Ok(())
+}
+
+/// The second derivatives of forward dynamics at a given torque.
+fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let state = state_of(at);
+    let (q, v, tau) = split(&state);
+    let mut fd = ForwardDynamicsDerivatives::new(n);
+    let mut id = InverseDynamicsSecondDerivatives::new(n);
+    let mut second = ForwardDynamicsSecondDerivatives::new(n);
+    aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
+    rnea_second_derivatives(model, &mut Data::new(model), q, v, fd.a.as_slice(), &mut id)?;
+    aba_second_derivatives(&fd, &id, &mut second)?;
+    let truth = by_duals(&state, |state| {
+        let (q, v, tau) = split(state);
+        let mut fd = ForwardDynamicsDerivatives::new(n);
+        aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
+        Ok(entries([&fd.dq, &fd.dv]))
+    })?;
+    let blocks = [
+        ("dqdq", &second.dqdq, 0, 0),
+        ("dqdv", &second.dqdv, 0, n),
+        ("dvdv", &second.dvdv, 1, n),
+    ];
+    for (name, tensor, block, column) in blocks {
+        let quantity = format!("forward dynamics: d2/{name}");
+        let truth = truth.view((block * n * n, column), (n * n, n));
+        findings.compare(&quantity, at, unfold(tensor, n), truth);
+    }
+    Ok(())
+}
+
+fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let node = at.state.node();
+    let (q, w) = (node.x_p1(), node.xdot_p1());
+    let mut mass = MassMatrixDerivatives::new(n);
+    crba_second_derivatives(model, &mut Data::new(model), q, w, &mut mass)?;
+    let truth = by_duals(q, |q| {
+        let mut h = DMatrix::zeros(n, n);
+        crba(model, &mut Data::new(model), q, &mut h)?;
+        Ok(entries([&h]))
+    })?;
+    findings.compare(
+        "mass matrix: dH/dq",
+        at,
+        unfold(&mass.dq, n),
+        truth.as_view(),
+    );
+    let truth = by_duals(q, |q| {
+        let mut mass = MassMatrixDerivatives::new(n);
+        let w: Vec<Dual64> = w.iter().map(|w| Dual64::from(*w)).collect();
+        crba_second_derivatives(model, &mut Data::new(model), q, &w, &mut mass)?;
+        Ok(mass.dq.entries().to_vec())
+    })?;
+    let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
+    findings.compare("mass matrix: d2H/dqdq", at, ours, truth.as_view());
+    Ok(())
+}
+
+/// The entries of matrices behind one another, columns first.
+fn entries<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> Vec<Dual64> {
+    matrices.into_iter().flatten().copied().collect()
+}
+
+/// A tensor as a matrix with a column for each value of the last index.
+fn unfold(tensor: &Tensor3<f64>, n: usize) -> DMatrixView<'_, f64> {
+    DMatrixView::from_slice(tensor.entries(), n * n, n)
+}
