@@ -2,6 +2,7 @@
 
 mod check;
 mod eval;
+mod prove;
 mod robots;
 mod solve;
 
@@ -35,6 +36,7 @@ enum Command {
     Robots(robots::Robots),
     Eval(eval::Eval),
     Check(check::Check),
+    Prove(prove::Prove),
 }
 
 /// Runs the command line and returns its exit code.
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
         Command::Robots(robots) => robots.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
+        Command::Prove(prove) => prove.run(),
     };
     result.unwrap_or_else(|error: Error| {
         eprintln!("aghf: {error}");

@@ -1,5 +1,6 @@
 //! Tables for people.
 
+use super::prove::Verdict;
 use crate::aghf::check::Finding;
 use crate::model::{JointKind, Model};
 use crate::scenario::Summary;
@@ -82,6 +83,28 @@ pub fn summary_table(summary: &Summary) -> String {
     }
     for note in &s.outside_limits {
         table.add_row(["outside limits", note]);
+    }
+    table.to_string()
+}
+
+/// What came of proving identities.
+#[must_use]
+pub fn verdict_table(verdicts: &[Verdict]) -> String {
+    let mut table = table();
+    table.set_header(["label", "statement", "entries", "bound", ""]);
+    for v in verdicts {
+        table.add_row([
+            v.label.clone(),
+            v.statement.clone(),
+            v.entries.to_string(),
+            format!("{:.0e}", v.bound),
+            if v.failure.is_none() {
+                "holds"
+            } else {
+                "FAILS"
+            }
+            .to_owned(),
+        ]);
     }
     table.to_string()
 }

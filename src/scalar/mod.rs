@@ -11,9 +11,11 @@
 mod jet;
 mod ldlt;
 mod numeric;
+mod prime_field;
 
 pub use jet::Jet;
 pub use ldlt::Ldlt;
+pub use prime_field::PrimeField;
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_traits::{One, Zero};

@@ -1,0 +1,64 @@
+//! `aghf prove`.
+
+use super::{OFF, print, print_json};
+use crate::error::{Error, Result};
+use crate::report::prove::prove;
+use crate::report::verdict_table;
+use clap::Args;
+use serde_json::json;
+use std::process::ExitCode;
+
+/// Prove every numbered equation over a prime field, at random robots and states, and print the ledger.
+///
+/// Both sides of an equation are computed exactly and compared with ==. A false identity would pass with at most the printed
+/// probability. Exit code 1 when one fails; it says which, under which conventions, and the first entry that differs.
+#[derive(Debug, Args)]
+pub(super) struct Prove {
+    /// How many random points.
+    #[arg(long, default_value_t = 3)]
+    points: usize,
+    /// The seed of the points.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Prove {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        if self.points == 0 {
+            return Err(Error::input(
+                "settings",
+                "points",
+                "it is 0, at least 1 is needed",
+            ));
+        }
+        let verdicts = prove(self.points, self.seed)?;
+        let failures: Vec<&String> = verdicts.iter().filter_map(|v| v.failure.as_ref()).collect();
+        if self.json {
+            print_json(&json!({
+                "points": self.points,
+                "seed": self.seed,
+                "identities": verdicts.len(),
+                "failures": failures.len(),
+                "verdicts": verdicts,
+            }))?;
+        } else {
+            print(&verdict_table(&verdicts))?;
+            for failure in &failures {
+                print(failure)?;
+            }
+            let (all, failed) = (verdicts.len(), failures.len());
+            print(&format!(
+                "{all} identities at {} points, {failed} failures",
+                self.points
+            ))?;
+        }
+        Ok(if failures.is_empty() {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(OFF)
+        })
+    }
+}

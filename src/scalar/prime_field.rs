@@ -1,0 +1,194 @@
+//! The field with $2^{61} - 1$ elements, in which an identity is proved rather than measured.
+
+use super::{Over, Scalar};
+use num_traits::{One, Zero};
+use std::fmt;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// An element of $GF(p)$ with the Mersenne prime $p = 2^{61} - 1$. Arithmetic is exact and `==` means equal.
+///
+/// Rigid-body dynamics are rational functions of their inputs once the sine and cosine of an angle are two numbers with
+/// $s^2 + c^2 = 1$. Two different rational functions of degree `d` agree at a random point of the field with probability
+/// at most `d / p` (Schwartz and Zippel), so agreement at one point is a proof up to that.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct PrimeField(u64);
+
+impl PrimeField {
+    /// How many elements there are: the prime $2^{61} - 1$.
+    pub const ORDER: u64 = (1 << 61) - 1;
+
+    /// The residue of an integer.
+    #[must_use]
+    pub fn new(x: u64) -> Self {
+        Self(x % Self::ORDER)
+    }
+
+    /// The representative from 0 to `ORDER - 1`.
+    #[must_use]
+    pub fn residue(self) -> u64 {
+        self.0
+    }
+
+    /// $x^e$.
+    #[must_use]
+    pub fn power(self, mut exponent: u64) -> Self {
+        let (mut base, mut result) = (self, Self::one());
+        while exponent > 0 {
+            if exponent & 1 == 1 {
+                result *= base;
+            }
+            base *= base;
+            exponent >>= 1;
+        }
+        result
+    }
+
+    /// $x^{-1} = x^{p - 2}$ (Fermat); zero for zero, which has none.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        self.power(Self::ORDER - 2)
+    }
+}
+
+impl fmt::Debug for PrimeField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+impl Add for PrimeField {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        let sum = self.0 + other.0;
+        Self(if sum >= Self::ORDER {
+            sum - Self::ORDER
+        } else {
+            sum
+        })
+    }
+}
+
+impl Sub for PrimeField {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self(if self.0 >= other.0 {
+            self.0 - other.0
+        } else {
+            self.0 + (Self::ORDER - other.0)
+        })
+    }
+}
+
+impl Mul for PrimeField {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let product = u128::from(self.0) * u128::from(other.0);
+        // 2^61 is 1, so the high bits are added to the low ones.
+        let low = (product as u64) & Self::ORDER;
+        let high = (product >> 61) as u64;
+        Self(low) + Self(high)
+    }
+}
+
+impl Div for PrimeField {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        self.times(other.inverse())
+    }
+}
+
+impl PrimeField {
+    /// The product, for where an operator would read as a mistake.
+    #[inline]
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+}
+
+impl Neg for PrimeField {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self::zero() - self
+    }
+}
+
+/// The operators that assign, by those that do not.
+macro_rules! assign {
+    ($($trait:ident $method:ident $op:tt),*) => {$(
+        impl $trait for PrimeField {
+            #[inline]
+            fn $method(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )*};
+}
+
+assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
+
+impl Zero for PrimeField {
+    fn zero() -> Self {
+        Self(0)
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl One for PrimeField {
+    fn one() -> Self {
+        Self(1)
+    }
+}
+
+impl Scalar for PrimeField {
+    /// Exact: a finite `f64` is an integer times a power of two, and two has an inverse. What is not finite has no image;
+    /// such a constant never reaches a model, and gives zero here.
+    fn from_f64(x: f64) -> Self {
+        debug_assert!(x.is_finite(), "{x} is no element of a field");
+        let bits = x.abs().to_bits();
+        let (exponent, fraction) = (bits >> 52, bits & ((1 << 52) - 1));
+        let (integer, power) = match exponent {
+            0 => (fraction, -1074),
+            0x7ff => (0, 0),
+            _ => (fraction | (1 << 52), exponent as i64 - 1075),
+        };
+        // 2^61 is 1, so only the power modulo 61 matters.
+        let magnitude = Self::new(integer) * Self(1 << power.rem_euclid(61));
+        if x.is_sign_negative() {
+            -magnitude
+        } else {
+            magnitude
+        }
+    }
+
+    /// The rational point of the circle with the parameter `self`: $s = 2t / (1 + t^2)$, $c = (1 - t^2) / (1 + t^2)$.
+    fn sin_cos(self) -> (Self, Self) {
+        let square = self * self;
+        let inverse = (Self::one() + square).inverse();
+        ((self + self) * inverse, (Self::one() - square) * inverse)
+    }
+
+    /// A formal function: any value will do, as long as its derivative is $1 - \tanh^2$, which [`Jet`](super::Jet) sees to.
+    fn tanh(self) -> Self {
+        (self + self) * (Self::one() + self * self).inverse()
+    }
+}
+
+impl Over<PrimeField> for PrimeField {
+    #[inline]
+    fn lift(c: Self) -> Self {
+        c
+    }
+
+    #[inline]
+    fn scale(self, c: Self) -> Self {
+        self * c
+    }
+}
