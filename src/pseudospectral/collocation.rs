@@ -119,12 +119,12 @@ fn differentiate<C: Scalar, S: Over<C>>(xi: &DMatrix<S>, d: &DMatrix<C>, out: &m
 ///
 /// # Errors
 /// `out` has the wrong size, or `jacobian` is for another model.
-pub fn assemble_jacobian(
-    collocation: &Collocation<f64, f64>,
-    jacobian: &mut (impl NodeJacobian + ?Sized),
-    k: f64,
-    blocks: &mut NodeBlocks,
-    out: &mut DMatrix<f64>,
+pub fn assemble_jacobian<C: Scalar, S: Over<C>>(
+    collocation: &Collocation<C, S>,
+    jacobian: &mut (impl NodeJacobian<C, S> + ?Sized),
+    k: C,
+    blocks: &mut NodeBlocks<S>,
+    out: &mut DMatrix<S>,
 ) -> Result<()> {
     check_length("jacobian", collocation.unknowns(), out.nrows())?;
     check_length("jacobian", collocation.unknowns(), out.ncols())?;
@@ -135,7 +135,7 @@ pub fn assemble_jacobian(
             let (d, d2) = (collocation.d[(i, j)], collocation.d2[(i, j)]);
             let mut target = out.view_mut(((i - 1) * m, (j - 1) * m), (m, m));
             target.zip_zip_apply(&blocks.dxdot, &blocks.dxddot, |t, dxdot, dxddot| {
-                *t = d * dxdot + d2 * dxddot;
+                *t = dxdot.scale(d) + dxddot.scale(d2);
             });
             if i == j {
                 target += &blocks.dx;

@@ -54,13 +54,13 @@ impl<S: Scalar> NodeBlocks<S> {
     }
 }
 
-/// A way to compute the Jacobian of the right-hand side at one node.
-pub trait NodeJacobian {
+/// A way to compute the Jacobian of the right-hand side at one node, over the scalar `S` for a model with constants `C`.
+pub trait NodeJacobian<C = f64, S: Scalar = f64> {
     /// The three blocks at `node` with penalty `k`, into `out`.
     ///
     /// # Errors
     /// `node` or `out` was made for a model of another size.
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()>;
+    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 
 /// The implementations by name.

@@ -4,6 +4,7 @@
 //! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
 //! equation with its conventions; a test holds pages and identities together.
 
+mod algorithm_b3;
 mod dynamics;
 mod point;
 
@@ -106,6 +107,7 @@ pub struct Verdict {
 pub fn identities() -> Vec<Identity> {
     let mut all = Vec::new();
     all.extend(dynamics::identities());
+    all.extend(algorithm_b3::identities());
     all
 }
 

@@ -63,8 +63,8 @@ impl<'m, C: Scalar, S: Over<C>> TheoremB4<'m, C, S> {
     }
 }
 
-impl NodeJacobian for TheoremB4<'_, f64, f64> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
+impl<C: Scalar, S: Over<C>> NodeJacobian<C, S> for TheoremB4<'_, C, S> {
+    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)
     }
 }
