@@ -1,7 +1,7 @@
 //! The right-hand side of the flow and its Jacobians at one node, on robots of 2 to 128 joints.
 //!
 //! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
-//! the growth `N^e` between the two largest robots of each column.
+//! the growth `N^e` that fits the four largest robots of each row best.
 
 use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
 use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
@@ -125,16 +125,29 @@ fn report(times: &mut Times) {
             columns.entry(what).or_default().push((*n, *median));
         }
     }
-    println!("\nmedians in microseconds by N; growth between the two largest");
+    println!("\nmedians in microseconds by N; growth fitted over the four largest robots");
     for (what, points) in columns {
-        let row: Vec<String> = points
-            .iter()
+        let row: Vec<String> = (points.iter())
             .map(|(n, t)| format!("{n}: {:.1}", 1e6 * t))
             .collect();
-        let growth = match points[..] {
-            [.., (n, s), (m, t)] => (t / s).ln() / (m as f64 / n as f64).ln(),
-            _ => f64::NAN,
-        };
-        println!("{what:24} {}  growth N^{growth:.2}", row.join("  "));
+        let largest = &points[points.len().saturating_sub(4)..];
+        println!(
+            "{what:24} {}  growth N^{:.2}",
+            row.join("  "),
+            growth(largest)
+        );
     }
+}
+
+/// The exponent of the power of `N` that fits the times best: least squares in the logarithms.
+fn growth(points: &[(usize, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = points
+        .iter()
+        .map(|(n, t)| ((*n as f64).ln(), t.ln()))
+        .collect();
+    let count = logs.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / count;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let covariance: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    covariance / logs.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
 }

@@ -10,7 +10,7 @@ use crate::error::Error;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Exit code for a derivative that is off by more than its bound.
+/// Exit code for a derivative that is off by more than its bound, or an identity that fails.
 const OFF: u8 = 1;
 /// Exit code for bad input.
 const BAD_INPUT: u8 = 2;
@@ -28,7 +28,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str =
-    "Exit codes: 0 success, 1 a check exceeded its bound, 2 bad input, 3 the solve failed.";
+    "Exit codes: 0 success, 1 a check or a proof failed, 2 bad input, 3 the solve failed.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
