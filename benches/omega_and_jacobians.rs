@@ -5,7 +5,7 @@
 
 use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
 use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
-use aghf::model::{Model, builtin_robot, random_chain};
+use aghf::model::{Model, builtin_robot, builtin_robots, random_chain};
 use clap::ValueEnum;
 use criterion::Criterion;
 use std::collections::BTreeMap;
@@ -22,18 +22,10 @@ type Times = BTreeMap<(String, usize), Vec<f64>>;
 const LARGEST_FOR_ALL: usize = 22;
 
 fn models() -> Vec<Model> {
-    let names = [
-        "pendulum_2",
-        "pendulum_3",
-        "pendulum_4",
-        "pendulum_5",
-        "pendulum_6",
-        "kinova_gen3",
-        "digit_v3_pinned",
-    ];
-    let built_in = names.map(|name| builtin_robot(name).expect("built in").expect("it loads").0);
+    let built_in = builtin_robots().skip(1).filter_map(builtin_robot);
+    let built_in = built_in.map(|robot| robot.expect("it loads").0);
     let chains = [32, 64, 128].map(|n| random_chain(n, 1).expect("it has joints"));
-    built_in.into_iter().chain(chains).collect()
+    built_in.chain(chains).collect()
 }
 
 fn measure(

@@ -10,7 +10,8 @@ use aghf::dynamics::{Data, aba, bias, crba, rnea};
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{Ldlt, Over};
 use common::{
-    any_model, config, constants, dual_jacobian, dual_rate, model_and_node, robot, robots,
+    any_model, config, constants, dual_jacobian, dual_rate, model_and_node, node, robot, robots,
+    solve_bound,
 };
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, HyperDual64};
@@ -19,14 +20,6 @@ use proptest::strategy::ValueTree;
 
 /// Penalties: one, where no term hides, and the paper's.
 const PENALTIES: [f64; 3] = [1.0, 1e3, 1e9];
-
-fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
-    Node {
-        x: &parts[0],
-        xdot: &parts[1],
-        xddot: &parts[2],
-    }
-}
 
 fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
     let mut omega = DVector::zeros(parts[0].len());
@@ -128,13 +121,9 @@ fn q_zero(n: usize) -> &'static [f64] {
     &[0.0; 32][..n]
 }
 
-/// What the solves with `H` leave of sixteen digits, twice over.
+/// What rounding explains.
 fn bound(model: &Model, x: &[f64]) -> f64 {
-    let n = model.dof();
-    let mut h = DMatrix::zeros(n, n);
-    crba(model, &mut Data::new(model), &x[..n], &mut h).expect("lengths agree");
-    let eigenvalues = h.symmetric_eigenvalues();
-    1e-9 + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
+    solve_bound(model, x, 1e-9)
 }
 
 proptest! {

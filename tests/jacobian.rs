@@ -6,22 +6,12 @@ use aghf::aghf::jacobian::{
     CentralDifference, ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
 use aghf::aghf::{AlgorithmB1, Node};
-use aghf::dynamics::{Data, crba};
 use aghf::model::{Model, random_tree};
-use common::{config, model_and_node, robot, robots};
-use nalgebra::DMatrix;
+use common::{config, model_and_node, node, robot, robots, solve_bound};
 use proptest::prelude::*;
 
 /// Penalties: one, where no term hides, and the paper's.
 const PENALTIES: [f64; 4] = [1.0, 1e3, 1e7, 1e9];
-
-fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
-    Node {
-        x: &parts[0],
-        xdot: &parts[1],
-        xddot: &parts[2],
-    }
-}
 
 fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
     let mut out = NodeBlocks::new(parts[0].len() / 2);
@@ -31,13 +21,9 @@ fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> Nod
     out
 }
 
-/// What two solves with `H` leave of sixteen digits.
+/// What rounding explains.
 fn bound(model: &Model, x: &[f64]) -> f64 {
-    let n = model.dof();
-    let mut h = DMatrix::zeros(n, n);
-    crba(model, &mut Data::new(model), &x[..n], &mut h).expect("lengths agree");
-    let eigenvalues = h.symmetric_eigenvalues();
-    1e-10 + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
+    solve_bound(model, x, 1e-10)
 }
 
 /// Asserts that the rows of $\Omega_{P1}$ and those of $\Omega_{P2}$ agree in all blocks, each relative to its own largest

@@ -148,8 +148,9 @@ pub fn robot_table(model: &Model) -> String {
         "upper",
         "velocity",
         "effort",
+        "mass, kg",
     ]);
-    for joint in model.joints() {
+    for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
         let kind = match joint.kind() {
             JointKind::Revolute => "revolute",
             JointKind::Continuous => "continuous",
@@ -157,7 +158,13 @@ pub fn robot_table(model: &Model) -> String {
         };
         let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
         let limits = joint.limits();
-        let numbers = [limits.lower, limits.upper, limits.velocity, limits.effort];
+        let numbers = [
+            limits.lower,
+            limits.upper,
+            limits.velocity,
+            limits.effort,
+            inertia.mass,
+        ];
         let limit = |x: f64| {
             if x.is_finite() {
                 format!("{x:.4}")

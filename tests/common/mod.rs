@@ -3,6 +3,8 @@
 
 pub mod ode;
 
+use aghf::aghf::Node;
+use aghf::dynamics::{Data, crba};
 use aghf::model::{Model, builtin_robot, builtin_robots, random_tree};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
@@ -119,4 +121,22 @@ pub fn dual_rate(f: impl Fn(&[Dual64]) -> Vec<Dual64>, x: &[f64], direction: &[f
 /// Constants as dual numbers.
 pub fn constants(x: &[f64]) -> Vec<Dual64> {
     x.iter().map(|x| Dual64::from(*x)).collect()
+}
+
+/// What the flow reads, from `x`, `xdot` and `xddot`.
+pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
+    Node {
+        x: &parts[0],
+        xdot: &parts[1],
+        xddot: &parts[2],
+    }
+}
+
+/// What two solves with `H` leave of sixteen digits, beside `rounding`: the square of its condition number.
+pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
+    let n = model.dof();
+    let mut h = DMatrix::zeros(n, n);
+    crba(model, &mut Data::new(model), &x[..n], &mut h).expect("lengths agree");
+    let eigenvalues = h.symmetric_eigenvalues();
+    rounding + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
 }

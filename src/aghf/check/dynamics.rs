@@ -49,14 +49,8 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
         Ok(tau)
     })?;
-    for (part, (by, ours)) in [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)]
-        .into_iter()
-        .enumerate()
-    {
-        let quantity = format!("inverse dynamics: d/{by}");
-        let truth = truth.columns(part * n, n);
-        findings.compare(&quantity, at, ours.as_view(), truth.as_view());
-    }
+    let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
+    findings.compare_columns("inverse dynamics", at, &ours, &truth);
     Ok(())
 }
 
@@ -72,12 +66,8 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         aba(model, &mut Data::new(model), q, v, tau, &mut a)?;
         Ok(a)
     })?;
-    let parts = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
-    for (part, (by, ours)) in parts.into_iter().enumerate() {
-        let quantity = format!("forward dynamics: d/{by}");
-        let truth = truth.columns(part * n, n);
-        findings.compare(&quantity, at, ours.as_view(), truth.as_view());
-    }
+    let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
+    findings.compare_columns("forward dynamics", at, &ours, &truth);
     Ok(())
 }
 
@@ -123,19 +113,10 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
                 .fold(Dual64::from(0.0), |sum, (t, w)| sum + *t * *w),
         ])
     })?;
-    for (part, (by, ours)) in [
-        ("dq", &gradient.q),
-        ("dv", &gradient.v),
-        ("da", &gradient.a),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let quantity = format!("w^T ID: d/{by}");
-        let truth = truth.columns(part * n, n).transpose();
-        let ours = DMatrix::from_column_slice(n, 1, ours.as_slice());
-        findings.compare(&quantity, at, ours.as_view(), truth.as_view());
-    }
+    let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
+    let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
+    let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
+    findings.compare_columns("w^T ID", at, &ours, &truth);
 
     let mut hessian = ContractedHessian::new(n);
     rnea_contracted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;

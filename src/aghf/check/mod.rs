@@ -149,6 +149,21 @@ impl Findings {
         self.compare_above(BOUND, quantity, at, a, b, 0.0);
     }
 
+    /// Compares derivatives by their names with the blocks of `n` columns of `truth`, in the same order.
+    fn compare_columns(
+        &mut self,
+        of: &str,
+        at: At<'_>,
+        ours: &[(&str, &DMatrix<f64>)],
+        truth: &DMatrix<f64>,
+    ) {
+        for (block, (by, ours)) in ours.iter().enumerate() {
+            let columns = truth.columns(block * ours.ncols(), ours.ncols());
+            let quantity = format!("{of}: d/{by}");
+            self.compare(&quantity, at, ours.as_view(), columns.as_view());
+        }
+    }
+
     /// Compares `a` with `b`, which is right. Entries smaller than `floor` count as so large.
     fn compare_above(
         &mut self,

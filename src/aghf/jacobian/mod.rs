@@ -17,6 +17,7 @@ use crate::model::Model;
 use crate::scalar::Scalar;
 use clap::ValueEnum;
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 /// The three blocks of the Jacobian of $\Omega(x, \dot x, \ddot x, k)$, `2 N` by `2 N` each; rows are those of $\Omega$.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,29 +64,37 @@ pub trait NodeJacobian<C = f64, S: Scalar = f64> {
     fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 
-/// The implementations by name.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Serialize,
-    serde::Deserialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum JacobianKind {
+/// Makes [`JacobianKind`] of the implementations: one line each, `name: type`. A type is made by `new(model)`.
+macro_rules! implementations {
+    ($($(#[$about:meta])* $kind:ident: $type:ident,)*) => {
+        /// The implementations by name.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum JacobianKind {
+            $($(#[$about])* $kind,)*
+        }
+
+        impl JacobianKind {
+            /// The implementation for `model`.
+            #[must_use]
+            pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
+                match self {
+                    $(Self::$kind => Box::new($type::new(model)),)*
+                }
+            }
+        }
+    };
+}
+
+implementations! {
     /// Analytic, by contracted second derivatives of inverse dynamics.
-    #[default]
-    ControlForm,
+    #[default] ControlForm: ControlForm,
     /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
-    TheoremB4,
+    TheoremB4: TheoremB4,
     /// Dual numbers, eight tangents at a time.
-    Dual,
+    Dual: ForwardDual,
     /// Central differences of order four, for comparison only.
-    Difference,
+    Difference: CentralDifference,
 }
 
 impl JacobianKind {
@@ -95,16 +104,5 @@ impl JacobianKind {
             let name = kind.to_possible_value()?.get_name().to_owned();
             Some((name, *kind))
         })
-    }
-
-    /// The implementation for `model`.
-    #[must_use]
-    pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
-        match self {
-            Self::ControlForm => Box::new(ControlForm::new(model)),
-            Self::TheoremB4 => Box::new(TheoremB4::new(model)),
-            Self::Difference => Box::new(CentralDifference::new(model)),
-            Self::Dual => Box::new(ForwardDual::new(model)),
-        }
     }
 }
