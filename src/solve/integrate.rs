@@ -136,38 +136,47 @@ pub fn integrate(
     tolerance: Tolerance,
     observe: &mut dyn FnMut(f64, &[f64]),
 ) -> Result<Statistics, Failure> {
-    let mut progress = Failure {
+    let progress = Failure {
         s: s0,
         y: y0.to_vec(),
         non_finite: None,
         reason: String::new(),
         statistics: Statistics::default(),
     };
-    let mut result = validate(system.dim(), s0, y0, outputs, tolerance)
-        .map_err(|reason| format!("invalid input: {reason}"));
-    if let (Ok(()), Some(&end)) = (&result, outputs.last()) {
-        let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
-            .rtol(tolerance.relative)
-            .atol([tolerance.absolute])
-            .build_from_eqn(Equations {
-                core: RefCell::new(Core { system, progress }),
-                s0,
-                end,
-                y0,
-                context: NalgebraContext::default(),
-            })
-            .expect("one absolute tolerance and no parameters fit any system");
-        problem.ode_options.max_timestep_growth = Some(STEP_GROWTH);
-        problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
-        result = advance(&problem, outputs, observe).map_err(|e| e.to_string());
-        progress = problem.eqn.core.into_inner().progress;
-    }
+    let refused = |reason: String| Failure {
+        reason,
+        ..progress.clone()
+    };
+    validate(system.dim(), s0, y0, outputs, tolerance)
+        .map_err(|reason| refused(format!("invalid input: {reason}")))?;
+    let Some(&end) = outputs.last() else {
+        return Ok(progress.statistics);
+    };
+    let core = Core {
+        system,
+        progress: progress.clone(),
+    };
+    let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
+        .rtol(tolerance.relative)
+        .atol([tolerance.absolute])
+        .build_from_eqn(Equations {
+            core: RefCell::new(core),
+            s0,
+            end,
+            y0,
+            context: NalgebraContext::default(),
+        })
+        .map_err(|e| refused(e.to_string()))?;
+    problem.ode_options.max_timestep_growth = Some(STEP_GROWTH);
+    problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
+    let result = advance(&problem, outputs, observe).map_err(|e| e.to_string());
+    let progress = problem.eqn.core.into_inner().progress;
     match result {
         Ok(()) => Ok(progress.statistics),
-        Err(mut reason) => {
-            reason += &progress.reason;
-            Err(Failure { reason, ..progress })
-        }
+        Err(reason) => Err(Failure {
+            reason: reason + &progress.reason,
+            ..progress
+        }),
     }
 }
 
