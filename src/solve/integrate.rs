@@ -7,10 +7,7 @@
 //! * an initial step that suits problems with eigenvalues of any size;
 //! * limits that end in a [`Failure`] where diffsol would give up too early or not at all.
 //!
-//! # Determinism
-//!
 //! The same call in the same program gives the same bits: there are no threads and no clocks.
-//! Another compiler or target may give others (diffsol's norms allow reordered sums).
 
 use std::cell::RefCell;
 use std::error::Error;
