@@ -5,6 +5,7 @@
 
 mod algorithm_b1;
 pub mod check;
+mod constraint;
 mod control_form;
 mod definition;
 pub mod guide;
@@ -14,6 +15,10 @@ mod node;
 mod theorem_b3;
 
 pub use algorithm_b1::AlgorithmB1;
+pub use constraint::{
+    Constraint, activation, activation_slope, constrained_lagrangian, penalty, penalty_slope,
+    subtract_penalties,
+};
 pub use control_form::ControlForm;
 pub use definition::{ControlEffort, Definition, Lagrangian};
 pub use lagrangian::{lagrangian, lagrangian_of_control};

@@ -1,6 +1,7 @@
 //! The laws of the dynamics themselves.
 
 use super::point::moving;
+use super::truth::jacobian;
 use super::{Claim, F, Identity, Point};
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, crba, crba_derivatives, rnea, rnea_derivatives,
@@ -109,21 +110,4 @@ fn rnea_d(p: &Point) -> Result<Vec<Claim>> {
         Claim::new("dID/dv", id.dv, part(1)),
         Claim::new("dID/da", id.h, part(2)),
     ])
-}
-
-/// The Jacobian of `f` at `x` by formal differentiation, one dual number a column.
-pub(super) fn jacobian(
-    x: &[F],
-    f: impl Fn(&[super::J]) -> Result<Vec<super::J>>,
-) -> Result<DMatrix<F>> {
-    let mut columns = Vec::with_capacity(x.len());
-    for j in 0..x.len() {
-        let direction: Vec<F> = (0..x.len()).map(|i| F::new(u64::from(i == j))).collect();
-        let column = f(&moving(x, &direction))?;
-        columns.push(DVector::from_iterator(
-            column.len(),
-            column.iter().map(|y| y.eps[0]),
-        ));
-    }
-    Ok(DMatrix::from_columns(&columns))
 }

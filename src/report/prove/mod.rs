@@ -5,8 +5,13 @@
 //! equation with its conventions; a test holds pages and identities together.
 
 mod algorithm_b3;
+mod algorithm_b1;
+mod constraints;
 mod dynamics;
 mod point;
+mod theorem_b3;
+mod theorem_b3_gradient;
+mod truth;
 
 pub use point::Point;
 
@@ -108,6 +113,10 @@ pub fn identities() -> Vec<Identity> {
     let mut all = Vec::new();
     all.extend(dynamics::identities());
     all.extend(algorithm_b3::identities());
+    all.extend(constraints::identities());
+    all.extend(theorem_b3::identities());
+    all.extend(theorem_b3_gradient::identities());
+    all.extend(algorithm_b1::identities());
     all
 }
 

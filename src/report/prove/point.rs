@@ -1,10 +1,10 @@
 //! Random robots and states over the field.
 
-use super::{F, J};
+use super::F;
 use crate::aghf::Node;
 use crate::error::Result;
 use crate::model::{JointKind, JointSpec, Limits, Model};
-use crate::scalar::Jet;
+use crate::scalar::{Jet, Scalar};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{DVector, Matrix3, Vector3};
 use num_traits::One;
@@ -74,7 +74,7 @@ impl Point {
 }
 
 /// Numbers that move along a direction, as dual numbers.
-pub(crate) fn moving(x: &[F], direction: &[F]) -> Vec<J> {
+pub(crate) fn moving<S: Scalar>(x: &[S], direction: &[S]) -> Vec<Jet<S, 1>> {
     x.iter()
         .zip(direction)
         .map(|(x, d)| Jet::new(*x, [*d]))
