@@ -19,7 +19,7 @@ pub(super) fn identities() -> Vec<Identity> {
     let identity = |label, statement, claims| Identity {
         label,
         statement,
-        convention: "rows are those of the function, columns those of what it is differentiated in",
+        convention: "dF_i/dx_j in row i and column j, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
         claims,
     };
     vec![

@@ -19,7 +19,7 @@ pub(super) fn identities() -> Vec<Identity> {
     let identity = |label, statement, claims| Identity {
         label,
         statement,
-        convention: "gradients are columns, rows of a Jacobian are those of the function",
+        convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
         claims,
     };
     vec![

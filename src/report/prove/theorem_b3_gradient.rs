@@ -16,7 +16,7 @@ pub(super) fn identities() -> Vec<Identity> {
     let identity = |label, statement, claims| Identity {
         label,
         statement,
-        convention: "dF^T/dx is (dF/dx)^T; a derivative index comes last and a vector contracts a matrix index",
+        convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
         claims,
     };
     vec![
@@ -234,7 +234,7 @@ fn b30(p: &Point) -> Result<Vec<Claim>> {
         2 * t.n,
         t.dhth()?.iter().map(|d| (t.w.transpose() * d * &t.w)[0]),
     );
-    Ok(vec![Claim::vectors("beta", &through_metric(&t)?, &beta)])
+    Ok(vec![Claim::vectors("beta", &t.by_metric()?, &beta)])
 }
 
 /// An expression in `dH/dx_i` for every `i`.

@@ -1,0 +1,64 @@
+//! Readings of the printed equations that `proofs/` does not follow: they fail, exactly, over the field.
+
+use aghf::aghf::{TheoremB3, activation};
+use aghf::dynamics::{Data, aba, crba, crba_contracted, crba_derivatives};
+use aghf::report::prove::Point;
+use aghf::scalar::PrimeField;
+use nalgebra::{DMatrix, DVector};
+use num_traits::Zero;
+use rand::SeedableRng;
+
+fn point() -> Point {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    Point::random(&mut rng).expect("there is a joint")
+}
+
+fn omega_4(
+    p: &Point,
+    t: &mut TheoremB3<PrimeField>,
+    dh_dq_w: DMatrix<PrimeField>,
+) -> DVector<PrimeField> {
+    t.dh_dq_w = dh_dq_w;
+    let mut omega_4 = DVector::zeros(2 * p.dof());
+    t.omega_4(p.node(), p.k, &mut omega_4);
+    omega_4
+}
+
+/// (B9), (B34): with `w` contracted over the derivative index, or with the transpose of the bracket left out.
+#[test]
+fn omega_4_depends_on_the_index_that_is_contracted() {
+    let p = point();
+    let (n, node, data) = (p.dof(), p.node(), &mut Data::new(&p.model));
+    let (q, v) = (node.x_p1(), node.x_p2());
+    let zero = DVector::zeros(n);
+    let mut t = TheoremB3::new(n);
+    crba(&p.model, data, q, &mut t.h).expect("lengths agree");
+    aba(&p.model, data, q, v, zero.as_slice(), t.fd0.as_mut_slice()).expect("lengths agree");
+    let w = DVector::from_column_slice(node.xdot_p2()) - &t.fd0;
+
+    let mut ours = DMatrix::zeros(n, n);
+    crba_contracted(&p.model, data, q, w.as_slice(), &mut ours).expect("lengths agree");
+    let (mut h, mut over_derivatives) = (ours.clone(), ours.clone());
+    crba_derivatives(
+        &p.model,
+        data,
+        q,
+        w.as_slice(),
+        &mut h,
+        &mut over_derivatives,
+    )
+    .expect("lengths agree");
+
+    let right = omega_4(&p, &mut t, ours.clone());
+    assert_ne!(right, omega_4(&p, &mut t, over_derivatives));
+    assert_ne!(right, omega_4(&p, &mut t, ours.transpose()));
+    assert_eq!(right, omega_4(&p, &mut t, ours));
+}
+
+/// (A3) is no example of an activation that vanishes wherever `g <= 0`.
+#[test]
+fn the_activation_does_not_vanish_on_the_boundary() {
+    let p = point();
+    assert!(!activation(PrimeField::zero(), p.spare[0]).is_zero());
+    assert!(activation(-1e-3, 200.0) > 0.4);
+}
