@@ -7,11 +7,15 @@
 mod algorithm_b3;
 mod algorithm_b1;
 mod constraints;
+mod algorithm_b2;
 mod dynamics;
+mod dynamics_derivatives;
 mod point;
 mod theorem_b3;
 mod theorem_b3_gradient;
 mod truth;
+mod theorem_b4;
+mod truth_b4;
 
 pub use point::Point;
 
@@ -117,6 +121,9 @@ pub fn identities() -> Vec<Identity> {
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());
     all.extend(algorithm_b1::identities());
+    all.extend(dynamics_derivatives::identities());
+    all.extend(theorem_b4::identities());
+    all.extend(algorithm_b2::identities());
     all
 }
 
