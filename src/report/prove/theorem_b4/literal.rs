@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+/// A point whose robot has enough joints, and not all of them prismatic: on some small robots nothing shows.
 fn at_a_point() -> (Point, Quantities<F>) {
-    let point = Point::random(&mut ChaCha8Rng::seed_from_u64(7)).expect("a point");
+    let point = Point::random(&mut ChaCha8Rng::seed_from_u64(1)).expect("a point");
     let quantities = gathered(&point).expect("sizes agree");
     (point, quantities)
 }
