@@ -22,7 +22,7 @@ pub(super) fn identities() -> Vec<Identity> {
 fn blocks() -> Vec<Identity> {
     vec![
         law("B61", "dOmega/dxdot is the sum of four", |p| {
-            of_terms(p, In::Xdot)
+            of_terms(p, In::Xdot, |t, k| t.domega_dxdot(k))
         }),
         law("B62", "dOmega_1/dxdot", |p| {
             block(p, In::Xdot, omega_1, |t, _| t.domega_1_dxdot())

@@ -7,6 +7,7 @@ use super::super::truth_b4::{
 };
 use super::super::{Claim, F, Identity, Point};
 use super::law;
+use crate::aghf::jacobian::theorem_b4::Quantities;
 use crate::error::Result;
 use crate::scalar::Over;
 use nalgebra::DMatrix;
@@ -28,7 +29,7 @@ pub(super) fn identities() -> Vec<Identity> {
         law("B42", "chain rule at a node", b42),
         law("B43", "flow = sum of four terms", b43),
         law("B44", "dOmega/dx is the sum of four", |p| {
-            of_terms(p, In::X)
+            of_terms(p, In::X, |t, k| t.domega_dx(k))
         }),
     ]
 }
@@ -80,9 +81,16 @@ fn b43(p: &Point) -> Result<Vec<Claim>> {
     Ok(vec![Claim::new("Omega", column(flow(p, &z)?), terms)])
 }
 
-/// The derivative of the flow against those of the four terms.
-pub(super) fn of_terms(p: &Point, part: In) -> Result<Vec<Claim>> {
+/// The derivative of the flow, and our composition, against the sum of the derivatives of the four terms.
+pub(super) fn of_terms(
+    p: &Point,
+    part: In,
+    ours: fn(&Quantities<F>, F) -> DMatrix<F>,
+) -> Result<Vec<Claim>> {
     let of = |f: Of| derivative(p, part, f);
     let terms = of(omega_1)? - (of(omega_2)? - of(omega_3)? + of(omega_4)?);
-    Ok(vec![Claim::new("sum", of(flow)?, terms)])
+    Ok(vec![
+        Claim::new("flow", of(flow)?, terms.clone()),
+        Claim::new("blocks", ours(&gathered(p)?, p.k), terms),
+    ])
 }
