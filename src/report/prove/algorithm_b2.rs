@@ -1,7 +1,7 @@
 //! Algorithm B2: what each line leaves behind, against its definition.
 
-use super::dynamics::jacobian;
 use super::dynamics_derivatives::{aba_2d, of_bias, of_inverse_dynamics, of_mass};
+use super::truth::jacobian;
 use super::truth_b4::{
     In, all, bias_force, bias_rate, constant, derivative, drift, flow, gathered, inverse_dynamics,
     mass, mass_rate, unfold, vector,

@@ -1,6 +1,6 @@
 //! Algorithm B3 and the pseudospectral assembly.
 
-use super::dynamics::jacobian;
+use super::truth::jacobian;
 use super::{Claim, F, Identity, J, Point};
 use crate::aghf::jacobian::{ControlForm as ControlFormJacobian, NodeBlocks, TheoremB4};
 use crate::aghf::{ControlForm, RightHandSide};

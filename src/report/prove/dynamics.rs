@@ -7,7 +7,6 @@ use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, crba, crba_derivatives, rnea, rnea_derivatives,
 };
 use crate::error::Result;
-use crate::scalar::{Jet, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.

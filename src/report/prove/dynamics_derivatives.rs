@@ -1,6 +1,6 @@
 //! The analytic derivatives of the dynamics, and the Jacobian of the control form.
 
-use super::dynamics::jacobian;
+use super::truth::jacobian;
 use super::truth_b4::{
     In, all, bias_force, constant, derivative, drift, flow, gathered, inverse_dynamics, mass,
     unfold, vector,

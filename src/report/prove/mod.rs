@@ -4,17 +4,17 @@
 //! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
 //! equation with its conventions; a test holds pages and identities together.
 
-mod algorithm_b3;
 mod algorithm_b1;
-mod constraints;
 mod algorithm_b2;
+mod algorithm_b3;
+mod constraints;
 mod dynamics;
 mod dynamics_derivatives;
 mod point;
 mod theorem_b3;
 mod theorem_b3_gradient;
-mod truth;
 mod theorem_b4;
+mod truth;
 mod truth_b4;
 
 pub use point::Point;
@@ -116,14 +116,14 @@ pub struct Verdict {
 pub fn identities() -> Vec<Identity> {
     let mut all = Vec::new();
     all.extend(dynamics::identities());
-    all.extend(algorithm_b3::identities());
+    all.extend(dynamics_derivatives::identities());
     all.extend(constraints::identities());
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());
-    all.extend(algorithm_b1::identities());
-    all.extend(dynamics_derivatives::identities());
     all.extend(theorem_b4::identities());
+    all.extend(algorithm_b1::identities());
     all.extend(algorithm_b2::identities());
+    all.extend(algorithm_b3::identities());
     all
 }
 

@@ -11,10 +11,12 @@ use num_traits::One;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+/// The smallest robot.
+const SMALLEST: usize = 5;
 /// The largest robot. Identities that hold for trees of this size have met every case of branching there is in them.
 const LARGEST: usize = 8;
 
-/// A random point: a robot of up to eight joints with arbitrary branching, axes, placements, inertias and gravity, what
+/// A random point: a robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity, what
 /// the flow reads at a node, and a penalty, all of them elements of the field.
 pub struct Point {
     /// The robot.
@@ -41,7 +43,7 @@ impl Point {
     /// # Errors
     /// None: there is a joint, and parents come before children.
     pub fn random(rng: &mut ChaCha8Rng) -> Result<Self> {
-        let n = rng.random_range(3..=LARGEST);
+        let n = rng.random_range(SMALLEST..=LARGEST);
         let model = robot(n, rng)?;
         let mut numbers = |count: usize| DVector::from_fn(count, |_, _| number(rng));
         Ok(Self {
@@ -106,20 +108,31 @@ fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<F> {
     Matrix3::identity() + (cross * w + cross * cross) * (two * inverse)
 }
 
+/// The first three joints are a chain that turns, the fourth slides on the second body beside the third: so every term of
+/// every equation is there, and nothing holds because it is zero. The other joints are what and where they happen to be.
 fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<F>> {
     let mut specs = Vec::with_capacity(n);
     for i in 0..n {
+        let (slides, parent) = match i {
+            0 => (false, None),
+            1 | 2 => (false, Some(i - 1)),
+            3 => (true, Some(1)),
+            _ => {
+                let carried = rng.random_bool(0.9);
+                let parent = carried.then(|| rng.random_range(i.saturating_sub(4)..i));
+                (rng.random_bool(0.3), parent)
+            }
+        };
         let half = vector(rng);
         let off = vector(rng);
         specs.push(JointSpec {
             name: format!("joint_{i}"),
-            kind: if rng.random_bool(0.3) {
+            kind: if slides {
                 JointKind::Prismatic
             } else {
                 JointKind::Revolute
             },
-            parent: (i > 0 && rng.random_bool(0.9))
-                .then(|| rng.random_range(i.saturating_sub(3)..i)),
+            parent,
             origin: Placement::new(rotation(rng), vector(rng)),
             axis: axis(rng),
             inertia: Inertia {

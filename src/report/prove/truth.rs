@@ -39,16 +39,18 @@ pub(super) fn blocks(rows: [[&DMatrix<F>; 2]; 2]) -> DMatrix<F> {
 }
 
 /// The unit vector `i` of `n`.
-pub(super) fn unit(n: usize, i: usize) -> Vec<F> {
-    (0..n).map(|j| F::new(u64::from(i == j))).collect()
+pub(super) fn unit<S: Scalar>(n: usize, i: usize) -> Vec<S> {
+    (0..n)
+        .map(|j| if i == j { S::one() } else { S::zero() })
+        .collect()
 }
 
 /// The rate of `f` at `x` along `direction`.
-pub(super) fn rate(
-    x: &[F],
-    direction: &[F],
-    f: impl Fn(&[J]) -> Result<Vec<J>>,
-) -> Result<DVector<F>> {
+pub(super) fn rate<S: Scalar>(
+    x: &[S],
+    direction: &[S],
+    f: impl Fn(&[Jet<S, 1>]) -> Result<Vec<Jet<S, 1>>>,
+) -> Result<DVector<S>> {
     let moved = f(&moving(x, direction))?;
     Ok(DVector::from_iterator(
         moved.len(),
@@ -57,7 +59,10 @@ pub(super) fn rate(
 }
 
 /// The Jacobian of `f` at `x` by formal differentiation, one dual number a column.
-pub(super) fn jacobian(x: &[F], f: impl Fn(&[J]) -> Result<Vec<J>>) -> Result<DMatrix<F>> {
+pub(super) fn jacobian<S: Scalar>(
+    x: &[S],
+    f: impl Fn(&[Jet<S, 1>]) -> Result<Vec<Jet<S, 1>>>,
+) -> Result<DMatrix<S>> {
     let columns: Result<Vec<_>> = (0..x.len())
         .map(|j| rate(x, &unit(x.len(), j), &f))
         .collect();

@@ -3,8 +3,8 @@
 //! No analytic derivative and no tensor of the library is used here: only `crba`, `rnea`, `aba` and formal differentiation.
 //! Every quantity is a function of `z`, which is $[x; \dot x; \ddot x]$ with `6 N` entries.
 
-use super::dynamics::jacobian;
 use super::point::moving;
+use super::truth::jacobian;
 use super::{Claim, F, J, Point};
 use crate::aghf::jacobian::TheoremB4;
 use crate::aghf::jacobian::theorem_b4::Quantities;

@@ -1,6 +1,6 @@
 //! The derivatives in the rates of the state and the relations between them: (B61) to (B80).
 
-use super::super::dynamics::jacobian;
+use super::super::truth::jacobian;
 use super::super::truth_b4::{
     In, all, alpha_1, alpha_2, bias_rate, block, capital_gamma, derivative, gamma, gathered, mass,
     mass_rate, omega_1, omega_2, omega_3, omega_4, unfold, vector,

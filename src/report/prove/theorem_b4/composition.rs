@@ -1,6 +1,6 @@
 //! The chain rule at one node and the composition of the blocks: (B37) to (B44).
 
-use super::super::dynamics::jacobian;
+use super::super::truth::jacobian;
 use super::super::truth_b4::{
     In, Of, all, block, constant, derivative, flow, gathered, omega_1, omega_2, omega_3, omega_4,
     sum,
