@@ -208,12 +208,10 @@ impl<S: Scalar> Data<S> {
     {
         self.prepare_derivatives(model, q, v, a)?;
         self.add_virtual_velocities(model, w)?;
-        for (force, (coriolis, mu)) in self
-            .virtual_forces
-            .iter_mut()
-            .zip(self.coriolis.iter().zip(&self.virtual_velocities))
-        {
-            *force = coriolis.apply_transpose(mu) * S::from_f64(2.0);
+        let two = S::from_f64(2.0);
+        for i in 0..model.dof() {
+            let mu = &self.virtual_velocities[i];
+            self.virtual_forces[i] = self.coriolis[i].apply_transpose(mu) * two;
         }
         Ok(())
     }
