@@ -38,11 +38,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         ("dvdv", &second.dvdv, 1, n),
         ("dadq", &second.dadq, 2, 0),
     ];
-    for (name, tensor, block, column) in blocks {
-        let quantity = format!("inverse dynamics: d2/{name}");
-        let truth = truth.view((block * n * n, column), (n * n, n));
-        findings.compare(&quantity, at, unfold(tensor, n), truth);
-    }
+    compare("inverse dynamics", at, &blocks, &truth, findings);
     Ok(())
 }
 
@@ -68,11 +64,7 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         ("dqdv", &second.dqdv, 0, n),
         ("dvdv", &second.dvdv, 1, n),
     ];
-    for (name, tensor, block, column) in blocks {
-        let quantity = format!("forward dynamics: d2/{name}");
-        let truth = truth.view((block * n * n, column), (n * n, n));
-        findings.compare(&quantity, at, unfold(tensor, n), truth);
-    }
+    compare("forward dynamics", at, &blocks, &truth, findings);
     Ok(())
 }
 
@@ -102,6 +94,23 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
     findings.compare("mass matrix: d2H/dqdq", at, ours, truth.as_view());
     Ok(())
+}
+
+/// Compares tensors, each with its name, with blocks of the derivatives `truth` of the matrices of first derivatives behind one
+/// another: the number of the matrix, and the first column.
+fn compare(
+    of: &str,
+    at: At<'_>,
+    blocks: &[(&str, &Tensor3<f64>, usize, usize)],
+    truth: &DMatrix<f64>,
+    findings: &mut Findings,
+) {
+    let n = at.state.x.len() / 2;
+    for (name, tensor, block, column) in blocks {
+        let quantity = format!("{of}: d2/{name}");
+        let truth = truth.view((block * n * n, *column), (n * n, n));
+        findings.compare(&quantity, at, unfold(tensor, n), truth);
+    }
 }
 
 /// The entries of matrices behind one another, columns first.
