@@ -18,8 +18,8 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 ///    + H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
 ///
 /// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}$. The last
-/// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. Here
-/// all derivatives at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
+/// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. All derivatives are
+/// at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
 /// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
 #[derive(Clone, Debug)]
 pub struct ControlForm<'m, C: Scalar, S: Scalar> {

@@ -5,7 +5,7 @@ use crate::aghf::jacobian::JacobianKind;
 use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
-    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, Statistics, flow, measure, simulate,
+    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, measure, simulate,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -150,58 +150,58 @@ pub fn solve(
             (kept, Some(reason))
         }
     };
+    let summary = summarise(
+        scenario,
+        options.method,
+        &settings,
+        &solution,
+        solve_seconds,
+        failure,
+    )?;
+    Ok(Outcome {
+        summary,
+        curve: solution.curve,
+        history: solution.history,
+    })
+}
+
+/// A solve in numbers: how it was done, what it cost, and what can be measured of its curve.
+fn summarise(
+    scenario: &Scenario,
+    method: Method,
+    settings: &FlowSettings,
+    solution: &FlowSolution,
+    solve_seconds: f64,
+    failure: Option<String>,
+) -> Result<Summary> {
+    let model = &scenario.model;
     let FlowSolution {
         curve,
         history,
         statistics,
     } = solution;
-    let summary = summarise(scenario, &settings, &curve, &history, statistics)?;
-    let success = failure.is_none()
-        && summary
-            .final_error_inf
-            .is_some_and(|error| error < summary.success_threshold);
-    Ok(Outcome {
-        summary: Summary {
-            method: options.method,
-            success,
-            solve_seconds,
-            failure,
-            ..summary
-        },
-        curve,
-        history,
-    })
-}
-
-/// Everything about a curve that can be measured after the fact.
-fn summarise(
-    scenario: &Scenario,
-    settings: &FlowSettings,
-    curve: &Curve,
-    history: &[FlowRecord],
-    statistics: Statistics,
-) -> Result<Summary> {
-    let model = &scenario.model;
     let effort = measure(model, curve, settings.k)?;
     let final_error = |feedback| -> Result<Option<f64>> {
         Ok(simulate(model, curve, feedback)?
             .ok()
             .map(|simulation| simulation.error_inf))
     };
+    let final_error_inf = final_error(scenario.file.feedback)?;
+    let success_threshold = scenario.file.success_threshold;
     let interior = settings.p - 1;
     Ok(Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
-        method: Method::default(),
+        method,
         jacobian: settings.jacobian,
         p: settings.p,
         k: settings.k,
         s_max: settings.s_max,
         tolerance: settings.tolerance,
         guess: settings.guess,
-        success: false,
-        success_threshold: scenario.file.success_threshold,
-        final_error_inf: final_error(scenario.file.feedback)?,
+        success: failure.is_none() && final_error_inf.is_some_and(|e| e < success_threshold),
+        success_threshold,
+        final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
         control_effort: effort.control_effort,
@@ -209,13 +209,13 @@ fn summarise(
         action_at_nodes: effort.action_at_nodes,
         action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
         dynamics_defect: effort.dynamics_defect,
-        solve_seconds: 0.0,
+        solve_seconds,
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
         omega_evaluations: statistics.rhs_evaluations * interior,
         jacobian_evaluations: statistics.jacobian_evaluations * interior,
         factorisations: statistics.factorisations,
-        failure: None,
+        failure,
         outside_limits: scenario.outside_limits(),
     })
 }

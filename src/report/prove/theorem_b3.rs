@@ -14,14 +14,22 @@ use crate::scalar::Ldlt;
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 
-/// The identities of this file.
-pub(super) fn identities() -> Vec<Identity> {
-    let identity = |label, statement, claims| Identity {
+/// An identity of Theorem B3 or its proof.
+pub(super) fn identity(
+    label: &'static str,
+    statement: &'static str,
+    claims: fn(&Point) -> Result<Vec<Claim>>,
+) -> Identity {
+    Identity {
         label,
         statement,
         convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
         claims,
-    };
+    }
+}
+
+/// The identities of this file.
+pub(super) fn identities() -> Vec<Identity> {
     vec![
         identity("B5", "flow = Omega_1 - (Omega_2 - Omega_3 + Omega_4)", b5),
         identity("B6", "Omega_1 = G^-1 d/dt dL/dxdot", b6),

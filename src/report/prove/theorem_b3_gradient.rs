@@ -1,6 +1,6 @@
 //! (B17) to (B36): the gradient of the Lagrangian in the state, and the sum of all terms.
 
-use super::theorem_b3::terms;
+use super::theorem_b3::{identity, terms};
 use super::truth::{
     Truth, blocks, contract, inertia_force, jacobian, stack, still, two, unit, variation,
 };
@@ -13,12 +13,6 @@ use num_traits::Zero;
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
-    let identity = |label, statement, claims| Identity {
-        label,
-        statement,
-        convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
-        claims,
-    };
     vec![
         identity("B17", "dL/dx by the product rule", b17),
         identity("B18", "dL/dx expanded", b18),
