@@ -1,13 +1,11 @@
 //! `aghf robots`.
 
-use super::{print, print_json};
+use super::{Reading, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::{LoadReport, Model, builtin_robots};
 use crate::report::robot_table;
-use crate::scenario::load_robot;
 use clap::Args;
 use serde_json::json;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// List the robots that are built in, or show one: joints, limits, masses, and what was noticed on loading.
@@ -15,6 +13,8 @@ use std::process::ExitCode;
 pub(super) struct Robots {
     /// A robot that is built in, or the path of a URDF file [default: all that are built in].
     robot: Option<String>,
+    #[command(flatten)]
+    reading: Reading,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -28,7 +28,7 @@ impl Robots {
         };
         let mut all = Vec::new();
         for name in names {
-            let (model, report) = load_robot(name, Path::new(""))?;
+            let (model, report) = self.reading.load(name)?;
             if self.json {
                 all.push(as_json(name, &model, &report));
             } else {
