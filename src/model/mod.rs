@@ -30,6 +30,7 @@ mod random;
 mod urdf;
 mod urdf_text;
 mod urdf_tree;
+mod urdf_write;
 
 pub use build::{JointSpec, pendulum};
 pub use builtin::{builtin_robot, builtin_robots};
