@@ -11,9 +11,10 @@ pub use dynamics::check_dynamics;
 
 use super::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
 use super::{AlgorithmB1, Node};
-use crate::dynamics::{Data, crba};
+use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
 use crate::model::Model;
+use crate::spatial::Placement;
 use nalgebra::{DMatrix, DMatrixView};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,7 +29,7 @@ pub const BOUND: f64 = 1e-9;
 pub const FORMS_BOUND: f64 = 1e-7;
 /// No bound is larger, however ill-conditioned the mass matrix is.
 pub const LARGEST_BOUND: f64 = 1e-2;
-/// What is so small beside the mass matrix, or its inverse, is what rounding leaves of zero.
+/// What is so small beside the inertia of the robot may be what rounding leaves of zero.
 const VANISHING: f64 = 1e-6;
 /// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
@@ -149,6 +150,8 @@ struct At<'a> {
     state: &'a State,
     /// The smallest and the largest eigenvalue of the mass matrix there.
     eigenvalues: [f64; 2],
+    /// The inertia of all bodies about the origin of the base, in which everything is computed.
+    inertia: f64,
 }
 
 impl<'a> At<'a> {
@@ -157,11 +160,16 @@ impl<'a> At<'a> {
         let mut h = DMatrix::zeros(n, n);
         crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
         let eigenvalues = h.symmetric_eigenvalues();
+        let mut placements = vec![Placement::identity(); n];
+        forward_kinematics(model, &state.x[..n], &mut placements)?;
+        let inertias = model.inertias().iter().zip(&placements);
+        let about_base = inertias.map(|(i, placement)| i.placed(placement).rotational.trace());
         Ok(Self {
             k: None,
             sample,
             state,
             eigenvalues: [eigenvalues.min(), eigenvalues.max()],
+            inertia: about_base.sum::<f64>().max(eigenvalues.max()),
         })
     }
 
@@ -175,7 +183,7 @@ impl<'a> At<'a> {
     fn direct(&self) -> Tolerance {
         Tolerance {
             bound: BOUND,
-            floor: VANISHING * self.eigenvalues[1],
+            floor: VANISHING * self.inertia,
         }
     }
 
@@ -183,7 +191,7 @@ impl<'a> At<'a> {
     fn divided(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
-            floor: VANISHING / self.eigenvalues[0].abs(),
+            floor: VANISHING * self.inertia / self.eigenvalues[0].abs(),
         }
     }
 
