@@ -5,7 +5,7 @@
 
 mod algorithm_b1;
 pub mod check;
-mod constraint;
+pub mod constraint;
 mod control_form;
 mod definition;
 pub mod guide;
@@ -16,8 +16,7 @@ mod theorem_b3;
 
 pub use algorithm_b1::AlgorithmB1;
 pub use constraint::{
-    Constraint, activation, activation_slope, constrained_lagrangian, penalty, penalty_slope,
-    subtract_penalties,
+    activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature, penalty_slope,
 };
 pub use control_form::ControlForm;
 pub use definition::{ControlEffort, Definition, Lagrangian};

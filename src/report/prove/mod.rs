@@ -7,7 +7,7 @@
 mod algorithm_b1;
 mod algorithm_b2;
 mod algorithm_b3;
-mod constraints;
+//mod constraints;
 mod dynamics;
 mod dynamics_derivatives;
 mod point;
@@ -117,7 +117,7 @@ pub fn identities() -> Vec<Identity> {
     let mut all = Vec::new();
     all.extend(dynamics::identities());
     all.extend(dynamics_derivatives::identities());
-    all.extend(constraints::identities());
+    //all.extend(constraints::identities());
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());
     all.extend(theorem_b4::identities());
