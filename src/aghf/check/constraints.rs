@@ -82,7 +82,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
     };
     let near = |entry: usize| Bound {
         entry,
-        side: if entry % 2 == 0 {
+        side: if entry.is_multiple_of(2) {
             Side::Upper
         } else {
             Side::Lower
