@@ -13,7 +13,7 @@ use aghf::aghf::{
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
-use aghf::scalar::{Over, Scalar as _};
+use aghf::scalar::Over;
 use aghf::scenario::Scenario;
 use aghf::solve::{FlowSettings, flow, flow_constrained};
 use common::{config, model_and_node, node, robot, solve_bound};
