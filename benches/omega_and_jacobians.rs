@@ -3,11 +3,15 @@
 //! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
 //! the growth `N^e` that fits the four largest robots of each row best.
 
-use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
-use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
+use aghf::aghf::constraint::{Ball, Capsule, Penalty, Sphere, SphereBalls};
+use aghf::aghf::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
+use aghf::aghf::{
+    AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorqueLimits, TorquePenalty,
+};
 use aghf::model::{Model, builtin_robot, builtin_robots, random_chain};
 use clap::ValueEnum;
 use criterion::Criterion;
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -81,6 +85,9 @@ fn main() {
                 .expect("lengths agree");
         });
         let mut blocks = NodeBlocks::new(n);
+        if n <= LARGEST_FOR_ALL {
+            constrained(&mut criterion, &mut times, model, node);
+        }
         for kind in JacobianKind::value_variants() {
             if n > LARGEST_FOR_ALL && *kind != JacobianKind::ControlForm {
                 continue;
@@ -106,6 +113,79 @@ fn main() {
     }
     criterion.final_summary();
     report(&mut times);
+}
+
+/// The terms of ten spheres alone, and the flow with them and limits on the torque: for the joint frames and for swept links.
+fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node: Node<'_, f64>) {
+    let n = model.dof();
+    let swept: Vec<Ball> = Capsule::along_links(model, 0.05)
+        .iter()
+        .flat_map(|capsule| capsule.balls(0.1).expect("positive"))
+        .collect();
+    let sphere = |i: u32| Sphere {
+        centre: Vector3::new(0.5, 0.1, 0.4).map(|x| (x * f64::from(i)).sin()),
+        radius: 0.2,
+    };
+    let penalty = Penalty {
+        k_cons: 1e4,
+        c_cons: 20.0,
+    };
+    for (name, balls) in [
+        ("joint frames", Ball::joint_frames(model)),
+        ("swept", swept),
+    ] {
+        let name = format!("{name}, {} rows", 10 * balls.len());
+        let spheres = (1..=10).map(sphere).collect();
+        let constraints = Penalised {
+            state: SphereBalls { balls, spheres },
+            penalty,
+            torque: TorquePenalty {
+                limits: TorqueLimits::of(model),
+                penalty,
+            },
+        };
+        let (mut omega, mut blocks) = (vec![0.0; 2 * n], NodeBlocks::new(n));
+        let mut terms = constraints.state_penalty(model);
+        measure(criterion, times, &format!("terms omega {name}"), n, || {
+            terms
+                .omega(black_box(node), K, &mut omega)
+                .expect("lengths agree");
+        });
+        measure(
+            criterion,
+            times,
+            &format!("terms jacobian {name}"),
+            n,
+            || {
+                terms
+                    .at(black_box(node), K, &mut blocks)
+                    .expect("lengths agree");
+            },
+        );
+        let mut rhs = constraints.right_hand_side(model);
+        measure(
+            criterion,
+            times,
+            &format!("constrained omega {name}"),
+            n,
+            || {
+                rhs.omega(black_box(node), K, &mut omega)
+                    .expect("lengths agree");
+            },
+        );
+        let mut jacobian = JacobianKind::ControlForm.build_constrained(model, &constraints);
+        measure(
+            criterion,
+            times,
+            &format!("constrained jacobian {name}"),
+            n,
+            || {
+                jacobian
+                    .at(black_box(node), K, &mut blocks)
+                    .expect("lengths agree");
+            },
+        );
+    }
 }
 
 /// Prints medians and growth.

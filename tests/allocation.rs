@@ -2,14 +2,18 @@
 
 mod common;
 
-use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
+use aghf::aghf::constraint::{Ball, Bounds, Penalty, Sphere, SphereBalls};
+use aghf::aghf::jacobian::{NodeBlocks, NodeJacobian};
+use aghf::aghf::{
+    AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorqueLimits, TorquePenalty,
+};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
     crba_derivatives, frame_jacobian, rnea, rnea_derivatives,
 };
 use aghf::scalar::Over;
 use common::robot;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;
 
 /// How many allocations `work` makes.
@@ -80,6 +84,34 @@ fn nothing_is_allocated<S: Over<f64>>() {
         0,
         "Algorithm B1"
     );
+
+    let balls = Ball::joint_frames(&model);
+    let spheres = vec![Sphere {
+        centre: Vector3::zeros(),
+        radius: 0.5,
+    }];
+    let penalty = Penalty {
+        k_cons: 3.0,
+        c_cons: 2.0,
+    };
+    let constraints = Penalised {
+        state: (SphereBalls { balls, spheres }, Bounds::positions(&model)),
+        penalty,
+        torque: TorquePenalty {
+            limits: TorqueLimits::of(&model),
+            penalty,
+        },
+    };
+    let mut constrained = constraints.right_hand_side(&model);
+    let mut blocks = NodeBlocks::new(n);
+    let mut penalties = constraints.state_penalty(&model);
+    constrained
+        .omega(node, 3.0, &mut omega)
+        .expect("lengths agree");
+    let again = allocations(|| constrained.omega(node, 3.0, &mut omega));
+    assert_eq!(again, 0, "constrained flow");
+    let made = allocations(|| penalties.at(node, 3.0, &mut blocks));
+    assert_eq!(made, 0, "Jacobian of the penalties");
 }
 
 #[test]

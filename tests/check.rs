@@ -32,6 +32,16 @@ fn everything_passes_on_every_robot() {
                 "{name} is not checked"
             );
         }
+        for what in [
+            "spheres: weighted Hessian",
+            "half-space: weighted Hessian",
+            "bounds: weighted Hessian",
+            "control-form with constraints: dOmega_P2/dxddot",
+            "theorem-b4 with constraints: dOmega_P1/dx",
+        ] {
+            let finding = findings.iter().find(|f| f.quantity == what);
+            assert!(finding.is_some(), "{what} is not checked");
+        }
     }
 }
 

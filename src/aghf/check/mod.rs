@@ -4,9 +4,11 @@
 //! entry of what is compared. The rows of $\Omega_{P1}$ and of $\Omega_{P2}$ are compared apart, since the first have the size
 //! `1 / k`, in which a wrong term of the others would drown.
 
+mod constraints;
 mod dynamics;
 mod tensors;
 
+pub use constraints::check_constraints;
 pub use dynamics::check_dynamics;
 
 use super::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
@@ -363,8 +365,8 @@ fn each_pair(
     Ok(())
 }
 
-/// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, and
-/// every Jacobian of [`JacobianKind`]. Duals of the control form are themselves compared with duals of Algorithm B1.
+/// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
+/// Jacobian of [`JacobianKind`], and the derivatives of constraints. Duals of the control form are themselves compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
@@ -387,5 +389,6 @@ pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> 
             _ => check_jacobian(model, &name, kind.build(model).as_mut(), options)?,
         });
     }
+    findings.extend(check_constraints(model, options)?);
     Ok(findings)
 }

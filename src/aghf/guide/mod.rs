@@ -5,3 +5,6 @@ pub mod your_own_jacobian {}
 
 #[doc = include_str!("your_own_lagrangian.md")]
 pub mod your_own_lagrangian {}
+
+#[doc = include_str!("your_own_constraint.md")]
+pub mod your_own_constraint {}

@@ -7,6 +7,7 @@
 mod algorithm_b1;
 mod algorithm_b2;
 mod algorithm_b3;
+mod constraint_kinds;
 mod constraints;
 mod dynamics;
 mod dynamics_derivatives;
@@ -32,7 +33,7 @@ pub(crate) type F = PrimeField;
 pub(crate) type J = Jet<F, 1>;
 
 /// No identity here has a numerator of a larger degree in the random inputs; `proofs/README.md` works it out.
-pub const DEGREE: u64 = 1 << 16;
+pub const DEGREE: u64 = 1 << 17;
 
 /// Two sides that should be equal, entry by entry.
 pub struct Claim {
@@ -118,6 +119,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(dynamics::identities());
     all.extend(dynamics_derivatives::identities());
     all.extend(constraints::identities());
+    all.extend(constraint_kinds::identities());
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());
     all.extend(theorem_b4::identities());

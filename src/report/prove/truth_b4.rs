@@ -141,7 +141,7 @@ pub(super) fn vector<S: Scalar>(x: &[S]) -> DVector<S> {
 }
 
 /// The node that `z` is.
-fn node<S: Scalar>(z: &[S]) -> Node<'_, S> {
+pub(super) fn node<S: Scalar>(z: &[S]) -> Node<'_, S> {
     let m = z.len() / 3;
     Node {
         x: &z[..m],

@@ -1,0 +1,122 @@
+//! Bounds on single numbers: positions, velocities, torques.
+
+use super::{Constraint, Contraction, State, Weights};
+use crate::error::{Error, Result};
+use crate::model::{Limits, Model};
+use crate::scalar::{Over, Scalar};
+
+/// Which side of a number is bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// It is at least the bound.
+    Lower,
+    /// It is at most the bound.
+    Upper,
+}
+
+/// A bound on one of several numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound<C: Scalar = f64> {
+    /// Which number.
+    pub entry: usize,
+    /// Which side.
+    pub side: Side,
+    /// The bound.
+    pub value: C,
+}
+
+impl<C: Scalar> Bound<C> {
+    /// $g$, linear in the number `x` that is bounded: $x - \bar x$ or $\bar x - x$.
+    #[inline]
+    #[must_use]
+    pub fn row<S: Over<C>>(&self, x: S) -> S {
+        self.signed(x - S::lift(self.value))
+    }
+
+    /// `y` times the slope of $g$, which is one above and minus one below.
+    #[inline]
+    #[must_use]
+    pub fn signed<S: Scalar>(&self, y: S) -> S {
+        match self.side {
+            Side::Lower => -y,
+            Side::Upper => y,
+        }
+    }
+}
+
+/// Bounds on entries of $x = [q; v]$, a linear row for each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds<C: Scalar = f64>(pub Vec<Bound<C>>);
+
+/// The finite ones of two bounds for each joint, on the entries from `first` on.
+pub(super) fn of_limits<C: Scalar>(
+    model: &Model<C>,
+    first: usize,
+    pair: fn(&Limits) -> [f64; 2],
+) -> Vec<Bound<C>> {
+    let both = |(i, limits): (usize, [f64; 2])| {
+        [Side::Lower, Side::Upper]
+            .into_iter()
+            .zip(limits)
+            .map(move |(side, value)| (i, side, value))
+    };
+    let limits = model.joints().iter().map(|joint| pair(joint.limits()));
+    let all = limits.enumerate().flat_map(both);
+    all.filter(|(_, _, value)| value.is_finite())
+        .map(|(i, side, value)| Bound {
+            entry: first + i,
+            side,
+            value: C::from_f64(value),
+        })
+        .collect()
+}
+
+impl<C: Scalar> Bounds<C> {
+    /// The finite limits of the joints on their positions, in rad or m.
+    #[must_use]
+    pub fn positions(model: &Model<C>) -> Self {
+        Self(of_limits(model, 0, |l| [l.lower, l.upper]))
+    }
+
+    /// The finite limits of the joints on their speeds, in rad/s or m/s.
+    #[must_use]
+    pub fn velocities(model: &Model<C>) -> Self {
+        Self(of_limits(model, model.dof(), |l| [-l.velocity, l.velocity]))
+    }
+}
+
+/// Entry `i` of some numbers.
+pub(super) fn entry<S: Copy>(x: &[S], i: usize) -> Result<S> {
+    x.get(i).copied().ok_or(Error::Length {
+        what: "bounded numbers",
+        expected: i + 1,
+        found: x.len(),
+    })
+}
+
+impl<C: Scalar> Constraint<C> for Bounds<C> {
+    fn rows(&self) -> usize {
+        self.0.len()
+    }
+
+    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+        for (bound, g) in self.0.iter().zip(g) {
+            *g = bound.row(entry(at.x, bound.entry)?);
+        }
+        Ok(())
+    }
+
+    fn contract<S: Over<C>>(
+        &self,
+        at: &State<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut Contraction<S>,
+    ) -> Result<()> {
+        for (row, bound) in self.0.iter().enumerate() {
+            entry(at.x, bound.entry)?;
+            let c = weights.c.map_or(S::zero(), |c| c[row]);
+            out.add_entry(bound.entry, bound.signed(weights.w[row]), c);
+        }
+        Ok(())
+    }
+}

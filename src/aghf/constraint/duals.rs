@@ -1,0 +1,145 @@
+//! Contractions of any constraint by dual numbers of its value.
+
+use super::{Constraint, Contraction, State, Weights};
+use crate::dynamics::forward_kinematics;
+use crate::error::Result;
+use crate::scalar::{Jet, Over, Scalar};
+use crate::spatial::Placement;
+
+/// How many tangents one pass carries.
+const LANES: usize = 4;
+
+/// What gradients are computed with.
+type First<S> = Jet<S, LANES>;
+/// What Hessians are computed with: rows in the inner tangent, columns in the outer ones.
+type Second<S> = Jet<Jet<S, 1>, LANES>;
+
+/// Numbers with tangents, kept so that nothing is allocated twice.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch<S: Scalar> {
+    first: Moving<First<S>>,
+    second: Moving<Second<S>>,
+}
+
+impl<S: Scalar> Scratch<S> {
+    pub(super) fn new() -> Self {
+        Self {
+            first: Moving::new(),
+            second: Moving::new(),
+        }
+    }
+}
+
+/// A state that moves, and the values there.
+#[derive(Clone, Debug)]
+struct Moving<T: Scalar> {
+    x: Vec<T>,
+    placements: Vec<Placement<T>>,
+    g: Vec<T>,
+}
+
+impl<T: Scalar> Moving<T> {
+    fn new() -> Self {
+        Self {
+            x: Vec::new(),
+            placements: Vec::new(),
+            g: Vec::new(),
+        }
+    }
+
+    /// Starts from `x`, as constants, with room for `rows` values.
+    fn reset<S: Copy>(&mut self, x: &[S], constant: impl Fn(S) -> T, rows: usize) {
+        self.x.clear();
+        self.x.extend(x.iter().map(|x| constant(*x)));
+        self.placements.resize(x.len() / 2, Placement::identity());
+        self.g.resize(rows, T::zero());
+    }
+
+    /// The values of the constraint where it is now.
+    fn value<C: Scalar, S: Scalar, K: Constraint<C> + ?Sized>(
+        &mut self,
+        constraint: &K,
+        at: &State<'_, C, S>,
+    ) -> Result<&[T]>
+    where
+        T: Over<C>,
+    {
+        forward_kinematics(at.model, &self.x[..self.x.len() / 2], &mut self.placements)?;
+        let moved = State {
+            model: at.model,
+            x: &self.x,
+            placements: &self.placements,
+        };
+        constraint.value(&moved, &mut self.g)?;
+        Ok(&self.g)
+    }
+}
+
+/// The contractions of `constraint`, added to `out`.
+pub(super) fn contract<C: Scalar, S: Over<C>, K: Constraint<C> + ?Sized>(
+    constraint: &K,
+    at: &State<'_, C, S>,
+    weights: Weights<'_, S>,
+    out: &mut Contraction<S>,
+) -> Result<()> {
+    if constraint.rows() == 0 {
+        return Ok(());
+    }
+    let Contraction {
+        gradient,
+        hessian,
+        scratch,
+        ..
+    } = out;
+    let Weights { w, c } = weights;
+    let m = at.x.len();
+    let chunks = |end: usize| {
+        (0..end)
+            .step_by(LANES)
+            .map(move |start| start..(start + LANES).min(end))
+    };
+
+    let moving = &mut scratch.first;
+    moving.reset(at.x, Jet::constant, constraint.rows());
+    for chunk in chunks(m) {
+        for (lane, j) in chunk.clone().enumerate() {
+            moving.x[j].eps[lane] = S::one();
+        }
+        for (w, g) in w.iter().zip(moving.value(constraint, at)?) {
+            for (lane, j) in chunk.clone().enumerate() {
+                gradient[j] += *w * g.eps[lane];
+            }
+        }
+        for j in chunk {
+            moving.x[j] = Jet::constant(at.x[j]);
+        }
+    }
+
+    let Some(c) = c else { return Ok(()) };
+    let moving = &mut scratch.second;
+    let constant = |x| Jet::constant(Jet::constant(x));
+    moving.reset(at.x, constant, constraint.rows());
+    for i in 0..m {
+        moving.x[i].re.eps[0] = S::one();
+        for chunk in chunks(i + 1) {
+            for (lane, j) in chunk.clone().enumerate() {
+                moving.x[j].eps[lane].re = S::one();
+            }
+            for ((w, c), g) in w.iter().zip(c).zip(moving.value(constraint, at)?) {
+                for (lane, j) in chunk.clone().enumerate() {
+                    let (by_j, by_ij) = (g.eps[lane].re, g.eps[lane].eps[0]);
+                    let entry = *w * by_ij + *c * g.re.eps[0] * by_j;
+                    hessian[(i, j)] += entry;
+                    if j < i {
+                        hessian[(j, i)] += entry;
+                    }
+                }
+            }
+            for (lane, j) in chunk.enumerate() {
+                moving.x[j].eps[lane].re = S::zero();
+            }
+        }
+        moving.x[i].re.eps[0] = S::zero();
+    }
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! Values and contractions of constraints at states.
+
+use super::{Constraint, Contraction, State, Weights};
+use crate::dynamics::forward_kinematics;
+use crate::error::{Result, check_length};
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use crate::spatial::{Motion, Placement};
+
+/// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state.
+#[derive(Clone, Debug)]
+pub struct Evaluator<'m, C: Scalar, S: Scalar> {
+    model: &'m Model<C>,
+    placements: Vec<Placement<S>>,
+    axes: Vec<Motion<S>>,
+    contraction: Contraction<S>,
+}
+
+impl<'m, C: Scalar, S: Over<C>> Evaluator<'m, C, S> {
+    /// For the states of `model`.
+    #[must_use]
+    pub fn new(model: &'m Model<C>) -> Self {
+        let n = model.dof();
+        Self {
+            model,
+            placements: vec![Placement::identity(); n],
+            axes: vec![Motion::zero(); n],
+            contraction: Contraction::new(n),
+        }
+    }
+
+    /// Places the bodies at the state `x`, `2 N` entries. Cost O(N).
+    ///
+    /// # Errors
+    /// `x` does not have `2 N` entries.
+    pub fn at<'a>(&'a mut self, x: &'a [S]) -> Result<Placed<'a, C, S>> {
+        check_length("x", 2 * self.model.dof(), x.len())?;
+        forward_kinematics(self.model, &x[..self.model.dof()], &mut self.placements)?;
+        Ok(Placed {
+            state: State {
+                model: self.model,
+                x,
+                placements: &self.placements,
+            },
+            axes: &mut self.axes,
+            contraction: &mut self.contraction,
+        })
+    }
+}
+
+/// Bodies placed at a state, for any number of constraints.
+#[derive(Debug)]
+pub struct Placed<'a, C: Scalar, S: Scalar> {
+    state: State<'a, C, S>,
+    axes: &'a mut [Motion<S>],
+    contraction: &'a mut Contraction<S>,
+}
+
+impl<C: Scalar, S: Over<C>> Placed<'_, C, S> {
+    /// The state, as a constraint sees it.
+    #[must_use]
+    pub fn state(&self) -> &State<'_, C, S> {
+        &self.state
+    }
+
+    /// $g$, into `g`, which has as many entries as `constraint` has rows.
+    ///
+    /// # Errors
+    /// `g` has another length, or `constraint` is for another robot.
+    pub fn value<K: Constraint<C> + ?Sized>(&self, constraint: &K, g: &mut [S]) -> Result<()> {
+        check_length("g", constraint.rows(), g.len())?;
+        constraint.value(&self.state, g)
+    }
+
+    /// The sums of derivatives with the weights of the rows, the gradient alone or the Hessian as well.
+    ///
+    /// # Errors
+    /// There are more or fewer weights than rows, or `constraint` is for another robot.
+    pub fn contract<K: Constraint<C> + ?Sized>(
+        &mut self,
+        constraint: &K,
+        weights: Weights<'_, S>,
+    ) -> Result<&Contraction<S>> {
+        weights.check(constraint.rows())?;
+        self.contraction.reset(weights.c.is_some());
+        constraint.contract(&self.state, weights, self.contraction)?;
+        let joints = self.state.model.joints();
+        for ((axis, joint), placement) in
+            self.axes.iter_mut().zip(joints).zip(self.state.placements)
+        {
+            *axis = joint.motion_subspace(placement);
+        }
+        self.contraction.collect(self.state.model, self.axes);
+        Ok(self.contraction)
+    }
+}

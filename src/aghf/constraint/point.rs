@@ -1,0 +1,169 @@
+//! Balls that bodies carry, and what they have to stay out of.
+
+use super::{Constraint, Contraction, State, Weights};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{Matrix3, Vector3};
+
+/// A ball that a body carries, in m; one with radius zero is a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball<C: Scalar = f64> {
+    /// The body; `None` is the base.
+    pub body: Option<usize>,
+    /// Its centre in the body.
+    pub centre: Vector3<C>,
+    /// Its radius.
+    pub radius: C,
+}
+
+impl<C: Scalar> Ball<C> {
+    /// The origins of all joint frames as points: what the paper keeps out of obstacles.
+    #[must_use]
+    pub fn joint_frames(model: &Model<C>) -> Vec<Self> {
+        let origin = |body| Self {
+            body: Some(body),
+            centre: Vector3::zeros(),
+            radius: C::zero(),
+        };
+        (0..model.dof()).map(origin).collect()
+    }
+
+    /// A ball about the origin of the frame of a link.
+    ///
+    /// # Errors
+    /// The model has no link of that name.
+    pub fn at_link(model: &Model<C>, link: &str, radius: C) -> Result<Self> {
+        let frame = model.frames().iter().find(|f| f.name == link);
+        let frame = frame.ok_or_else(|| {
+            Error::input(
+                model.name(),
+                format!("link '{link}'"),
+                "there is no such link",
+            )
+        })?;
+        Ok(Self {
+            body: frame.body,
+            centre: frame.placement.translation,
+            radius,
+        })
+    }
+}
+
+/// A ball fixed in the base frame, as an obstacle, in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere<C: Scalar = f64> {
+    /// Its centre.
+    pub centre: Vector3<C>,
+    /// Its radius.
+    pub radius: C,
+}
+
+/// Every ball stays out of every sphere: $g = (r + \rho)^2 - |p - c|^2$ in m^2, with $\rho$ and `p` of the ball and `r` and `c` of
+/// the sphere. Row `i m + j` is that of ball `i` and sphere `j` of `m`. The squares keep it smooth everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SphereBalls<C: Scalar = f64> {
+    /// What the robot carries.
+    pub balls: Vec<Ball<C>>,
+    /// What is in its way.
+    pub spheres: Vec<Sphere<C>>,
+}
+
+impl<C: Scalar> Constraint<C> for SphereBalls<C> {
+    fn rows(&self) -> usize {
+        self.balls.len() * self.spheres.len()
+    }
+
+    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let mut rows = g.iter_mut();
+        for ball in &self.balls {
+            let p = at.point(ball.body, &ball.centre)?;
+            for (sphere, g) in self.spheres.iter().zip(&mut rows) {
+                let d = p - sphere.centre.map(S::lift);
+                let reach = sphere.radius + ball.radius;
+                *g = S::lift(reach * reach) - d.dot(&d);
+            }
+        }
+        Ok(())
+    }
+
+    /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.
+    fn contract<S: Over<C>>(
+        &self,
+        at: &State<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut Contraction<S>,
+    ) -> Result<()> {
+        let (two, four) = (S::from_f64(2.0), S::from_f64(4.0));
+        let mut rows = 0..;
+        for ball in &self.balls {
+            let p = at.point(ball.body, &ball.centre)?;
+            let (mut pull, mut total) = (Vector3::zeros(), S::zero());
+            let mut outer = Matrix3::zeros();
+            for (sphere, row) in self.spheres.iter().zip(&mut rows) {
+                let d = p - sphere.centre.map(S::lift);
+                let w = weights.w[row];
+                pull += d * w;
+                total += w;
+                if let Some(c) = weights.c {
+                    let scaled = d * c[row];
+                    outer += scaled * d.transpose();
+                }
+            }
+            let stiffness = outer * four - Matrix3::from_diagonal_element(total * two);
+            out.add_point(ball.body, &p, &(-(pull * two)), &stiffness)?;
+        }
+        Ok(())
+    }
+}
+
+/// The half-space $n \cdot p \ge \delta$ of the base frame, such as what is above a floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace<C: Scalar = f64> {
+    /// `n`, of length one, pointing to where the robot may be.
+    pub normal: Vector3<C>,
+    /// $\delta$, in m.
+    pub offset: C,
+}
+
+/// Every ball stays in a half-space: $g = \rho + \delta - n \cdot p$ in m, a row for each ball.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HalfSpaceBalls<C: Scalar = f64> {
+    /// What the robot carries.
+    pub balls: Vec<Ball<C>>,
+    /// Where it may be.
+    pub half_space: HalfSpace<C>,
+}
+
+impl<C: Scalar> Constraint<C> for HalfSpaceBalls<C> {
+    fn rows(&self) -> usize {
+        self.balls.len()
+    }
+
+    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let HalfSpace { normal, offset } = &self.half_space;
+        for (ball, g) in self.balls.iter().zip(g) {
+            let p = at.point(ball.body, &ball.centre)?;
+            let height = p.x.scale(normal.x) + p.y.scale(normal.y) + p.z.scale(normal.z);
+            *g = S::lift(ball.radius + *offset) - height;
+        }
+        Ok(())
+    }
+
+    /// The gradient in `p` is $-n$.
+    fn contract<S: Over<C>>(
+        &self,
+        at: &State<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut Contraction<S>,
+    ) -> Result<()> {
+        let n = self.half_space.normal.map(S::lift);
+        let square = n * n.transpose();
+        for (row, ball) in self.balls.iter().enumerate() {
+            let p = at.point(ball.body, &ball.centre)?;
+            let c = weights.c.map_or(S::zero(), |c| c[row]);
+            out.add_point(ball.body, &p, &(n * -weights.w[row]), &(square * c))?;
+        }
+        Ok(())
+    }
+}

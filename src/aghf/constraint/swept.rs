@@ -1,0 +1,108 @@
+//! Links as capsules, and balls that cover them.
+
+use super::{Ball, Sphere};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::spatial::Placement;
+use nalgebra::Vector3;
+
+/// All points within a radius of a segment that a body carries, in m. A segment of length zero makes it a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// The body; `None` is the base.
+    pub body: Option<usize>,
+    /// The ends of the segment in the body.
+    pub ends: [Vector3<f64>; 2],
+    /// The radius.
+    pub radius: f64,
+}
+
+impl Capsule {
+    /// The whole arm: from the origin of each joint to those of the joints that its body carries and of the links fixed to it,
+    /// such as an end effector. A body that carries nothing off the origin of its joint gets a ball there.
+    #[must_use]
+    pub fn along_links(model: &Model, radius: f64) -> Vec<Self> {
+        let mut capsules = Vec::new();
+        for body in 0..model.dof() {
+            let body = Some(body);
+            let joints = model.joints().iter().filter(|j| j.parent() == body);
+            let joints = joints.map(|j| j.origin().translation);
+            let frames = model.frames().iter().filter(|f| f.body == body);
+            let frames = frames.map(|f| f.placement.translation);
+            let mut ends: Vec<Vector3<f64>> = Vec::new();
+            for end in joints.chain(frames) {
+                if end != Vector3::zeros() && !ends.contains(&end) {
+                    ends.push(end);
+                }
+            }
+            if ends.is_empty() {
+                ends.push(Vector3::zeros());
+            }
+            capsules.extend(ends.into_iter().map(|end| Self {
+                body,
+                ends: [Vector3::zeros(), end],
+                radius,
+            }));
+        }
+        capsules
+    }
+
+    /// Balls that cover the capsule, their centres equally spaced along the segment, ends included, no more than `spacing`
+    /// apart. With `h` the distance of neighbours their radius is $\sqrt{\rho^2 + (h / 2)^2}$: whoever keeps out of the balls
+    /// keeps out of the capsule. A point of it is at most $h / 2$ along the segment from a centre and $\rho$ off it.
+    ///
+    /// # Errors
+    /// `spacing` is not positive and finite, or the radius is negative or not finite.
+    pub fn balls(&self, spacing: f64) -> Result<Vec<Ball>> {
+        for (what, value, good) in [
+            ("spacing", spacing, spacing > 0.0),
+            ("radius", self.radius, self.radius >= 0.0),
+        ] {
+            if !(good && value.is_finite()) {
+                let condition = format!("it is {value}, which no capsule can have");
+                return Err(Error::input("capsule", what, condition));
+            }
+        }
+        let [from, to] = self.ends;
+        let length = (to - from).norm();
+        let pieces = (length / spacing).ceil();
+        let half = if pieces > 0.0 {
+            0.5 * length / pieces
+        } else {
+            0.0
+        };
+        let ball = |i: u32| Ball {
+            body: self.body,
+            centre: from + (to - from) * (f64::from(i) / pieces.max(1.0)),
+            radius: self.radius.hypot(half),
+        };
+        // The cast saturates.
+        Ok((0..=pieces as u32).map(ball).collect())
+    }
+
+    /// How far the capsule is from a sphere, in m, exactly; negative when they overlap. `placements` are those of all bodies.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    pub fn clearance(&self, placements: &[Placement<f64>], sphere: &Sphere) -> Result<f64> {
+        let in_base = |p: &Vector3<f64>| match self.body {
+            None => Ok(*p),
+            Some(body) => (placements.get(body))
+                .map(|placement| placement.rotation * p + placement.translation)
+                .ok_or(Error::Length {
+                    what: "placements",
+                    expected: body + 1,
+                    found: placements.len(),
+                }),
+        };
+        let (from, to) = (in_base(&self.ends[0])?, in_base(&self.ends[1])?);
+        let (along, off) = (to - from, sphere.centre - from);
+        let squared = along.norm_squared();
+        let nearest = if squared > 0.0 {
+            (off.dot(&along) / squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        Ok((off - along * nearest).norm() - self.radius - sphere.radius)
+    }
+}
