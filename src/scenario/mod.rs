@@ -2,8 +2,15 @@
 
 mod builtin;
 mod file;
+mod generate;
 mod outcome;
+mod surroundings;
 
 pub use builtin::builtin_scenarios;
-pub use file::{FlowParameters, Scenario, ScenarioFile, SphereObstacle, load_robot};
+pub use file::{
+    EnforcedLimits, FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile,
+    SphereObstacle, load_robot,
+};
+pub use generate::{FAMILIES, Family, generate, generated_scenarios};
 pub use outcome::{Method, Outcome, SolveOptions, Summary, solve};
+pub use surroundings::Surroundings;
