@@ -172,6 +172,20 @@ proptest! {
 }
 
 /// The same dynamics run on lanes and in single precision.
+/// Far from zero the hyperbolic tangent is one, and its dual numbers are numbers.
+#[test]
+fn tanh_saturates() {
+    for x in [19.9, 20.1, 800.0, f64::MAX] {
+        for x in [x, -x] {
+            assert_eq!(Scalar::tanh(x), x.signum());
+            let first = Scalar::tanh(Dual64::new(x, 3.0));
+            assert!(first.re == x.signum() && first.eps.abs() < 1e-15, "{first}");
+            let second = Scalar::tanh(HyperDual64::new(x, 1.0, 1.0, 0.0));
+            assert!(second.eps1eps2.abs() < 1e-15, "{second}");
+        }
+    }
+}
+
 #[test]
 fn dynamics_run_on_lanes_and_on_f32() {
     let model = random_tree(8, 5).expect("eight joints");

@@ -5,7 +5,9 @@
 
 mod algorithm_b1;
 pub mod check;
+mod constrained;
 pub mod constraint;
+mod control_cost;
 mod control_form;
 mod definition;
 pub mod guide;
@@ -15,9 +17,11 @@ mod node;
 mod theorem_b3;
 
 pub use algorithm_b1::AlgorithmB1;
+pub use constrained::{Constrained, Penalised, StatePenalty, Sum};
 pub use constraint::{
     activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature, penalty_slope,
 };
+pub use control_cost::{ControlCost, TorqueLimits, TorquePenalty};
 pub use control_form::ControlForm;
 pub use definition::{ControlEffort, Definition, Lagrangian};
 pub use lagrangian::{lagrangian, lagrangian_of_control};

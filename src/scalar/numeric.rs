@@ -2,7 +2,7 @@
 
 use super::{Over, Scalar};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
-use num_traits::NumCast;
+use num_traits::{Float, NumCast};
 
 /// Rounds a constant to the floating-point type below a dual number; both types there are (`f32`, `f64`) take any `f64`.
 fn primitive<F: DualNumFloat>(x: f64) -> F {
@@ -22,7 +22,14 @@ impl<D: DualNum + Copy> Scalar for D {
 
     #[inline]
     fn tanh(self) -> Self {
-        DualNum::tanh(&self)
+        // `num-dual` divides sinh by cosh, which is not a number once they overflow. Beyond this bound the hyperbolic tangent
+        // is one to the last bit, and its derivatives vanish beside that.
+        let re = self.re();
+        if Float::abs(re) > primitive::<D::Primitive>(20.0) {
+            D::from(Float::signum(re))
+        } else {
+            DualNum::tanh(&self)
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::integrate::{Failure, Ode, Statistics, Tolerance, integrate};
 use super::{Guess, Problem};
+use crate::aghf::constraint::Constraint;
 use crate::aghf::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use crate::aghf::{ControlForm, RightHandSide, lagrangian_of_control};
+use crate::aghf::{ControlForm, Penalised, RightHandSide, lagrangian_of_control};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
 use crate::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian};
@@ -143,6 +144,22 @@ pub fn flow(
         jacobian,
         observe,
     )
+}
+
+/// Runs the constrained flow (A4), otherwise as [`flow`].
+///
+/// # Errors
+/// As [`flow`], or the constraints are for another robot.
+pub fn flow_constrained<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    constraints: &Penalised<K>,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
+    let model = problem.model();
+    let jacobian = &mut *settings.jacobian.build_constrained(model, constraints);
+    let rhs = &mut constraints.right_hand_side(model);
+    flow_with(problem, settings, rhs, jacobian, observe)
 }
 
 /// Runs the flow of any right-hand side with any Jacobian of it. The history tells the paper's action whatever the

@@ -8,7 +8,8 @@ mod simulate;
 
 pub use control::{Effort, Sample, control_at, measure, sample};
 pub use flow::{
-    FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_with, output_count,
+    FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
+    flow_with, output_count,
 };
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};

@@ -1,7 +1,7 @@
 //! The Jacobian of the control form, by contracted second derivatives of inverse dynamics.
 
 use super::{NodeBlocks, NodeJacobian};
-use crate::aghf::Node;
+use crate::aghf::{ControlCost, Node};
 use crate::dynamics::{
     ContractedHessian, Data, InverseDynamicsDerivatives, crba_contracted, rnea_contracted_hessian,
     rnea_derivatives,
@@ -30,9 +30,20 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// with $A = \dot H - J_v^T$; $\partial \Omega_{P1} / \partial \dot x_{P1} = 0$ and $\partial \Omega / \partial \ddot x = 2 I$ (B80).
 /// Cost O(N d) for the dynamics, d the depth of the tree, and O(N^3) for dense products and solves.
+///
+/// A [`ControlCost`] puts $\mu = u + \tfrac12 \ell^{\prime}$ and $\dot \mu = V \dot u$ with $V = I + \tfrac12 \ell^{\prime\prime}$ in the
+/// places of `u` and $\dot u$. As $d\mu = V du$ and $d \dot \mu = V d\dot u + W du$ with $W = \tfrac12 \mathrm{diag}
+/// (\ell^{\prime\prime\prime} \dot u)$, the table holds with $V [J_q, J_v, H]$ for $[J_q, J_v, H]$ and
+/// $V [\dot J_q, \dot J_v, \dot H] + W [J_q, J_v, H]$ for their rates, but not in $A$ nor for $J_q^T$; and
+/// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} V H$.
 #[derive(Clone, Debug)]
-pub struct ControlForm<'m, C: Scalar, S: Scalar> {
+pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     model: &'m Model<C>,
+    cost: L,
+    /// Whether the cost stands alone, without the Lagrangian of the paper.
+    alone: bool,
+    /// The diagonals of `V` and `W`.
+    diagonals: [DVector<S>; 2],
     data: Data<S>,
     jet_data: Data<Jet<S, 1>>,
     jet_id: InverseDynamicsDerivatives<Jet<S, 1>>,
@@ -40,11 +51,12 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar> {
     /// The arguments of the passes with a tangent: `q`, `v`, `a` and the weights `u`.
     jet_arguments: [Vec<Jet<S, 1>>; 4],
     hessian: ContractedHessian<S>,
-    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate.
+    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `W`.
     derivatives: DMatrix<S>,
     rates: DMatrix<S>,
-    u: DVector<S>,
-    udot: DVector<S>,
+    /// $\mu$ and $\dot \mu$, which are $u$ and $\dot u$ without a cost.
+    mu: DVector<S>,
+    mudot: DVector<S>,
     z: DVector<S>,
     y: DVector<S>,
     /// $K_y$ and $K_{\dot u - z}$.
@@ -66,10 +78,30 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
+        Self::with_cost(model, ())
+    }
+}
+
+impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+    /// What `cost` adds to the Jacobian of the flow of the paper's Lagrangian.
+    #[must_use]
+    pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
+        Self {
+            alone: true,
+            ..Self::with_cost(model, cost)
+        }
+    }
+
+    /// The Jacobian for `model` and the Lagrangian with `cost` added.
+    #[must_use]
+    pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
         let n = model.dof();
         let jets = || vec![Jet::constant(S::zero()); n];
         Self {
             model,
+            cost,
+            alone: false,
+            diagonals: [DVector::zeros(n), DVector::zeros(n)],
             data: Data::new(model),
             jet_data: Data::new(model),
             jet_id: InverseDynamicsDerivatives::new(n),
@@ -78,8 +110,8 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
             hessian: ContractedHessian::new(n),
             derivatives: DMatrix::zeros(n, 3 * n),
             rates: DMatrix::zeros(n, 3 * n),
-            u: DVector::zeros(n),
-            udot: DVector::zeros(n),
+            mu: DVector::zeros(n),
+            mudot: DVector::zeros(n),
             z: DVector::zeros(n),
             y: DVector::zeros(n),
             k_y: DMatrix::zeros(n, n),
@@ -101,10 +133,17 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
     pub fn blocks(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;
+        let n = self.model.dof();
+        let k_slip = if self.alone { C::zero() } else { k };
         self.differentiate_inverse_dynamics(node)?;
-        self.solve_for_y(node, k);
+        self.weigh();
+        self.solve_for_y(node, k_slip);
         self.contract(node)?;
-        self.fill_lower(k);
+        self.derivatives
+            .columns(0, n)
+            .transpose_to(&mut self.jq_transposed);
+        self.scale_rows();
+        self.fill_lower(k_slip);
         self.compose(k, out);
         Ok(())
     }
@@ -127,10 +166,43 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
             *rate = jet.eps[0];
         }
         for (i, jet) in id.tau.iter().enumerate() {
-            self.u[i] = jet.re;
-            self.udot[i] = jet.eps[0];
+            self.mu[i] = jet.re;
+            self.mudot[i] = jet.eps[0];
         }
         Ok(())
+    }
+
+    /// From `u` and its rate $\mu$ and $\dot \mu$, and the diagonals of `V` and `W`. Without a cost they are the same.
+    fn weigh(&mut self) {
+        if self.cost.is_zero() && !self.alone {
+            return;
+        }
+        let half = S::from_f64(0.5);
+        let paper = if self.alone { S::zero() } else { S::one() };
+        let [v, w] = &mut self.diagonals;
+        for i in 0..self.mu.len() {
+            let (u, udot) = (self.mu[i], self.mudot[i]);
+            let [first, second, third] = self.cost.derivatives(i, u);
+            v[i] = paper + half * second;
+            w[i] = half * third * udot;
+            self.mu[i] = paper * u + half * first;
+            self.mudot[i] = v[i] * udot;
+        }
+    }
+
+    /// $V$ times $[J_q, J_v, H]$, and its part of the rates.
+    fn scale_rows(&mut self) {
+        if self.cost.is_zero() && !self.alone {
+            return;
+        }
+        let [v, w] = &self.diagonals;
+        for j in 0..self.derivatives.ncols() {
+            for i in 0..self.derivatives.nrows() {
+                let entry = self.derivatives[(i, j)];
+                self.rates[(i, j)] = v[i] * self.rates[(i, j)] + w[i] * entry;
+                self.derivatives[(i, j)] = v[i] * entry;
+            }
+        }
     }
 
     /// `z` and `y`, the two solves that $\Omega_{P2} = 2 y$ takes, and $A = \dot H - J_v^T$.
@@ -144,8 +216,8 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
                 self.a[(i, j)] -= self.derivatives[(j, n + i)];
             }
         }
-        self.z.gemv(one, &h, &self.udot, zero);
-        self.z.gemv(one, &self.a, &self.u, one);
+        self.z.gemv(one, &h, &self.mudot, zero);
+        self.z.gemv(one, &self.a, &self.mu, one);
         for i in 0..n {
             self.z[i] += (node.xdot_p1()[i] - node.x_p2()[i]).scale(k);
         }
@@ -155,17 +227,17 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
         self.ldlt.solve(self.y.as_mut_slice());
     }
 
-    /// The contracted second derivatives: $\Phi$, $K_u$ with its rate, $K_y$ and $K_{\dot u - z}$.
+    /// The contracted second derivatives: $\Phi$, $K_\mu$ with its rate, $K_y$ and $K_{\dot \mu - z}$.
     fn contract(&mut self, node: Node<'_, S>) -> Result<()> {
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
         let (model, data) = (self.model, &mut self.data);
-        rnea_contracted_hessian(model, data, q, v, a, self.u.as_slice(), &mut self.hessian)?;
+        rnea_contracted_hessian(model, data, q, v, a, self.mu.as_slice(), &mut self.hessian)?;
         crba_contracted(model, data, q, self.y.as_slice(), &mut self.k_y)?;
         // z is not needed any more, its place is.
-        self.z.zip_apply(&self.udot, |z, udot| *z = udot - *z);
+        self.z.zip_apply(&self.mudot, |z, mudot| *z = mudot - *z);
         crba_contracted(model, data, q, self.z.as_slice(), &mut self.k_rest)?;
         let [q, _, _, u] = &mut self.jet_arguments;
-        for (jet, u) in u.iter_mut().zip(&self.u) {
+        for (jet, u) in u.iter_mut().zip(&self.mu) {
             *jet = Jet::constant(*u);
         }
         crba_contracted(model, &mut self.jet_data, q, u, &mut self.jet_k)
@@ -213,9 +285,6 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
     fn compose(&mut self, k: C, out: &mut NodeBlocks<S>) {
         let n = self.model.dof();
         let (one, zero, two) = (S::one(), S::zero(), S::from_f64(2.0));
-        self.derivatives
-            .columns(0, n)
-            .transpose_to(&mut self.jq_transposed);
         self.upper
             .gemm(one, &self.jq_transposed, &self.derivatives, zero);
         let per_k = -C::from_f64(2.0) / k;
@@ -231,14 +300,23 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
                 out.dxdot[(n + i, j)] = two * self.lower[(i, 2 * n + j)];
                 out.dxdot[(n + i, n + j)] = two * self.lower[(i, 3 * n + j)];
             }
-            out.dxdot[(j, n + j)] -= two;
         }
         out.dxddot.fill(zero);
-        out.dxddot.fill_diagonal(two);
+        if !self.alone {
+            for j in 0..n {
+                out.dxdot[(j, n + j)] -= two;
+            }
+            out.dxddot.fill_diagonal(two);
+        }
+        if !self.cost.is_zero() {
+            let h = self.derivatives.columns(2 * n, n);
+            let mut block = out.dxddot.view_mut((n, n), (n, n));
+            block.gemm(two, &self.h_inverse, &h, zero);
+        }
     }
 }
 
-impl<C: Scalar, S: Over<C>> NodeJacobian<C, S> for ControlForm<'_, C, S> {
+impl<C: Scalar, S: Over<C>, L: ControlCost<C>> NodeJacobian<C, S> for ControlForm<'_, C, S, L> {
     fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)
     }

@@ -5,12 +5,12 @@ use crate::aghf::{ControlForm, Node, RightHandSide};
 use crate::error::Result;
 use crate::model::Model;
 
-/// Central differences of order four of the control form: what a user without derivatives would have.
+/// Central differences of order four, of the control form unless another right-hand side is given: what a user without derivatives would have.
 ///
 /// The step balances truncation, of order four, against rounding. Cost: `24 N` evaluations of $\Omega$.
 #[derive(Clone, Debug)]
-pub struct CentralDifference<'m> {
-    rhs: ControlForm<'m, f64, f64>,
+pub struct CentralDifference<R> {
+    rhs: R,
     /// `x`, `xdot` and `xddot` behind one another.
     inputs: Vec<f64>,
     omega: Vec<f64>,
@@ -25,13 +25,20 @@ const STENCIL: [(f64, f64); 4] = [
     (2.0, -1.0 / 12.0),
 ];
 
-impl<'m> CentralDifference<'m> {
-    /// The Jacobian for `model`.
+impl<'m> CentralDifference<ControlForm<'m, f64, f64>> {
+    /// The Jacobian of the control form for `model`.
     #[must_use]
     pub fn new(model: &'m Model) -> Self {
-        let n = model.dof();
+        Self::of(ControlForm::new(model), model.dof())
+    }
+}
+
+impl<R: RightHandSide<f64, f64>> CentralDifference<R> {
+    /// The Jacobian of any right-hand side for a model with `n` joints.
+    #[must_use]
+    pub fn of(rhs: R, n: usize) -> Self {
         Self {
-            rhs: ControlForm::new(model),
+            rhs,
             inputs: vec![0.0; 6 * n],
             omega: vec![0.0; 2 * n],
             column: vec![0.0; 2 * n],
@@ -39,7 +46,7 @@ impl<'m> CentralDifference<'m> {
     }
 }
 
-impl NodeJacobian for CentralDifference<'_> {
+impl<R: RightHandSide<f64, f64>> NodeJacobian for CentralDifference<R> {
     fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
         let m = self.omega.len();
         out.check(m / 2)?;

@@ -10,7 +10,8 @@ pub use difference::CentralDifference;
 pub use dual::ForwardDual;
 pub use theorem_b4::TheoremB4;
 
-use super::Node;
+use super::constraint::Constraint;
+use super::{Node, Penalised, Sum};
 use crate::dynamics::check_square;
 use crate::error::Result;
 use crate::model::Model;
@@ -64,6 +65,12 @@ pub trait NodeJacobian<C = f64, S: Scalar = f64> {
     fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 
+impl<C, S: Scalar, J: NodeJacobian<C, S> + ?Sized> NodeJacobian<C, S> for Box<J> {
+    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+        (**self).at(node, k, out)
+    }
+}
+
 /// Makes [`JacobianKind`] of the implementations: one line each, `name: type`. A type is made by `new(model)`.
 macro_rules! implementations {
     ($($(#[$about:meta])* $kind:ident: $type:ident,)*) => {
@@ -98,6 +105,32 @@ implementations! {
 }
 
 impl JacobianKind {
+    /// The implementation for `model` with constraints, (A4). Duals and differences see the whole right-hand side. An analytic
+    /// implementation gains the analytic terms of the constraints; the control form has those of the torque in its own.
+    #[must_use]
+    pub fn build_constrained<'a, K: Constraint>(
+        self,
+        model: &'a Model,
+        constraints: &'a Penalised<K>,
+    ) -> Box<dyn NodeJacobian + 'a> {
+        let (n, torque) = (model.dof(), constraints.torque.clone());
+        let of_state = constraints.state_penalty(model);
+        match self {
+            Self::Dual => Box::new(ForwardDual::of(constraints.right_hand_side(model), n)),
+            Self::Difference => {
+                Box::new(CentralDifference::of(constraints.right_hand_side(model), n))
+            }
+            Self::ControlForm => {
+                Box::new(Sum::new(ControlForm::with_cost(model, torque), of_state))
+            }
+            other => {
+                let of_torque = ControlForm::of_cost(model, torque);
+                let paper = Sum::new(other.build(model), of_torque);
+                Box::new(Sum::new(paper, of_state))
+            }
+        }
+    }
+
     /// All implementations with the names by which they are chosen.
     pub fn by_name() -> impl Iterator<Item = (String, Self)> {
         Self::value_variants().iter().filter_map(|kind| {
