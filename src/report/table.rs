@@ -87,6 +87,12 @@ pub fn summary_table(summary: &Summary) -> String {
     for note in &s.outside_limits {
         table.add_row(["outside limits", note]);
     }
+    if let Some(clearance) = s.feasibility.smallest_clearance_m {
+        table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
+    }
+    for violation in &s.feasibility.limit_violations {
+        table.add_row(["limit exceeded", &violation.to_string()]);
+    }
     table.to_string()
 }
 

@@ -3,6 +3,8 @@
 use super::Surroundings;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
+use crate::aghf::TorqueLimits;
+use crate::aghf::constraint::{Bounds, BuiltIn};
 use crate::error::{Error, Result};
 use crate::model::{LoadReport, Model, builtin_robot, load_urdf};
 use crate::pseudospectral::Chebyshev;
@@ -261,6 +263,38 @@ impl Scenario {
             state(&self.file.q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
+    }
+
+    /// Whether there are no constraints.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.surroundings.is_empty() && !self.file.enforced_limits.any()
+    }
+
+    /// The constraints on the state: clear of obstacles, within the limits that are enforced.
+    ///
+    /// # Errors
+    /// As [`Surroundings::constraints`].
+    pub fn state_constraints(&self) -> Result<Vec<BuiltIn>> {
+        let mut constraints = self.surroundings.constraints()?;
+        let enforced = self.file.enforced_limits;
+        if enforced.position {
+            constraints.push(BuiltIn::Bounds(Bounds::positions(&self.model)));
+        }
+        if enforced.velocity {
+            constraints.push(BuiltIn::Bounds(Bounds::velocities(&self.model)));
+        }
+        Ok(constraints)
+    }
+
+    /// The limits on the control that are enforced.
+    #[must_use]
+    pub fn torque_limits(&self) -> TorqueLimits {
+        if self.file.enforced_limits.torque {
+            TorqueLimits::of(&self.model)
+        } else {
+            TorqueLimits(Vec::new())
+        }
     }
 
     /// Boundary positions outside the limits of their joints, in words. The paper's Digit scenarios have some, so they are

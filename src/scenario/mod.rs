@@ -1,12 +1,14 @@
 //! Problems as files, and what came of solving them.
 
 mod builtin;
+mod feasibility;
 mod file;
 mod generate;
 mod outcome;
 mod surroundings;
 
 pub use builtin::builtin_scenarios;
+pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{
     EnforcedLimits, FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile,
     SphereObstacle, load_robot,
