@@ -4,7 +4,7 @@ mod command;
 
 use aghf::aghf::jacobian::JacobianKind;
 use aghf::dynamics::{Data, rnea};
-use aghf::scenario::{Scenario, builtin_scenarios};
+use aghf::scenario::{Scenario, builtin_scenarios, generated_scenarios};
 use command::{aghf, empty_folder, files};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -199,35 +199,32 @@ fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     assert_eq!(csv_file(&folder.join(&expected[1])).1.len(), 201);
 }
 
-/// The names in the help, where "a_1 to a_3" stands for three.
 #[test]
-fn the_help_of_solve_names_all_scenarios() {
-    let run = aghf(&empty_folder("help"), &["solve", "--help"]);
+fn scenarios_lists_all_of_them() {
+    let folder = empty_folder("scenarios");
+    let run = aghf(&folder, &["scenarios"]);
     assert_eq!(run.code, Some(0));
-    let text = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-    let list = text.split("Built in: ").nth(1).expect("it lists them");
-    let list = list.split(['.', '[']).next().expect("it ends");
-    let mut named = Vec::new();
-    for item in list.split(", ") {
-        let Some((first, last)) = item.split_once(" to ") else {
-            named.push(item.to_owned());
-            continue;
-        };
-        let differs = first
-            .bytes()
-            .zip(last.bytes())
-            .position(|(a, b)| a != b)
-            .expect("they differ");
-        let digit = |name: &str| {
-            name[differs..=differs]
-                .parse::<u32>()
-                .expect("in one digit")
-        };
-        for i in digit(first)..=digit(last) {
-            named.push(format!("{}{i}{}", &first[..differs], &first[differs + 1..]));
-        }
-    }
-    assert_eq!(named, builtin_scenarios().collect::<Vec<_>>());
+    let first_words = run
+        .stdout
+        .lines()
+        .filter_map(|line| line.split_whitespace().next());
+    let listed: Vec<&str> = first_words
+        .take_while(|word| !word.ends_with(':'))
+        .collect();
+    let known = builtin_scenarios().map(str::to_owned);
+    let known: Vec<String> = known.chain(generated_scenarios()).collect();
+    assert_eq!(listed, known);
+}
+
+#[test]
+fn a_scenario_that_is_printed_is_a_scenario_file() {
+    let folder = empty_folder("scenario_file");
+    let run = aghf(&folder, &["scenarios", "digit_box_03"]);
+    assert_eq!(run.code, Some(0));
+    std::fs::write(folder.join("digit_box_03.json"), &run.stdout).expect("the folder is writable");
+    let again = aghf(&folder, &["scenarios", "digit_box_03.json"]);
+    assert_eq!(again.stdout, run.stdout);
+    assert_eq!(aghf(&folder, &["scenarios", "digit_box_x"]).code, Some(2));
 }
 
 #[test]
@@ -236,6 +233,7 @@ fn the_help_is_plain_text() {
         &["--help"][..],
         &["solve", "--help"],
         &["robots", "--help"],
+        &["scenarios", "--help"],
         &["eval", "--help"],
     ] {
         let run = aghf(&empty_folder("plain"), arguments);

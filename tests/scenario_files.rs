@@ -1,6 +1,6 @@
 //! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
 
-use aghf::scenario::{Scenario, SolveOptions, load_robot};
+use aghf::scenario::{RobotShape, Scenario, SolveOptions, load_robot};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,11 @@ fn good() -> Value {
     json!({
         "robot": "pendulum_2", "horizon_s": 2.0,
         "q_start": [-1.5, 0.25], "v_start": [0.0, 0.5], "q_goal": [1.5, 0.75], "v_goal": [1.0, 0.0],
-        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state" },
+        "sphere_obstacles": [{ "center_m": [0.0, 3.0, 0.5], "radius_m": 0.1 }],
+        "half_spaces": [{ "normal": [0.0, 0.0, 0.5], "offset_m": -3.0 }],
+        "robot_shape": { "swept-links": { "radius_m": 0.1, "spacing_m": 0.2 } },
+        "enforced_limits": { "position": true, "velocity": false, "torque": false },
+        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state", "k_cons": 1e3, "c_cons": 4.0 },
         "feedback": { "kp": 10.0, "kv": 5.0 }, "success_threshold": 0.125
     })
 }
@@ -87,13 +91,23 @@ fn what_a_file_says_is_what_is_solved() {
 #[test]
 fn what_a_file_leaves_out_is_the_papers_choice_for_kinova() {
     let mut short = good();
-    for key in ["flow", "feedback", "success_threshold"] {
+    let about_obstacles = [
+        "sphere_obstacles",
+        "half_spaces",
+        "robot_shape",
+        "enforced_limits",
+    ];
+    let parameters = ["flow", "feedback", "success_threshold"];
+    for key in about_obstacles.into_iter().chain(parameters) {
         short.as_object_mut().expect("it is one").remove(key);
     }
     let file = load_text("defaults", &short.to_string())
         .expect("it is good")
         .file;
     assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
+    assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
+    assert_eq!(file.robot_shape, RobotShape::JointFrames);
+    assert!(!file.enforced_limits.any() && file.sphere_obstacles.is_empty());
     assert_eq!(
         (file.feedback.kp, file.feedback.kv, file.success_threshold),
         (10.0, 10.0, 0.05)
@@ -289,17 +303,78 @@ fn robots_that_do_not_exist_or_are_bad() {
 }
 
 #[test]
-fn obstacles_are_refused_for_now() {
-    let mut scenario = good();
-    scenario["sphere_obstacles"] = json!([{ "center_m": [0.0, 0.0, 1.0], "radius_m": 0.1 }]);
+fn bad_obstacles_are_refused() {
+    let with = |key: &str, value: Value| {
+        let mut scenario = good();
+        scenario[key] = value;
+        scenario.to_string()
+    };
+    let sphere = |centre: Value, radius: f64| {
+        with(
+            "sphere_obstacles",
+            json!([{ "center_m": centre, "radius_m": radius }]),
+        )
+    };
+    let floor = |normal: Value| {
+        with(
+            "half_spaces",
+            json!([{ "normal": normal, "offset_m": 0.0 }]),
+        )
+    };
+    let swept = |radius: f64, spacing: f64| {
+        let shape = json!({ "swept-links": { "radius_m": radius, "spacing_m": spacing } });
+        with("robot_shape", shape)
+    };
+    for good in [
+        with("sphere_obstacles", json!([])),
+        sphere(json!([0.0, 0.0, 1.0]), 0.1),
+        floor(json!([0.0, 0.0, 2.0])),
+        swept(0.0, 0.1),
+        with("robot_shape", json!({ "swept-links": { "radius_m": 0.1 } })),
+        with("enforced_limits", json!({ "position": true })),
+    ] {
+        load_text("obstacles", &good).expect("it is good");
+    }
     assert_refused(
         "obstacles",
-        [(scenario.to_string(), "sphere_obstacles: ; not supported")],
+        [
+            (
+                sphere(json!([0.0, 1.0]), 0.1),
+                "sphere_obstacles[0].center_m; length 2",
+            ),
+            (
+                sphere(json!([0.0, 0.0, 1.0]), 0.0),
+                "sphere_obstacles[0]; positive radius",
+            ),
+            (
+                sphere(json!([0.0, 0.0, 1.0]), -0.1),
+                "sphere_obstacles[0]; positive radius",
+            ),
+            (floor(json!([0.0, 0.0, 0.0])), "half_spaces[0]; not zero"),
+            (
+                floor(json!([0.0, "up", 0.0])),
+                "half_spaces[0].normal[1]; up",
+            ),
+            (swept(-0.1, 0.1), "robot_shape; not negative"),
+            (swept(0.1, 0.0), "robot_shape; positive spacing"),
+            (
+                with("robot_shape", json!("balloon")),
+                "robot_shape; balloon",
+            ),
+            (
+                with("enforced_limits", json!({ "jerk": true })),
+                "enforced_limits.jerk; unknown",
+            ),
+            (
+                good_but("/flow", json!({ "k_cons": 0.0 })).to_string(),
+                "flow.k_cons; positive",
+            ),
+            (
+                good_but("/flow", json!({ "c_cons": -1.0 })).to_string(),
+                "flow.c_cons; positive",
+            ),
+        ],
     );
-    scenario["sphere_obstacles"] = json!([]);
-    load_text("obstacles", &scenario.to_string()).expect("no obstacles are no obstacle");
-    scenario["sphere_obstacles"] = json!([{ "center_m": [0.0, 1.0], "radius_m": 0.1 }]);
-    assert_refused("obstacles", [(scenario.to_string(), "length 2")]);
 }
 
 #[test]

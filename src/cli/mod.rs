@@ -4,6 +4,7 @@ mod check;
 mod eval;
 mod prove;
 mod robots;
+mod scenarios;
 mod solve;
 
 use crate::error::Error;
@@ -37,6 +38,7 @@ const EXIT_CODES: &str =
 enum Command {
     Solve(solve::Solve),
     Robots(robots::Robots),
+    Scenarios(scenarios::Scenarios),
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
@@ -65,6 +67,7 @@ pub fn main() -> ExitCode {
     let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
         Command::Solve(solve) => solve.run(),
         Command::Robots(robots) => robots.run(),
+        Command::Scenarios(scenarios) => scenarios.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),

@@ -13,8 +13,7 @@ use std::process::ExitCode;
 
 /// Solve a scenario and write the trajectory that was found.
 ///
-/// Built in: pendulum_1_swingup to pendulum_5_swingup, kinova_free_01 to kinova_free_05, digit_free_stretch,
-/// digit_free_step. Parameters that are not given are the scenario's.
+/// `aghf scenarios` lists what is built in. Parameters that are not given are the scenario's.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
     /// A scenario that is built in, or the path of a JSON file.
@@ -41,6 +40,12 @@ pub(super) struct Solve {
     /// The curve to start from: a line in the whole state, or in the configuration with the velocity that goes with it.
     #[arg(long, value_enum)]
     guess: Option<Guess>,
+    /// Weight of the constraints.
+    #[arg(long, allow_negative_numbers = true)]
+    k_cons: Option<f64>,
+    /// Sharpness of the activation of the constraints.
+    #[arg(long, allow_negative_numbers = true)]
+    c_cons: Option<f64>,
     /// The folder for trajectory.csv and summary.json [default: out/SCENARIO].
     #[arg(long)]
     out: Option<PathBuf>,
@@ -61,6 +66,8 @@ impl Default for Solve {
             s_max: None,
             tolerance: None,
             guess: None,
+            k_cons: None,
+            c_cons: None,
             out: None,
             json: false,
         }
@@ -78,6 +85,8 @@ impl Solve {
             s_max: self.s_max,
             tolerance: self.tolerance,
             guess: self.guess,
+            k_cons: self.k_cons,
+            c_cons: self.c_cons,
         };
         let progress = if self.json {
             ProgressBar::hidden()

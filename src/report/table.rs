@@ -2,8 +2,11 @@
 
 use super::prove::Verdict;
 use crate::aghf::check::Finding;
+use crate::error::Result;
 use crate::model::Model;
-use crate::scenario::Summary;
+use crate::scenario::{
+    FAMILIES, RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
+};
 use comfy_table::{CellAlignment, Table, presets};
 
 /// An empty table without lines.
@@ -83,6 +86,12 @@ pub fn summary_table(summary: &Summary) -> String {
     }
     for note in &s.outside_limits {
         table.add_row(["outside limits", note]);
+    }
+    if let Some(clearance) = s.feasibility.smallest_clearance_m {
+        table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
+    }
+    for violation in &s.feasibility.limit_violations {
+        table.add_row(["limit exceeded", &violation.to_string()]);
     }
     table.to_string()
 }
@@ -174,4 +183,37 @@ pub fn robot_table(model: &Model) -> String {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table.to_string()
+}
+
+/// All scenarios: robot, horizon and obstacles, then what the generated families are about.
+///
+/// # Errors
+/// A scenario cannot be loaded.
+pub fn scenario_table() -> Result<String> {
+    let mut table = table();
+    let builtin = builtin_scenarios().map(str::to_owned);
+    for name in builtin.chain(generated_scenarios()) {
+        let Scenario { file, .. } = Scenario::load(&name)?;
+        let mut obstacles = Vec::new();
+        match file.sphere_obstacles.len() {
+            0 => {}
+            1 => obstacles.push("1 sphere".to_owned()),
+            n => obstacles.push(format!("{n} spheres")),
+        }
+        if !file.half_spaces.is_empty() {
+            obstacles.push("floor".to_owned());
+        }
+        let against = match file.robot_shape {
+            _ if obstacles.is_empty() => String::new(),
+            RobotShape::JointFrames => "joint frames".to_owned(),
+            RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
+        };
+        let horizon = format!("{} s", file.horizon_s);
+        table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);
+    }
+    let families = FAMILIES
+        .iter()
+        .map(|f| format!("{}_SEED: {}", f.name, f.about));
+    let families: Vec<String> = families.collect();
+    Ok(format!("{table}\n\n{}", families.join("\n")))
 }

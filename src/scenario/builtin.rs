@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 12] = scenarios!(
+const SCENARIOS: [(&str, &str); 19] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -20,7 +20,14 @@ const SCENARIOS: [(&str, &str); 12] = scenarios!(
     "kinova_gen3" / "kinova_free_04",
     "kinova_gen3" / "kinova_free_05",
     "digit_v3_pinned" / "digit_free_stretch",
-    "digit_v3_pinned" / "digit_free_step"
+    "digit_v3_pinned" / "digit_free_step",
+    "kinova_gen3" / "kinova_obstacles_01",
+    "kinova_gen3" / "kinova_obstacles_02",
+    "kinova_gen3" / "kinova_obstacles_03",
+    "kinova_gen3" / "kinova_obstacles_04",
+    "kinova_gen3" / "kinova_obstacles_05",
+    "digit_v3_pinned" / "digit_obstacles_2",
+    "digit_v3_pinned" / "digit_obstacles_4"
 );
 
 /// The names of the scenarios that are built in.
@@ -29,7 +36,7 @@ pub fn builtin_scenarios() -> impl Iterator<Item = &'static str> {
 }
 
 /// The text of the scenario called `name`, if it is built in.
-pub(super) fn builtin_scenario(name: &str) -> Option<&'static str> {
+pub(in crate::scenario) fn builtin_scenario(name: &str) -> Option<&'static str> {
     let (_, text) = SCENARIOS.iter().find(|(scenario, _)| *scenario == name)?;
     Some(text)
 }

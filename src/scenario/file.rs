@@ -1,6 +1,10 @@
 //! Reading a scenario.
 
+use super::Surroundings;
 use super::builtin::builtin_scenario;
+use super::generate::generate;
+use crate::aghf::TorqueLimits;
+use crate::aghf::constraint::{Bounds, BuiltIn};
 use crate::error::{Error, Result};
 use crate::model::{LoadReport, Model, UrdfOptions, builtin_robot, load_urdf_with};
 use crate::pseudospectral::Chebyshev;
@@ -18,6 +22,62 @@ pub struct SphereObstacle {
     pub radius_m: f64,
 }
 
+/// A half-space to stay in, such as what is above a floor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HalfSpaceObstacle {
+    /// A vector in the base frame, of any length, pointing to where the robot may be.
+    pub normal: [f64; 3],
+    /// How far along the unit normal the boundary is, m.
+    pub offset_m: f64,
+}
+
+/// Which points of the robot keep clear of obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RobotShape {
+    /// The origins of all joint frames: the paper's measure.
+    #[default]
+    JointFrames,
+    /// The whole arm: capsules along all links.
+    SweptLinks {
+        /// Their radius, m.
+        radius_m: f64,
+        /// How far apart the balls may be that cover them, m.
+        #[serde(default = "default_spacing")]
+        spacing_m: f64,
+    },
+}
+
+fn default_spacing() -> f64 {
+    0.05
+}
+
+/// Which limits of the joints are constraints. All are reported when they are violated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EnforcedLimits {
+    /// Those on positions.
+    pub position: bool,
+    /// Those on velocities.
+    pub velocity: bool,
+    /// Those on torques and forces.
+    pub torque: bool,
+}
+
+impl EnforcedLimits {
+    /// Whether there are any.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.position || self.velocity || self.torque
+    }
+
+    /// Whether there are none.
+    fn none(&self) -> bool {
+        !self.any()
+    }
+}
+
 /// The parameters of the flow that suit a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -30,16 +90,22 @@ pub struct FlowParameters {
     pub s_max: f64,
     /// The curve to start from.
     pub guess: Guess,
+    /// Weight of the constraints in (A2).
+    pub k_cons: f64,
+    /// Sharpness of their activation in (A3).
+    pub c_cons: f64,
 }
 
 impl Default for FlowParameters {
-    /// The paper's best for Kinova without obstacles.
+    /// The paper's best for Kinova, the weights of constraints from the one with obstacles, the rest from the one without.
     fn default() -> Self {
         Self {
             p: 9,
             k: 1e9,
             s_max: 0.1,
             guess: Guess::default(),
+            k_cons: 1e9,
+            c_cons: 1.0,
         }
     }
 }
@@ -63,6 +129,15 @@ pub struct ScenarioFile {
     /// What to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sphere_obstacles: Vec<SphereObstacle>,
+    /// Where to stay.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub half_spaces: Vec<HalfSpaceObstacle>,
+    /// What of the robot keeps clear.
+    #[serde(default)]
+    pub robot_shape: RobotShape,
+    /// Which limits of the joints are constraints; none unless said.
+    #[serde(default, skip_serializing_if = "EnforcedLimits::none")]
+    pub enforced_limits: EnforcedLimits,
     /// Parameters of the flow; the paper's for Kinova where there are none.
     #[serde(default)]
     pub flow: FlowParameters,
@@ -91,16 +166,21 @@ pub struct Scenario {
     pub file: ScenarioFile,
     /// The robot.
     pub model: Model,
+    /// What it has to keep clear of.
+    pub surroundings: Surroundings,
 }
 
 impl Scenario {
-    /// The scenario that is built in under this name, or else the one in the file at this path.
+    /// The scenario that is built in or generated under this name, or else the one in the file at this path.
     ///
     /// # Errors
     /// Names the file, the key and what is wrong with it.
     pub fn load(name_or_path: &str) -> Result<Self> {
         if let Some(text) = builtin_scenario(name_or_path) {
             return Self::parse(text, name_or_path, Path::new(""));
+        }
+        if let Some(generated) = generate(name_or_path) {
+            return Self::new(generated?, name_or_path, Path::new(""));
         }
         let path = Path::new(name_or_path);
         let text = std::fs::read_to_string(path).map_err(|e| {
@@ -116,14 +196,12 @@ impl Scenario {
 
     /// A scenario from its text. `path` names it in errors; robots are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
+        Self::new(read_json(text, path)?, path, folder)
+    }
+
+    /// A scenario of what a file says. `path` names it in errors; robots are looked for in `folder`.
+    fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
-        let file: ScenarioFile = read_json(text, path)?;
-        if !file.sphere_obstacles.is_empty() {
-            return refuse(
-                "sphere_obstacles",
-                "obstacles are not supported yet".to_owned(),
-            );
-        }
         let (model, _) = load_robot(&file.robot, folder)
             .map_err(|e| Error::input(path, "robot", e.to_string()))?;
         let states = [
@@ -144,6 +222,8 @@ impl Scenario {
             ("horizon_s", file.horizon_s),
             ("flow.k", file.flow.k),
             ("flow.s_max", file.flow.s_max),
+            ("flow.k_cons", file.flow.k_cons),
+            ("flow.c_cons", file.flow.c_cons),
             ("success_threshold", file.success_threshold),
         ];
         for (key, value) in positive {
@@ -161,11 +241,13 @@ impl Scenario {
         }
         Chebyshev::check_degree(file.flow.p)
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
+        let surroundings = Surroundings::new(&model, &file, path)?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             file,
             model,
+            surroundings,
         })
     }
 
@@ -181,6 +263,38 @@ impl Scenario {
             state(&self.file.q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
+    }
+
+    /// Whether there are no constraints.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.surroundings.is_empty() && !self.file.enforced_limits.any()
+    }
+
+    /// The constraints on the state: clear of obstacles, within the limits that are enforced.
+    ///
+    /// # Errors
+    /// As [`Surroundings::constraints`].
+    pub fn state_constraints(&self) -> Result<Vec<BuiltIn>> {
+        let mut constraints = self.surroundings.constraints()?;
+        let enforced = self.file.enforced_limits;
+        if enforced.position {
+            constraints.push(BuiltIn::Bounds(Bounds::positions(&self.model)));
+        }
+        if enforced.velocity {
+            constraints.push(BuiltIn::Bounds(Bounds::velocities(&self.model)));
+        }
+        Ok(constraints)
+    }
+
+    /// The limits on the control that are enforced.
+    #[must_use]
+    pub fn torque_limits(&self) -> TorqueLimits {
+        if self.file.enforced_limits.torque {
+            TorqueLimits::of(&self.model)
+        } else {
+            TorqueLimits(Vec::new())
+        }
     }
 
     /// Boundary positions outside the limits of their joints, in words. The paper's Digit scenarios have some, so they are

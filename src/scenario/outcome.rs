@@ -1,14 +1,22 @@
 //! Solving a scenario and testing whether that was a success.
 
-use super::Scenario;
+use super::{Feasibility, Scenario};
+use crate::aghf::constraint::Penalty;
 use crate::aghf::jacobian::JacobianKind;
+use crate::aghf::{Penalised, TorquePenalty};
 use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
-    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, measure, simulate,
+    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, flow_constrained, measure,
+    sample, simulate,
 };
 use serde::Serialize;
 use std::time::Instant;
+
+/// At how many intervals of time feasibility is looked at.
+const INTERVALS: usize = 2000;
+/// By how much a limit that is enforced may be exceeded, in its own unit: penalties give way a little.
+const LIMIT_TOLERANCE: f64 = 1e-3;
 
 /// How a scenario is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -36,6 +44,10 @@ pub struct SolveOptions {
     pub tolerance: Option<f64>,
     /// The curve to start from.
     pub guess: Option<Guess>,
+    /// Weight of the constraints in (A2).
+    pub k_cons: Option<f64>,
+    /// Sharpness of their activation in (A3).
+    pub c_cons: Option<f64>,
 }
 
 impl SolveOptions {
@@ -50,6 +62,15 @@ impl SolveOptions {
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
             guess: self.guess.unwrap_or(parameters.guess),
             jacobian: self.jacobian,
+        }
+    }
+
+    /// The penalty of the constraints of `scenario`, likewise.
+    #[must_use]
+    pub fn penalty(&self, scenario: &Scenario) -> Penalty {
+        Penalty {
+            k_cons: self.k_cons.unwrap_or(scenario.file.flow.k_cons),
+            c_cons: self.c_cons.unwrap_or(scenario.file.flow.c_cons),
         }
     }
 }
@@ -75,7 +96,12 @@ pub struct Summary {
     pub tolerance: f64,
     /// The curve it started from.
     pub guess: Guess,
-    /// Whether the flow came to its end and the simulation with feedback ended within the threshold of the goal.
+    /// Weight of the constraints in (A2), where there are any.
+    pub k_cons: Option<f64>,
+    /// Sharpness of their activation in (A3).
+    pub c_cons: Option<f64>,
+    /// Whether the flow came to its end, the simulation with feedback ended within the threshold of the goal, the curve hits
+    /// nothing and keeps the limits that are enforced.
     pub success: bool,
     /// The threshold.
     pub success_threshold: f64,
@@ -109,6 +135,9 @@ pub struct Summary {
     pub factorisations: usize,
     /// Why the flow did not come to its end, if it did not.
     pub failure: Option<String>,
+    /// What the curve keeps clear of and which limits it breaks.
+    #[serde(flatten)]
+    pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.
     pub outside_limits: Vec<String>,
 }
@@ -135,8 +164,21 @@ pub fn solve(
 ) -> Result<Outcome> {
     let settings = options.flow_settings(scenario);
     let problem = scenario.problem()?;
+    let penalty = options.penalty(scenario);
+    let constraints = Penalised {
+        state: scenario.state_constraints()?,
+        penalty,
+        torque: TorquePenalty {
+            limits: scenario.torque_limits(),
+            penalty,
+        },
+    };
     let started = Instant::now();
-    let outcome = flow(&problem, &settings, observe)?;
+    let outcome = if scenario.is_free() {
+        flow(&problem, &settings, observe)?
+    } else {
+        flow_constrained(&problem, &settings, &constraints, observe)?
+    };
     let solve_seconds = started.elapsed().as_secs_f64();
     let (solution, failure) = match outcome {
         Ok(solution) => (solution, None),
@@ -152,7 +194,7 @@ pub fn solve(
     };
     let summary = summarise(
         scenario,
-        options.method,
+        options,
         &settings,
         &solution,
         solve_seconds,
@@ -168,7 +210,7 @@ pub fn solve(
 /// A solve in numbers: how it was done, what it cost, and what can be measured of its curve.
 fn summarise(
     scenario: &Scenario,
-    method: Method,
+    options: &SolveOptions,
     settings: &FlowSettings,
     solution: &FlowSolution,
     solve_seconds: f64,
@@ -189,17 +231,23 @@ fn summarise(
     let final_error_inf = final_error(scenario.file.feedback)?;
     let success_threshold = scenario.file.success_threshold;
     let interior = settings.p - 1;
+    let feasibility = Feasibility::of(scenario, &sample(model, curve, INTERVALS)?)?;
+    let reached = final_error_inf.is_some_and(|e| e < success_threshold);
+    let penalty = options.penalty(scenario);
+    let constrained = !scenario.is_free();
     Ok(Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
-        method,
+        method: options.method,
         jacobian: settings.jacobian,
         p: settings.p,
         k: settings.k,
         s_max: settings.s_max,
         tolerance: settings.tolerance,
         guess: settings.guess,
-        success: failure.is_none() && final_error_inf.is_some_and(|e| e < success_threshold),
+        k_cons: constrained.then_some(penalty.k_cons),
+        c_cons: constrained.then_some(penalty.c_cons),
+        success: failure.is_none() && reached && feasibility.holds(scenario, LIMIT_TOLERANCE),
         success_threshold,
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
@@ -216,6 +264,7 @@ fn summarise(
         jacobian_evaluations: statistics.jacobian_evaluations * interior,
         factorisations: statistics.factorisations,
         failure,
+        feasibility,
         outside_limits: scenario.outside_limits(),
     })
 }

@@ -1,6 +1,6 @@
 //! Links as capsules, and balls that cover them.
 
-use super::{Ball, Sphere};
+use super::{Ball, HalfSpace, Sphere};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::spatial::Placement;
@@ -85,17 +85,7 @@ impl Capsule {
     /// # Errors
     /// The robot has no such body.
     pub fn clearance(&self, placements: &[Placement<f64>], sphere: &Sphere) -> Result<f64> {
-        let in_base = |p: &Vector3<f64>| match self.body {
-            None => Ok(*p),
-            Some(body) => (placements.get(body))
-                .map(|placement| placement.rotation * p + placement.translation)
-                .ok_or(Error::Length {
-                    what: "placements",
-                    expected: body + 1,
-                    found: placements.len(),
-                }),
-        };
-        let (from, to) = (in_base(&self.ends[0])?, in_base(&self.ends[1])?);
+        let [from, to] = self.in_base(placements)?;
         let (along, off) = (to - from, sphere.centre - from);
         let squared = along.norm_squared();
         let nearest = if squared > 0.0 {
@@ -104,5 +94,31 @@ impl Capsule {
             0.0
         };
         Ok((off - along * nearest).norm() - self.radius - sphere.radius)
+    }
+
+    /// How far the capsule is inside a half-space, in m, exactly; negative when it sticks out of it.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    pub fn height(&self, placements: &[Placement<f64>], half_space: &HalfSpace) -> Result<f64> {
+        let heights = self
+            .in_base(placements)?
+            .map(|end| half_space.normal.dot(&end));
+        Ok(heights[0].min(heights[1]) - half_space.offset - self.radius)
+    }
+
+    /// The ends of the segment in the base frame.
+    fn in_base(&self, placements: &[Placement<f64>]) -> Result<[Vector3<f64>; 2]> {
+        let Some(body) = self.body else {
+            return Ok(self.ends);
+        };
+        let placement = placements.get(body).ok_or(Error::Length {
+            what: "placements",
+            expected: body + 1,
+            found: placements.len(),
+        })?;
+        Ok(self
+            .ends
+            .map(|p| placement.rotation * p + placement.translation))
     }
 }

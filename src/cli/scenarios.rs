@@ -1,0 +1,27 @@
+//! `aghf scenarios`.
+
+use super::{print, print_json};
+use crate::error::Result;
+use crate::report::scenario_table;
+use crate::scenario::Scenario;
+use clap::Args;
+use std::process::ExitCode;
+
+/// List the scenarios that are built in or generated, or print one as the JSON file that it would be.
+///
+/// Generated ones are called FAMILY_SEED; ten of each family are listed, and any other seed makes another.
+#[derive(Debug, Args)]
+pub(super) struct Scenarios {
+    /// A scenario that is built in or generated, or the path of a JSON file [default: list all].
+    scenario: Option<String>,
+}
+
+impl Scenarios {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        match &self.scenario {
+            Some(name) => print_json(&Scenario::load(name)?.file)?,
+            None => print(&scenario_table()?)?,
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
