@@ -5,6 +5,7 @@ mod eval;
 mod prove;
 mod robots;
 mod solve;
+mod sweep;
 
 use crate::error::Error;
 use clap::{Parser, Subcommand};
@@ -33,6 +34,7 @@ const EXIT_CODES: &str =
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Sweep(sweep::Sweep),
     Robots(robots::Robots),
     Eval(eval::Eval),
     Check(check::Check),
@@ -45,6 +47,7 @@ pub fn main() -> ExitCode {
     let command = Cli::parse().command;
     let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
         Command::Solve(solve) => solve.run(),
+        Command::Sweep(sweep) => sweep.run(),
         Command::Robots(robots) => robots.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),

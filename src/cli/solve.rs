@@ -78,6 +78,7 @@ impl Solve {
             s_max: self.s_max,
             tolerance: self.tolerance,
             guess: self.guess,
+            time_limit: None,
         };
         let progress = if self.json {
             ProgressBar::hidden()

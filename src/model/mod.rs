@@ -12,6 +12,7 @@ mod urdf_text;
 mod urdf_tree;
 
 pub use build::{JointSpec, pendulum};
+pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use joint::{Joint, JointKind, Limits};
 pub use random::{random_chain, random_tree};

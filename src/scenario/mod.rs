@@ -3,6 +3,7 @@
 mod builtin;
 mod file;
 mod outcome;
+pub mod sweep;
 
 pub use builtin::builtin_scenarios;
 pub use file::{FlowParameters, Scenario, ScenarioFile, SphereObstacle, load_robot};

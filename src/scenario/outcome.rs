@@ -7,11 +7,11 @@ use crate::pseudospectral::Curve;
 use crate::solve::{
     Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, measure, simulate,
 };
-use serde::Serialize;
-use std::time::Instant;
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
 
 /// How a scenario is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The Affine Geometric Heat Flow as published (Algorithm B3).
@@ -36,6 +36,8 @@ pub struct SolveOptions {
     pub tolerance: Option<f64>,
     /// The curve to start from.
     pub guess: Option<Guess>,
+    /// The wall time after which the solve stops, as a failure.
+    pub time_limit: Option<Duration>,
 }
 
 impl SolveOptions {
@@ -50,6 +52,7 @@ impl SolveOptions {
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
             guess: self.guess.unwrap_or(parameters.guess),
             jacobian: self.jacobian,
+            time_limit: self.time_limit,
         }
     }
 }
@@ -122,6 +125,8 @@ pub struct Outcome {
     pub curve: Curve,
     /// The action along the flow.
     pub history: Vec<FlowRecord>,
+    /// Whether the time limit stopped the flow.
+    pub timed_out: bool,
 }
 
 /// Solves `scenario` and tests the result by forward simulation. `observe` is called as the flow proceeds.
@@ -138,10 +143,12 @@ pub fn solve(
     let started = Instant::now();
     let outcome = flow(&problem, &settings, observe)?;
     let solve_seconds = started.elapsed().as_secs_f64();
+    let mut timed_out = false;
     let (solution, failure) = match outcome {
         Ok(solution) => (solution, None),
         Err(failure) => {
             let reason = failure.to_string();
+            timed_out = failure.timed_out;
             let kept = FlowSolution {
                 curve: failure.last_good,
                 history: failure.history,
@@ -162,6 +169,7 @@ pub fn solve(
         summary,
         curve: solution.curve,
         history: solution.history,
+        timed_out,
     })
 }
 

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian};
 use nalgebra::DMatrix;
 use std::fmt;
+use std::time::{Duration, Instant};
 
 /// How many values of `s` the output has between its first and `s_max`, on a logarithmic grid.
 const OUTPUTS: usize = 50;
@@ -30,6 +31,8 @@ pub struct FlowSettings {
     pub guess: Guess,
     /// How the Jacobian is computed.
     pub jacobian: JacobianKind,
+    /// The wall time after which the flow stops where it is, as a failure.
+    pub time_limit: Option<Duration>,
 }
 
 impl FlowSettings {
@@ -46,6 +49,7 @@ impl FlowSettings {
             tolerance: Self::TOLERANCE,
             guess: Guess::default(),
             jacobian: JacobianKind::default(),
+            time_limit: None,
         }
     }
 
@@ -105,6 +109,8 @@ pub struct FlowFailure {
     pub history: Vec<FlowRecord>,
     /// What went wrong.
     pub reason: String,
+    /// Whether that was the time limit.
+    pub timed_out: bool,
     /// What it cost.
     pub statistics: Statistics,
 }
@@ -171,6 +177,9 @@ pub fn flow_with(
         blocks: NodeBlocks::new(model.dof()),
         collocation: collocation.clone(),
         k: settings.k,
+        started: Instant::now(),
+        time_limit: settings.time_limit,
+        timed_out: false,
         error: None,
     };
     let mut recorder = Recorder {
@@ -205,7 +214,7 @@ pub fn flow_with(
             history: recorder.history,
             statistics,
         }),
-        Err(failure) => Err(Box::new(recorder.failure(failure)?)),
+        Err(failure) => Err(Box::new(recorder.failure(failure, system.timed_out)?)),
     })
 }
 
@@ -232,6 +241,9 @@ struct CollocatedFlow<'a> {
     blocks: NodeBlocks,
     collocation: Collocation<f64, f64>,
     k: f64,
+    started: Instant,
+    time_limit: Option<Duration>,
+    timed_out: bool,
     error: Option<Error>,
 }
 
@@ -270,6 +282,12 @@ impl Ode for CollocatedFlow<'_> {
             jac.fill(f64::NAN);
             self.error = Some(error);
         }
+    }
+
+    fn stop(&mut self) -> Option<String> {
+        let limit = self.time_limit.filter(|l| self.started.elapsed() >= *l)?;
+        self.timed_out = true;
+        Some(format!("time limit of {} s reached", limit.as_secs_f64()))
     }
 }
 
@@ -310,7 +328,7 @@ impl Recorder<'_, '_> {
         Curve::new(self.chebyshev.clone(), self.collocation.xi().clone())
     }
 
-    fn failure(mut self, failure: Failure) -> Result<FlowFailure> {
+    fn failure(mut self, failure: Failure, timed_out: bool) -> Result<FlowFailure> {
         self.record(failure.s, &failure.y)?;
         let m = self.problem.start().len();
         Ok(FlowFailure {
@@ -319,6 +337,7 @@ impl Recorder<'_, '_> {
             last_good: self.curve()?,
             history: self.history,
             reason: failure.reason,
+            timed_out,
             statistics: failure.statistics,
         })
     }
