@@ -3,7 +3,7 @@
 mod command;
 
 use aghf::report::sweep::Results;
-use aghf::scenario::sweep::{Shard, Sweep, builtin_sweeps};
+use aghf::scenario::sweep::{Row, Shard, Sweep, builtin_sweeps};
 use command::{aghf, assert_bad_input, empty_folder, files};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -133,6 +133,20 @@ fn a_torn_end_is_solved_again_and_a_wrong_line_is_an_error() {
         sweep(&folder, &[], "results.csv");
         assert_eq!(timeless(&results), whole, "cut at {cut}");
     }
+    // Interrupted again after one more row: that row does not stick to the torn one.
+    write(results.clone(), &text[..text.len() - 40]);
+    let grid = folder.join("grid.toml");
+    let grid = Sweep::load(grid.to_str().expect("text")).expect("good");
+    let open = || Results::open(&grid, Shard::WHOLE, &folder.join("out/sweeps/grid"));
+    let torn = open().expect("good");
+    let [missing] = torn.missing()[..] else {
+        panic!("one row was torn");
+    };
+    torn.append(Row::failed(&grid, &missing, "made", 0.5))
+        .expect("writable");
+    drop(torn);
+    assert_eq!(open().expect("good").missing(), []);
+
     let second = text[header..].lines().nth(1).expect("60 rows");
     for (from, to, words) in [
         (
