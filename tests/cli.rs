@@ -232,6 +232,7 @@ fn the_help_is_plain_text() {
     for arguments in [
         &["--help"][..],
         &["solve", "--help"],
+        &["sweep", "--help"],
         &["robots", "--help"],
         &["scenarios", "--help"],
         &["eval", "--help"],

@@ -324,3 +324,34 @@ fn every_jacobian_gives_the_same_curve() {
         }
     }
 }
+
+/// A limit that has passed before the first step, and one that never does.
+#[test]
+fn a_flow_stops_at_its_time_limit_and_says_so() {
+    use std::time::Duration;
+    let model = robot("pendulum_2");
+    let problem = swing_up(&model);
+    let limited = |limit| FlowSettings {
+        time_limit: Some(limit),
+        ..FlowSettings::new(7, 1e5, 10.0)
+    };
+    let failure = flow(&problem, &limited(Duration::ZERO), &mut |_| ())
+        .expect("good input")
+        .expect_err("there is no time");
+    assert!(failure.timed_out);
+    assert_eq!((failure.s, failure.statistics.steps), (0.0, 0));
+    assert_eq!(
+        failure.to_string(),
+        "the flow stopped at s = 0e0: time limit of 0 s reached"
+    );
+    let guess = problem.guess(Default::default(), failure.last_good.chebyshev());
+    assert_eq!(failure.last_good.x(), &guess, "nothing moved");
+
+    let long = run(&problem, &limited(Duration::from_secs(3600)));
+    let unlimited = run(&problem, &FlowSettings::new(7, 1e5, 10.0));
+    assert_eq!(
+        long.curve.x(),
+        unlimited.curve.x(),
+        "a clock changes nothing"
+    );
+}

@@ -6,6 +6,7 @@ mod prove;
 mod robots;
 mod scenarios;
 mod solve;
+mod sweep;
 
 use crate::error::Error;
 use crate::model::{LoadReport, Mimic, Model, UrdfOptions};
@@ -37,6 +38,7 @@ const EXIT_CODES: &str =
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Sweep(sweep::Sweep),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Eval(eval::Eval),
@@ -66,6 +68,7 @@ pub fn main() -> ExitCode {
     let command = Cli::parse().command;
     let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
         Command::Solve(solve) => solve.run(),
+        Command::Sweep(sweep) => sweep.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Eval(eval) => eval.run(),

@@ -87,6 +87,7 @@ impl Solve {
             guess: self.guess,
             k_cons: self.k_cons,
             c_cons: self.c_cons,
+            time_limit: None,
         };
         let progress = if self.json {
             ProgressBar::hidden()

@@ -32,6 +32,11 @@ pub fn builtin_robots() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// None that a release should show: the files are tested.
 pub fn builtin_robot(name: &str) -> Option<Result<(Model, LoadReport)>> {
+    builtin_robot_text(name).map(|text| parse_urdf(text, name))
+}
+
+/// The URDF text of the robot called `name`, if it is built in.
+pub(crate) fn builtin_robot_text(name: &str) -> Option<&'static str> {
     let (_, text) = ROBOTS.iter().find(|(robot, _)| *robot == name)?;
-    Some(parse_urdf(text, name))
+    Some(text)
 }

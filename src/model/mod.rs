@@ -33,6 +33,7 @@ mod urdf_tree;
 mod urdf_write;
 
 pub use build::{JointSpec, pendulum};
+pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use joint::{Joint, JointKind, Limits};
 pub use load::{LoadNote, LoadReport, Mimic, UrdfOptions};

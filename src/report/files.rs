@@ -62,7 +62,7 @@ pub fn write_json(value: &impl Serialize, writer: impl Write) -> io::Result<()> 
 }
 
 /// Writes a file beside `path` and moves it there once it is complete.
-fn write_whole(
+pub(super) fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<()> {
@@ -72,6 +72,7 @@ fn write_whole(
         let mut file = BufWriter::new(File::create(&partial)?);
         write(&mut file)?;
         file.flush()?;
+        file.get_ref().sync_all()?;
         std::fs::rename(&partial, path)
     };
     whole().map_err(|e| {

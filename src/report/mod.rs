@@ -2,6 +2,7 @@
 
 mod files;
 pub mod prove;
+pub mod sweep;
 mod table;
 
 pub use files::{write_json, write_outcome, write_text};

@@ -10,14 +10,14 @@ use crate::scenario::{
 use comfy_table::{CellAlignment, Table, presets};
 
 /// An empty table without lines.
-fn table() -> Table {
+pub(super) fn table() -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table
 }
 
 /// A number for people: short, but telling small from large.
-fn short(x: f64) -> String {
+pub(super) fn short(x: f64) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
         format!("{x:.4}")
     } else {
@@ -26,7 +26,7 @@ fn short(x: f64) -> String {
 }
 
 /// The name by which a value is chosen on the command line.
-fn choice(value: &impl clap::ValueEnum) -> String {
+pub(super) fn choice(value: &impl clap::ValueEnum) -> String {
     value
         .to_possible_value()
         .map_or_else(String::new, |v| v.get_name().to_owned())

@@ -6,6 +6,7 @@ mod file;
 mod generate;
 mod outcome;
 mod surroundings;
+pub mod sweep;
 
 pub use builtin::builtin_scenarios;
 pub use feasibility::{Feasibility, Limit, LimitViolation};

@@ -10,8 +10,8 @@ use crate::solve::{
     Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, flow_constrained, measure,
     sample, simulate,
 };
-use serde::Serialize;
-use std::time::Instant;
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
 
 /// At how many intervals of time feasibility is looked at.
 const INTERVALS: usize = 2000;
@@ -19,7 +19,7 @@ const INTERVALS: usize = 2000;
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
 /// How a scenario is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The Affine Geometric Heat Flow as published (Algorithm B3).
@@ -48,6 +48,8 @@ pub struct SolveOptions {
     pub k_cons: Option<f64>,
     /// Sharpness of their activation in (A3).
     pub c_cons: Option<f64>,
+    /// The wall time after which the solve stops, as a failure.
+    pub time_limit: Option<Duration>,
 }
 
 impl SolveOptions {
@@ -62,6 +64,7 @@ impl SolveOptions {
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
             guess: self.guess.unwrap_or(parameters.guess),
             jacobian: self.jacobian,
+            time_limit: self.time_limit,
         }
     }
 
@@ -151,6 +154,8 @@ pub struct Outcome {
     pub curve: Curve,
     /// The action along the flow.
     pub history: Vec<FlowRecord>,
+    /// Whether the time limit stopped the flow.
+    pub timed_out: bool,
 }
 
 /// Solves `scenario` and tests the result by forward simulation. `observe` is called as the flow proceeds.
@@ -180,10 +185,12 @@ pub fn solve(
         flow_constrained(&problem, &settings, &constraints, observe)?
     };
     let solve_seconds = started.elapsed().as_secs_f64();
+    let mut timed_out = false;
     let (solution, failure) = match outcome {
         Ok(solution) => (solution, None),
         Err(failure) => {
             let reason = failure.to_string();
+            timed_out = failure.timed_out;
             let kept = FlowSolution {
                 curve: failure.last_good,
                 history: failure.history,
@@ -204,6 +211,7 @@ pub fn solve(
         summary,
         curve: solution.curve,
         history: solution.history,
+        timed_out,
     })
 }
 

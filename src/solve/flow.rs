@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian};
 use nalgebra::DMatrix;
 use std::fmt;
+use std::time::{Duration, Instant};
 
 /// How many values of `s` the output has between its first and `s_max`, on a logarithmic grid.
 const OUTPUTS: usize = 50;
@@ -31,6 +32,8 @@ pub struct FlowSettings {
     pub guess: Guess,
     /// How the Jacobian is computed.
     pub jacobian: JacobianKind,
+    /// The wall time after which the flow stops where it is, as a failure.
+    pub time_limit: Option<Duration>,
 }
 
 impl FlowSettings {
@@ -47,6 +50,7 @@ impl FlowSettings {
             tolerance: Self::TOLERANCE,
             guess: Guess::default(),
             jacobian: JacobianKind::default(),
+            time_limit: None,
         }
     }
 
@@ -106,6 +110,8 @@ pub struct FlowFailure {
     pub history: Vec<FlowRecord>,
     /// What went wrong.
     pub reason: String,
+    /// Whether that was the time limit.
+    pub timed_out: bool,
     /// What it cost.
     pub statistics: Statistics,
 }
@@ -188,6 +194,9 @@ pub fn flow_with(
         blocks: NodeBlocks::new(model.dof()),
         collocation: collocation.clone(),
         k: settings.k,
+        started: Instant::now(),
+        time_limit: settings.time_limit,
+        timed_out: false,
         error: None,
     };
     let mut recorder = Recorder {
@@ -222,7 +231,7 @@ pub fn flow_with(
             history: recorder.history,
             statistics,
         }),
-        Err(failure) => Err(Box::new(recorder.failure(failure)?)),
+        Err(failure) => Err(Box::new(recorder.failure(failure, system.timed_out)?)),
     })
 }
 
@@ -249,6 +258,9 @@ struct CollocatedFlow<'a> {
     blocks: NodeBlocks,
     collocation: Collocation<f64, f64>,
     k: f64,
+    started: Instant,
+    time_limit: Option<Duration>,
+    timed_out: bool,
     error: Option<Error>,
 }
 
@@ -287,6 +299,12 @@ impl Ode for CollocatedFlow<'_> {
             jac.fill(f64::NAN);
             self.error = Some(error);
         }
+    }
+
+    fn stop(&mut self) -> Option<String> {
+        let limit = self.time_limit.filter(|l| self.started.elapsed() >= *l)?;
+        self.timed_out = true;
+        Some(format!("time limit of {} s reached", limit.as_secs_f64()))
     }
 }
 
@@ -327,7 +345,7 @@ impl Recorder<'_, '_> {
         Curve::new(self.chebyshev.clone(), self.collocation.xi().clone())
     }
 
-    fn failure(mut self, failure: Failure) -> Result<FlowFailure> {
+    fn failure(mut self, failure: Failure, timed_out: bool) -> Result<FlowFailure> {
         self.record(failure.s, &failure.y)?;
         let m = self.problem.start().len();
         Ok(FlowFailure {
@@ -336,6 +354,7 @@ impl Recorder<'_, '_> {
             last_good: self.curve()?,
             history: self.history,
             reason: failure.reason,
+            timed_out,
             statistics: failure.statistics,
         })
     }

@@ -2,16 +2,11 @@
 //!
 //! [`integrate`] is a thin layer over diffsol's BDF (orders 1 to 5, NDF coefficients, modified
 //! Newton iteration with a dense LU factorisation). This layer adds
-//!
 //! * a dense Jacobian that the system writes itself, and counters of the real calls;
 //! * an initial step that suits problems with eigenvalues of any size;
 //! * limits that end in a [`Failure`] where diffsol would give up too early or not at all.
 //!
-//! The same call in the same program gives the same bits: there are no threads and no clocks.
-
-use std::cell::RefCell;
-use std::error::Error;
-use std::fmt;
+//! The same call in the same program gives the same bits: there are no threads, and no clocks but a system's own.
 
 use diffsol::ode_solver::OdeSolverStatistics;
 use diffsol::{
@@ -20,6 +15,9 @@ use diffsol::{
     OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Op, UnitCallable, Vector, VectorCommon,
 };
 use nalgebra::DMatrix;
+use std::cell::RefCell;
+use std::error::Error;
+use std::fmt;
 
 /// Accepted steps after which [`integrate`] gives up.
 pub const STEP_LIMIT: usize = 100_000;
@@ -42,6 +40,10 @@ pub trait Ode {
     fn rhs(&mut self, s: f64, y: &[f64], dy: &mut [f64]);
     /// Writes df/dy, dim x dim. The matrix is zero on entry.
     fn jacobian(&mut self, s: f64, y: &[f64], jac: &mut DMatrix<f64>);
+    /// Asked before each step: a reason to stop there, if there is one.
+    fn stop(&mut self) -> Option<String> {
+        None
+    }
 }
 
 /// Local error tolerances, both positive.
@@ -123,8 +125,8 @@ impl Error for Failure {}
 /// # Errors
 ///
 /// Invalid input (nothing is evaluated then), an f that is not finite at (s0, y0), a step size that
-/// has become too small (f or its Jacobian not finite, y beyond 1e150, a wrong Jacobian), or more
-/// than [`STEP_LIMIT`] steps. What was observed until then is valid.
+/// has become too small (f or its Jacobian not finite, y beyond 1e150, a wrong Jacobian), more
+/// than [`STEP_LIMIT`] steps, or a system that asks to stop. What was observed until then is valid.
 pub fn integrate(
     system: &mut impl Ode,
     s0: f64,
@@ -149,15 +151,14 @@ pub fn integrate(
     let Some(&end) = outputs.last() else {
         return Ok(progress.statistics);
     };
-    let core = Core {
-        system,
-        progress: progress.clone(),
-    };
     let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
         .rtol(tolerance.relative)
         .atol([tolerance.absolute])
         .build_from_eqn(Equations {
-            core: RefCell::new(core),
+            core: RefCell::new(Core {
+                system,
+                progress: progress.clone(),
+            }),
             s0,
             end,
             y0,
@@ -168,13 +169,12 @@ pub fn integrate(
     problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
     let result = advance(&problem, outputs, observe).map_err(|e| e.to_string());
     let progress = problem.eqn.core.into_inner().progress;
-    match result {
-        Ok(()) => Ok(progress.statistics),
-        Err(reason) => Err(Failure {
+    result
+        .map(|()| progress.statistics)
+        .map_err(|reason| Failure {
             reason: reason + &progress.reason,
             ..progress
-        }),
-    }
+        })
 }
 
 /// Says what is wrong with the input, if anything.
@@ -216,21 +216,21 @@ fn advance(
     *state.as_mut().h = initial_step(problem, state.as_ref().y, state.as_ref().dy, span);
     let mut solver = problem.bdf_solver::<NalgebraLU<f64>>(state)?;
     solver.set_stop_time(span)?;
-
     let mut outputs = outputs.iter().copied().peekable();
     for _ in 0..STEP_LIMIT {
+        if let Some(reason) = core.borrow_mut().system.stop() {
+            return Err(reason.into());
+        }
         // diffsol counts Newton failures over the whole run, and its smallest step is a constant
         let before = solver.state().t;
         let failures = solver.get_statistics().number_of_nonlinear_solver_fails;
         let config = solver.config_mut();
         config.maximum_newton_fails = failures + NEWTON_FAILURE_LIMIT;
         config.minimum_timestep = (SMALLEST_STEP * span).max(f64::EPSILON * before);
-
         let result = solver.step();
         let (t, y) = (solver.state().t, solver.state().y.inner().as_slice());
         core.borrow_mut()
             .record(problem.eqn.s(t), y, t > before, solver.get_statistics());
-
         let finished = matches!(result, Ok(OdeSolverStopReason::TstopReached));
         while let Some(s) = outputs.next_if(|s| finished || s - s0 <= t) {
             if s < *end && s - s0 < t {

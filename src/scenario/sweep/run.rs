@@ -1,0 +1,53 @@
+//! Solving the sets of a sweep on all cores.
+
+use super::{ParameterSet, Row, Sweep};
+use crate::error::{Error, Result};
+use crate::scenario::solve;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+/// Solves `sets` of `sweep`, each on one thread, `jobs` at a time or on all cores if `None`. `done` is called with each row as
+/// soon as it is there, from any thread and in any order.
+///
+/// # Errors
+/// Bad input, or an error of `done`, after which no further solve begins. A solve that fails is a row that says so.
+pub fn run(
+    sweep: &Sweep,
+    sets: &[ParameterSet],
+    jobs: Option<usize>,
+    done: &(dyn Fn(Row) -> Result<()> + Sync),
+) -> Result<()> {
+    if jobs == Some(0) {
+        let condition = "it is 0, at least 1 is needed";
+        return Err(Error::input("settings", "jobs", condition));
+    }
+    let threads = ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
+    let pool = threads
+        .build()
+        .map_err(|e| Error::input("settings", "jobs", e.to_string()))?;
+    pool.install(|| {
+        // One set at a time, because they differ a thousandfold in cost.
+        let queue = sets.par_iter().with_max_len(1);
+        queue.try_for_each(|set| done(solve_set(sweep, set)?))
+    })
+}
+
+/// The row of one set. A panic, which none should be, is a failure of this set alone.
+fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
+    let options = sweep.options(&set.parameters);
+    let scenario = &sweep.scenarios[set.scenario];
+    let started = Instant::now();
+    let solved = catch_unwind(AssertUnwindSafe(|| solve(scenario, &options, &mut |_| ())));
+    Ok(match solved {
+        Ok(outcome) => Row::new(sweep, set, &outcome?),
+        Err(panic) => {
+            let message = (panic.downcast_ref::<String>().map(String::as_str))
+                .or(panic.downcast_ref::<&str>().copied())
+                .unwrap_or("no message");
+            let reason = format!("it panicked: {message}");
+            Row::failed(sweep, set, &reason, started.elapsed().as_secs_f64())
+        }
+    })
+}
