@@ -54,7 +54,7 @@ pub fn write_json(value: &impl Serialize, writer: impl Write) -> io::Result<()> 
 }
 
 /// Writes a file beside `path` and moves it there once it is complete.
-fn write_whole(
+pub(super) fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<()> {

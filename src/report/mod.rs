@@ -2,6 +2,7 @@
 
 mod files;
 pub mod prove;
+pub mod reproduce;
 mod table;
 
 pub use files::{write_json, write_outcome};

@@ -23,7 +23,7 @@ fn short(x: f64) -> String {
 }
 
 /// The name by which a value is chosen on the command line.
-fn choice(value: &impl clap::ValueEnum) -> String {
+pub(super) fn choice(value: &impl clap::ValueEnum) -> String {
     value
         .to_possible_value()
         .map_or_else(String::new, |v| v.get_name().to_owned())
