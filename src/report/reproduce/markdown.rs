@@ -1,5 +1,7 @@
 //! The report.
 
+use super::timing::{BATCH_SECONDS, BATCHES};
+use super::words::{distinct, figures, in_words};
 use super::{Reproduction, ScenarioResult, Series, SystemResult, fit};
 use crate::report::table::choice;
 use crate::scenario::FlowParameters;
@@ -91,8 +93,8 @@ fn solve_settings(reproduction: &Reproduction) -> String {
     format!(
         "Solve time: median of {} runs after one more, mean over the scenarios. Effort (integral of |u|^2) and action: mean on 2001 \
         times. Errors: the largest entry of the final-state error, worst scenario.\n\
-        Tolerance {}, guess {}, horizon {} s, success below {}, feedback gains: {}. The supplement prints the best sets and no other \
-        number of these columns.\n",
+        Tolerance {}, guess {}, horizon {} s, success below {}, feedback gains: {}. The supplement prints the best sets, which \
+        by its definition succeed, and no other number of these columns.\n",
         reproduction.settings.repetitions,
         distinct(results().map(|r| format!("{:e}", r.tolerance)), ", "),
         distinct(results().map(|r| choice(&r.file.flow.guess)), ", "),
@@ -141,7 +143,7 @@ fn fits(series: &[Series]) -> String {
         "polynomial of least squares, microseconds",
         "its last term at the largest N",
         "power law",
-        "paper",
+        "paper, Figures 4 and 5",
     ]);
     for series in series {
         let polynomial = series.polynomial();
@@ -168,12 +170,13 @@ fn time_settings(reproduction: &Reproduction) -> String {
     let robots = reproduction.series.first().map_or(&[][..], |s| &s.points);
     let names: Vec<&str> = robots.iter().map(|(name, ..)| name.as_str()).collect();
     format!(
-        "Mean ± standard deviation (median) over {} random configurations (seed {}) of {}; the time of a configuration is the median \
-        of three batches of calls, each of at least 50 microseconds. Polynomial and power are fitted to the means; no fit, empty \
+        "Mean ± standard deviation (median) over {} random configurations (seed {}) of {}; the time of a configuration is that of \
+        the fastest of {BATCHES} batches of calls, each of about {} microseconds or more. Polynomial and power are fitted to the means; no fit, empty \
         cell: too few robots.\n",
         reproduction.settings.configurations,
         reproduction.settings.seed,
-        names.join(", ")
+        names.join(", "),
+        1e6 * BATCH_SECONDS,
     )
 }
 
@@ -209,17 +212,6 @@ fn set(p: usize, k: f64, s_max: f64) -> String {
     format!("{p}, {k:e}, {s_max}")
 }
 
-/// Words in the order in which they first appear, each once.
-fn distinct(words: impl Iterator<Item = String>, between: &str) -> String {
-    let mut seen: Vec<String> = Vec::new();
-    for word in words {
-        if !seen.contains(&word) {
-            seen.push(word);
-        }
-    }
-    seen.join(between)
-}
-
 /// The largest error, or that a simulation stopped.
 fn worst(results: &[ScenarioResult], error: fn(&ScenarioResult) -> Option<f64>) -> String {
     let errors: Option<Vec<f64>> = results.iter().map(error).collect();
@@ -227,38 +219,4 @@ fn worst(results: &[ScenarioResult], error: fn(&ScenarioResult) -> Option<f64>) 
         || "stopped".to_owned(),
         |errors| figures(errors.into_iter().fold(0.0, f64::max), 2),
     )
-}
-
-/// A polynomial in `N` in the usual notation.
-fn in_words(coefficients: &[f64]) -> String {
-    let mut words = String::new();
-    for (power, c) in coefficients.iter().enumerate() {
-        let sign = match (power, *c < 0.0) {
-            (0, false) => "",
-            (0, true) => "-",
-            (_, false) => " + ",
-            (_, true) => " - ",
-        };
-        let variable = match power {
-            0 => String::new(),
-            1 => " N".to_owned(),
-            _ => format!(" N^{power}"),
-        };
-        words.push_str(&format!("{sign}{}{variable}", figures(c.abs(), 3)));
-    }
-    words
-}
-
-/// A number with so many significant figures, in the shorter of the usual notations.
-fn figures(x: f64, count: usize) -> String {
-    let scientific = format!("{x:.*e}", count - 1);
-    let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse().ok());
-    match exponent {
-        Some(e @ -3..=6) => {
-            let e: i32 = e;
-            let decimals = (count as i32 - 1 - e).max(0) as usize;
-            format!("{x:.decimals$}")
-        }
-        _ => scientific,
-    }
 }

@@ -8,6 +8,7 @@ mod solves;
 mod systems;
 mod tables;
 mod timing;
+mod words;
 
 pub use solves::{Origin, ScenarioResult, SystemResult};
 pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};

@@ -11,7 +11,7 @@ const SIZE: (u32, u32) = (720, 480);
 /// Blue and orange that the colour-blind can tell apart.
 const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
 /// How many points draw a curve.
-const CURVE: usize = 200;
+const CURVE: usize = 40;
 
 /// The picture of one figure: means, standard deviations and polynomials of its quantities over `N`, both axes logarithmic.
 pub(super) fn figure(number: usize, series: &[Series]) -> io::Result<String> {
@@ -58,7 +58,7 @@ fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
         let bars = series.points.iter().map(|(_, n, times)| {
             let (mean, deviation) = (1e6 * times.mean, 1e6 * times.deviation);
             let low = (mean - deviation).max(up.start);
-            ErrorBar::new_vertical(*n as f64, low, mean, mean + deviation, colour.filled(), 9)
+            ErrorBar::new_vertical(*n as f64, low, mean, mean + deviation, colour.filled(), 7)
         });
         chart
             .draw_series(bars)?
