@@ -3,6 +3,7 @@
 mod check;
 mod eval;
 mod prove;
+mod reproduce;
 mod robots;
 mod scenarios;
 mod solve;
@@ -44,6 +45,7 @@ enum Command {
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
+    Reproduce(reproduce::Reproduce),
 }
 
 /// How to read a robot.
@@ -74,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),
+        Command::Reproduce(reproduce) => reproduce.run(),
     };
     result.unwrap_or_else(|error: Error| {
         eprintln!("aghf: {error}");

@@ -2,6 +2,7 @@
 
 mod files;
 pub mod prove;
+pub mod reproduce;
 pub mod sweep;
 mod table;
 

@@ -1,7 +1,9 @@
 //! The derivatives of constraints against dual numbers, and the Jacobians of the constrained flow.
 
 use super::dynamics::by_duals;
-use super::{At, BOUND, CheckOptions, Finding, Findings, State, compare_jacobians};
+use super::{
+    At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
+};
 use crate::aghf::constraint::{
     Ball, Bound, Bounds, BuiltIn, Capsule, Constraint, Evaluator, HalfSpace, HalfSpaceBalls,
     Penalty, Side, Sphere, SphereBalls, Weights,
@@ -25,11 +27,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     let mut findings = Findings::default();
     for sample in 0..options.samples {
         let state = &State::random(model, options.seed, sample);
-        let at = At {
-            k: None,
-            sample,
-            state,
-        };
+        let at = At::new(model, sample, state)?;
         for (name, constraint) in ["spheres", "half-space", "bounds"]
             .iter()
             .zip(&made_up.state)
@@ -53,6 +51,12 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     }
     Ok(all)
 }
+
+/// Nothing is divided here; what is small beside metres and radians may be what rounding leaves of zero.
+const TOLERANCE: Tolerance = Tolerance {
+    bound: BOUND,
+    floor: VANISHING,
+};
 
 /// Constraints of every kind on any robot.
 fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
@@ -154,7 +158,7 @@ fn contractions(
     })?;
     let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
     let quantity = format!("{name}: weighted gradient");
-    findings.compare(&quantity, at, row.as_view(), truth.as_view());
+    findings.compare(TOLERANCE, &quantity, at, row.as_view(), truth.as_view());
 
     let truth = by_duals(x, |x| {
         let mut evaluator = Evaluator::new(model);
@@ -169,6 +173,12 @@ fn contractions(
         Ok(gradient.as_slice().to_vec())
     })?;
     let quantity = format!("{name}: weighted Hessian");
-    findings.compare(&quantity, at, ours.hessian().as_view(), truth.as_view());
+    findings.compare(
+        TOLERANCE,
+        &quantity,
+        at,
+        ours.hessian().as_view(),
+        truth.as_view(),
+    );
     Ok(())
 }

@@ -1,0 +1,137 @@
+//! Figures 4 and 5 as pictures.
+
+use super::{Quantity, Series, fit};
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use std::error::Error;
+use std::io;
+use std::ops::Range;
+
+const SIZE: (u32, u32) = (720, 480);
+/// Blue and orange that the colour-blind can tell apart.
+const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
+/// How many points draw a curve.
+const CURVE: usize = 40;
+
+/// The picture of one figure: means, standard deviations and polynomials of its quantities over `N`, both axes logarithmic.
+pub(super) fn figure(number: usize, series: &[Series]) -> io::Result<String> {
+    draw(number, series).map_err(|e| io::Error::other(e.to_string()))
+}
+
+fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
+    let shown: Vec<&Series> = (series.iter())
+        .filter(|s| s.quantity.figure() == number)
+        .collect();
+    let mut text = String::new();
+    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let what = if number == 4 {
+        "the right-hand side of the flow"
+    } else {
+        "the Jacobian of the right-hand side"
+    };
+    let points = || shown.iter().flat_map(|s| s.means());
+    let (across, up) = (
+        range(points().map(|p| p.0), 1.15),
+        range(points().map(|p| p.1), 2.0),
+    );
+    let mut chart = ChartBuilder::on(&root)
+        .caption(
+            format!("Time of {what} at one node (cf. Figure {number})"),
+            ("sans-serif", 18),
+        )
+        .margin(12)
+        .x_label_area_size(44)
+        .y_label_area_size(64)
+        .build_cartesian_2d(Logarithmic(across.clone()), Logarithmic(up.clone()))?;
+    chart
+        .configure_mesh()
+        .x_desc("number of joints N")
+        .y_desc("time, microseconds")
+        .axis_desc_style(("sans-serif", 15))
+        .label_style(("sans-serif", 13))
+        .light_line_style(WHITE)
+        .x_labels(12)
+        .y_labels(12)
+        .draw()?;
+    for (series, colour) in shown.iter().zip(COLOURS) {
+        let bars = series.points.iter().map(|(_, n, times)| {
+            let (mean, deviation) = (1e6 * times.mean, 1e6 * times.deviation);
+            let low = (mean - deviation).max(up.start);
+            ErrorBar::new_vertical(*n as f64, low, mean, mean + deviation, colour.filled(), 7)
+        });
+        chart
+            .draw_series(bars)?
+            .label(legend(series.quantity, series.power_law()))
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        let Some(coefficients) = series.polynomial() else {
+            continue;
+        };
+        let first = series.means().first().map_or(1.0, |p| p.0);
+        let last = series.means().last().map_or(1.0, |p| p.0);
+        let step = (last / first).powf(1.0 / CURVE as f64);
+        // A polynomial may leave the picture where it is far from any point.
+        let curve = (0..=CURVE)
+            .map(|i| first * step.powi(i as i32))
+            .map(|n| (n, fit::value(&coefficients, n)))
+            .filter(|(_, t)| up.contains(t));
+        chart.draw_series(LineSeries::new(curve, colour.stroke_width(1)))?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .margin(14)
+        .label_font(("sans-serif", 13))
+        .background_style(WHITE)
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    root.present()?;
+    drop(chart);
+    drop(root);
+    Ok(text)
+}
+
+fn legend(quantity: Quantity, power: Option<(f64, f64)>) -> String {
+    let power = power.map_or_else(String::new, |(_, e)| format!(", about N^{e:.1}"));
+    format!("{}{power}", quantity.name())
+}
+
+/// The range of positive numbers, with room by a factor on both sides.
+fn range(numbers: impl Iterator<Item = f64> + Clone, room: f64) -> Range<f64> {
+    let low = numbers.clone().fold(f64::INFINITY, f64::min);
+    let high = numbers.fold(0.0, f64::max);
+    low / room..high * room
+}
+
+/// A logarithmic axis that marks 1, 2 and 5 of every decade.
+#[derive(Clone)]
+struct Logarithmic(Range<f64>);
+
+impl Ranged for Logarithmic {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (low, high): (i32, i32)) -> i32 {
+        let share = (value / self.0.start).ln() / (self.0.end / self.0.start).ln();
+        low + (share * f64::from(high - low)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
+        let decades = self.0.start.log10().floor() as i32..=self.0.end.log10().ceil() as i32;
+        decades
+            .flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(d)))
+            .filter(|x| self.0.contains(x))
+            .collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.0.clone()
+    }
+}
+
+impl ValueFormatter<f64> for Logarithmic {
+    fn format(value: &f64) -> String {
+        // Such as 0.30000000000000004 is 0.3 to the reader.
+        format!("{}", (value * 1e6).round() / 1e6)
+    }
+}
