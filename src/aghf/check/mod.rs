@@ -6,17 +6,20 @@
 
 mod constraints;
 mod dynamics;
+mod jacobians;
 mod tensors;
 
 pub use constraints::check_constraints;
 pub use dynamics::check_dynamics;
+pub use jacobians::check_jacobian;
 
-use super::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
+use super::jacobian::{ForwardDual, JacobianKind};
 use super::{AlgorithmB1, Node};
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
 use crate::model::Model;
 use crate::spatial::Placement;
+use jacobians::{Printed, check_differences, compare_jacobians};
 use nalgebra::{DMatrix, DMatrixView};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -265,116 +268,6 @@ impl Findings {
                 }
             }
         }
-    }
-}
-
-/// Compares a Jacobian with duals of the control form at random states: the worst of each block at each penalty, the rows
-/// of $\Omega_{P1}$ and $\Omega_{P2}$ apart. `name` stands before the names of the blocks.
-///
-/// # Errors
-/// `jacobian` is for another model.
-pub fn check_jacobian(
-    model: &Model,
-    name: &str,
-    jacobian: &mut dyn NodeJacobian,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
-    compare_jacobians(
-        model,
-        name,
-        jacobian,
-        &mut ForwardDual::new(model),
-        BOUND,
-        options,
-    )
-}
-
-fn compare_jacobians(
-    model: &Model,
-    name: &str,
-    jacobian: &mut dyn NodeJacobian,
-    truth: &mut dyn NodeJacobian,
-    bound: f64,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
-    let n = model.dof();
-    let mut findings = Findings::default();
-    each_pair(model, jacobian, truth, options, &mut |at, ours, truth| {
-        for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
-            for (by, a, b) in pairs(ours, truth) {
-                let quantity = format!("{name}: d{part}/{by}");
-                let (a, b) = (a.rows(row, n), b.rows(row, n));
-                let tolerance = at.divided_twice(bound);
-                findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
-            }
-        }
-    })?;
-    Ok(findings.all)
-}
-
-/// Central differences are held to less: they lose what is small beside the largest entry of all blocks.
-fn check_differences(model: &Model, name: &str, options: &CheckOptions) -> Result<Vec<Finding>> {
-    let mut findings = Findings::default();
-    let jacobian = &mut CentralDifference::new(model);
-    let duals = &mut ForwardDual::new(model);
-    each_pair(model, jacobian, duals, options, &mut |at, ours, truth| {
-        let pairs = pairs(ours, truth);
-        let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
-        for (by, a, b) in pairs {
-            let quantity = format!("{name}: dOmega/{by}");
-            let tolerance = Tolerance {
-                floor: largest,
-                ..at.divided_twice(DIFFERENCE_BOUND)
-            };
-            findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
-        }
-    })?;
-    Ok(findings.all)
-}
-
-/// The blocks of two Jacobians by the name of what they are derivatives in.
-fn pairs<'a>(
-    a: &'a NodeBlocks,
-    b: &'a NodeBlocks,
-) -> [(&'static str, &'a DMatrix<f64>, &'a DMatrix<f64>); 3] {
-    [
-        ("dx", &a.dx, &b.dx),
-        ("dxdot", &a.dxdot, &b.dxdot),
-        ("dxddot", &a.dxddot, &b.dxddot),
-    ]
-}
-
-/// Evaluates two Jacobians at all states and penalties and shows what they give to `look`.
-fn each_pair(
-    model: &Model,
-    jacobian: &mut dyn NodeJacobian,
-    truth: &mut dyn NodeJacobian,
-    options: &CheckOptions,
-    look: &mut dyn FnMut(At<'_>, &NodeBlocks, &NodeBlocks),
-) -> Result<()> {
-    let (mut a, mut b) = (NodeBlocks::new(model.dof()), NodeBlocks::new(model.dof()));
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
-        let at = At::new(model, sample, state)?;
-        for k in &options.penalties {
-            jacobian.at(state.node(), *k, &mut a)?;
-            truth.at(state.node(), *k, &mut b)?;
-            look(At { k: Some(*k), ..at }, &a, &b);
-        }
-    }
-    Ok(())
-}
-
-/// The Jacobian of Algorithm B1 but for $d\Omega / d\ddot x = 2 I$ (B80): multiplying by $H H$ what is divided by it again
-/// leaves little of numbers that are known.
-struct Printed<J>(J);
-
-impl<J: NodeJacobian> NodeJacobian for Printed<J> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
-        self.0.at(node, k, out)?;
-        out.dxddot.fill(0.0);
-        out.dxddot.fill_diagonal(2.0);
-        Ok(())
     }
 }
 
