@@ -1,13 +1,11 @@
 //! `aghf check`.
 
-use super::{OFF, print, print_json};
+use super::{OFF, Reading, print, print_json};
 use crate::aghf::check::{CheckOptions, check_all};
 use crate::error::{Error, Result};
 use crate::report::check_table;
-use crate::scenario::load_robot;
 use clap::Args;
 use serde_json::json;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// Compare every analytic derivative with dual numbers at random states of a robot.
@@ -18,6 +16,8 @@ use std::process::ExitCode;
 pub(super) struct Check {
     /// A robot that is built in, or the path of a URDF file.
     robot: String,
+    #[command(flatten)]
+    reading: Reading,
     /// How many random states.
     #[arg(long, default_value_t = CheckOptions::default().samples)]
     samples: usize,
@@ -38,7 +38,7 @@ impl Check {
                 "it is 0, at least 1 is needed",
             ));
         }
-        let (model, _) = load_robot(&self.robot, Path::new(""))?;
+        let (model, _) = self.reading.load(&self.robot)?;
         let options = CheckOptions {
             samples: self.samples,
             seed: self.seed,

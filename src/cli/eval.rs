@@ -1,17 +1,16 @@
 //! `aghf eval`.
 
-use super::print_json;
+use super::{Reading, print_json};
 use crate::aghf::{ControlForm, Node, RightHandSide};
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, crba_derivatives, rnea_derivatives,
 };
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::scenario::load_robot;
 use clap::Args;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Evaluate the dynamics of a robot at a given state and print JSON, to compare with other code.
@@ -24,6 +23,8 @@ use std::process::ExitCode;
 pub(super) struct Eval {
     /// A robot that is built in, or the path of a URDF file.
     robot: String,
+    #[command(flatten)]
+    reading: Reading,
     /// The JSON file.
     input: PathBuf,
 }
@@ -73,7 +74,7 @@ struct Output {
 
 impl Eval {
     pub(super) fn run(self) -> Result<ExitCode> {
-        let (model, _) = load_robot(&self.robot, Path::new(""))?;
+        let (model, _) = self.reading.load(&self.robot)?;
         let (name, text) = self.read()?;
         let input: Input = serde_json::from_str(&text).map_err(|e| {
             let condition = if e.is_data() {

@@ -7,7 +7,10 @@ mod robots;
 mod solve;
 
 use crate::error::Error;
-use clap::{Parser, Subcommand};
+use crate::model::{LoadReport, Mimic, Model, UrdfOptions};
+use crate::scenario::load_robot_with;
+use clap::{Args, Parser, Subcommand};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Exit code for a derivative that is off by more than its bound, or an identity that fails.
@@ -37,6 +40,22 @@ enum Command {
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
+}
+
+/// How to read a robot.
+#[derive(Debug, Args)]
+struct Reading {
+    /// What to do with the mimic joints of a URDF file: refuse the robot, or let them move by themselves.
+    #[arg(long, value_enum, default_value_t)]
+    mimic: Mimic,
+}
+
+impl Reading {
+    /// The robot that is built in under this name, or else the one in this file.
+    fn load(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
+        let options = UrdfOptions { mimic: self.mimic };
+        load_robot_with(robot, Path::new(""), options)
+    }
 }
 
 /// Runs the command line and returns its exit code.

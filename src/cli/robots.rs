@@ -1,13 +1,12 @@
 //! `aghf robots`.
 
-use super::{print, print_json};
+use super::{Reading, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::{LoadReport, Model, builtin_robots};
-use crate::report::robot_table;
-use crate::scenario::load_robot;
+use crate::report::{robot_table, write_text};
 use clap::Args;
 use serde_json::json;
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// List the robots that are built in, or show one: joints, limits, masses, and what was noticed on loading.
@@ -15,6 +14,11 @@ use std::process::ExitCode;
 pub(super) struct Robots {
     /// A robot that is built in, or the path of a URDF file [default: all that are built in].
     robot: Option<String>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Write the robot to this file as a URDF of what the dynamics read, fixed joints merged.
+    #[arg(long, requires = "robot")]
+    urdf: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -28,7 +32,10 @@ impl Robots {
         };
         let mut all = Vec::new();
         for name in names {
-            let (model, report) = load_robot(name, Path::new(""))?;
+            let (model, report) = self.reading.load(name)?;
+            if let Some(path) = &self.urdf {
+                write_text(&model.to_urdf()?, path)?;
+            }
             if self.json {
                 all.push(as_json(name, &model, &report));
             } else {
@@ -61,7 +68,7 @@ fn as_json(name: &str, model: &Model, report: &LoadReport) -> serde_json::Value 
             let limits = joint.limits();
             json!({
                 "name": joint.name(),
-                "kind": format!("{:?}", joint.kind()).to_lowercase(),
+                "kind": joint.kind().name(),
                 "parent": joint.parent().map(|p| model.joints()[p].name()),
                 "lower": limits.lower,
                 "upper": limits.upper,

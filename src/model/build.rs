@@ -1,6 +1,6 @@
 //! Models made in code.
 
-use super::{Frame, Joint, JointKind, Limits, Model};
+use super::{Carrier, Frame, Joint, JointKind, Limits, Model};
 use crate::error::{Error, Result};
 use crate::scalar::{Ldlt, Scalar};
 use crate::spatial::{Inertia, Placement};
@@ -61,6 +61,10 @@ impl<C: Scalar> Model<C> {
                 name: spec.name.clone(),
                 body: Some(i),
                 placement: Placement::identity(),
+                carrier: Some(Carrier {
+                    joint: spec.name.clone(),
+                    parent: spec.parent,
+                }),
             });
             model.joints.push(Joint::new(
                 spec.name,

@@ -15,6 +15,18 @@ pub enum JointKind {
     Prismatic,
 }
 
+impl JointKind {
+    /// The type of the joint in a URDF.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+        }
+    }
+}
+
 /// What a joint may do, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {

@@ -1,21 +1,43 @@
 //! Joints, the tree they form, and where models come from: URDF files and builders.
 //!
-//! Joint `i` moves body `i`; its parent body comes before it. `None` as a parent is the fixed base. Joints are numbered as
-//! Pinocchio numbers them: depth first, the children of a link in the alphabetical order of their joints' names.
+//! Joint `i` moves body `i` and is degree of freedom `i`; its parent body comes before it. `None` as a parent is the fixed
+//! base. So there are no joints with several degrees of freedom, and none that depend on others: [`Mimic`] says what becomes
+//! of those.
+//!
+//! # What is what in Pinocchio
+//!
+//! Of a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and [`load_urdf`] reads too, here is there:
+//!
+//! | here | there |
+//! | --- | --- |
+//! | joint `i`, depth first, the joints on a link in the order of their names (compared byte by byte) | joint `i + 1`; joint 0 is the universe |
+//! | the name of a joint | the same, `names[i + 1]` |
+//! | `q[i]` of a revolute or prismatic joint | `q[joints[i + 1].idx_q]` |
+//! | `q[i]` of a continuous joint, an angle | two numbers, `cos q[i]` and `sin q[i]`, at `idx_q` and `idx_q + 1` |
+//! | `v[i]`, `a[i]`, `tau[i]`, row or column `i` of a matrix | the same, `idx_v` is `i` |
+//! | a mimic joint, with [`Mimic::Independent`] | a joint as any other, unless it is called with `mimic=True` |
+//! | a [`Frame`], one for every link, in the order of the walk | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
+//! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
+//! | the mass fixed to the base: left out | `inertias[0]` |
+//! | infinite limits where there are none | 0 or the largest number, depending on the joint |
+//! | angular part first in spatial vectors, at the origin of the base | linear part first, at the frame that is asked for |
 
 mod build;
 mod builtin;
 mod joint;
+mod load;
 mod random;
 mod urdf;
 mod urdf_text;
 mod urdf_tree;
+mod urdf_write;
 
 pub use build::{JointSpec, pendulum};
 pub use builtin::{builtin_robot, builtin_robots};
 pub use joint::{Joint, JointKind, Limits};
+pub use load::{LoadNote, LoadReport, Mimic, UrdfOptions};
 pub use random::{random_chain, random_tree};
-pub use urdf::{LoadNote, LoadReport, load_urdf, parse_urdf};
+pub use urdf::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};
 
 use crate::error::{Result, check_length};
 use crate::scalar::Scalar;
@@ -31,6 +53,30 @@ pub struct Frame<C: Scalar> {
     pub body: Option<usize>,
     /// Where it is in that body.
     pub placement: Placement<C>,
+    /// What carries the link; `None` for the root, and for frames that are no links.
+    carrier: Option<Carrier>,
+}
+
+/// What carries a link.
+#[derive(Clone, Debug)]
+struct Carrier {
+    /// The name of the joint, which moves or is fixed.
+    joint: String,
+    /// The link that the joint hangs on, by the index of its frame; `None` for a base that is no link.
+    parent: Option<usize>,
+}
+
+impl<C: Scalar> Frame<C> {
+    /// A frame at `placement` in the body of joint `body`, or in the base: a tool, a sensor.
+    #[must_use]
+    pub fn new(name: &str, body: Option<usize>, placement: Placement<C>) -> Self {
+        Self {
+            name: name.to_owned(),
+            body,
+            placement,
+            carrier: None,
+        }
+    }
 }
 
 /// A tree of rigid bodies whose constants have the type `C`.
@@ -122,6 +168,7 @@ impl Model<f64> {
                     name: f.name.clone(),
                     body: f.body,
                     placement: placement(&f.placement),
+                    carrier: f.carrier.clone(),
                 })
                 .collect(),
             gravity: vector(&self.gravity),

@@ -2,91 +2,59 @@
 
 use super::urdf_text;
 use super::urdf_tree::{self, Visit};
-use super::{Frame, JointKind, JointSpec, Limits, Model};
+use super::{
+    Carrier, Frame, JointKind, JointSpec, Limits, LoadNote, LoadReport, Mimic, Model, UrdfOptions,
+};
 use crate::error::{Error, Result};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use std::fmt;
 use std::path::Path;
 use urdf_rs::JointType;
-
-/// What was accepted on loading but is worth knowing.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum LoadNote {
-    /// The link has no inertial element, or one of zeros, and counts as massless.
-    Massless {
-        /// The link.
-        link: String,
-    },
-    /// No body can have this inertia; the dynamics are computed with it all the same.
-    ImpossibleInertia {
-        /// The link.
-        link: String,
-        /// Why not.
-        condition: String,
-    },
-    /// The link hangs on a fixed joint and became part of the body before it; its frame is kept.
-    Merged {
-        /// The link.
-        link: String,
-        /// The fixed joint.
-        joint: String,
-        /// The moving joint whose body it is part of now; `None` is the base.
-        into: Option<String>,
-    },
-    /// The joint has no limit element, and counts as unlimited.
-    Unlimited {
-        /// The joint.
-        joint: String,
-    },
-}
-
-impl fmt::Display for LoadNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Massless { link } => write!(f, "link '{link}': massless"),
-            Self::ImpossibleInertia { link, condition } => write!(f, "link '{link}': {condition}"),
-            Self::Merged { link, joint, into } => {
-                let body = into.as_deref().map_or_else(
-                    || "the base".to_owned(),
-                    |into| format!("the body of joint '{into}'"),
-                );
-                write!(
-                    f,
-                    "link '{link}': merged by fixed joint '{joint}' into {body}"
-                )
-            }
-            Self::Unlimited { joint } => write!(f, "joint '{joint}': no limits"),
-        }
-    }
-}
-
-/// What was accepted on loading but is worth knowing, in the order in which the tree is walked.
-pub type LoadReport = Vec<LoadNote>;
 
 /// Reads the robot in the URDF file at `path`. See [`parse_urdf`].
 ///
 /// # Errors
 /// The file cannot be read, or as [`parse_urdf`].
 pub fn load_urdf(path: &Path) -> Result<(Model, LoadReport)> {
+    load_urdf_with(path, UrdfOptions::default())
+}
+
+/// Reads the robot in the URDF file at `path` as `options` say. See [`parse_urdf`].
+///
+/// # Errors
+/// The file cannot be read, or as [`parse_urdf`].
+pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadReport)> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    parse_urdf(&text, &path.display().to_string())
+    parse_urdf_with(&text, &path.display().to_string(), options)
 }
 
 /// Reads a robot from the text of a URDF file; `file` names it in errors.
 ///
-/// Fixed joints are merged into the body before them. Meshes, materials and transmissions are ignored.
+/// Fixed joints are merged into the body before them. Meshes, materials, transmissions and whatever else is not about
+/// dynamics are not looked at.
 ///
 /// # Errors
 /// Says which element is wrong and why: text that is no URDF, negative or non-finite numbers, zero axes, repeated names,
 /// several roots, loops, unknown links, floating, planar, spherical and mimic joints, and joints that move nothing that
 /// has inertia about them.
 pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
-    urdf_text::check(text, file)?;
-    let robot = urdf_rs::read_from_string(text)
+    parse_urdf_with(text, file, UrdfOptions::default())
+}
+
+/// Reads a robot from the text of a URDF file as `options` say. See [`parse_urdf`].
+///
+/// # Errors
+/// As [`parse_urdf`].
+pub fn parse_urdf_with(
+    text: &str,
+    file: &str,
+    options: UrdfOptions,
+) -> Result<(Model, LoadReport)> {
+    let robot = urdf_rs::read_from_string(&urdf_text::dynamics_only(text, file)?)
         .map_err(|e| Error::input(file, "robot", format!("not a valid URDF: {e}")))?;
     let mut loader = Loader {
         file,
+        options,
         report: LoadReport::new(),
         specs: Vec::new(),
         frames: Vec::new(),
@@ -109,6 +77,7 @@ pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
 /// What has been read so far.
 struct Loader<'a> {
     file: &'a str,
+    options: UrdfOptions,
     report: LoadReport,
     specs: Vec<JointSpec<f64>>,
     frames: Vec<Frame<f64>>,
@@ -167,6 +136,10 @@ impl Loader<'_> {
             name: link.name.clone(),
             body,
             placement,
+            carrier: visit.joint.map(|joint| Carrier {
+                joint: joint.name.clone(),
+                parent: Some(visit.parent),
+            }),
         });
         Ok(())
     }
@@ -218,13 +191,23 @@ impl Loader<'_> {
     }
 
     /// What the joint does; `None` for a fixed one.
-    fn kind(&self, joint: &urdf_rs::Joint) -> Result<Option<JointKind>> {
-        let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
-        if joint.mimic.is_some() && joint.joint_type != JointType::Fixed {
-            return refuse(
-                "mimic joints are not supported: a dependent joint has no force of its own",
-            );
+    fn kind(&mut self, joint: &urdf_rs::Joint) -> Result<Option<JointKind>> {
+        if let Some(urdf_rs::Mimic { joint: mimics, .. }) = &joint.mimic {
+            match self.options.mimic {
+                Mimic::Refuse => {
+                    let condition = format!(
+                        "it mimics joint '{mimics}', which is not supported: a dependent joint has no force of its own; \
+                         --mimic independent (in code: Mimic::Independent) lets it move by itself"
+                    );
+                    return Err(self.error(format!("joint '{}'", joint.name), condition));
+                }
+                Mimic::Independent => self.report.push(LoadNote::Independent {
+                    joint: joint.name.clone(),
+                    mimics: mimics.clone(),
+                }),
+            }
         }
+        let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
         match joint.joint_type {
             JointType::Revolute => Ok(Some(JointKind::Revolute)),
             JointType::Continuous => Ok(Some(JointKind::Continuous)),

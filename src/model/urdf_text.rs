@@ -1,7 +1,8 @@
-//! What is wrong with the text of a URDF, said in the words of its elements.
+//! What the dynamics read of the text of a URDF, and what is wrong with that, said in the words of its elements.
 //!
 //! `urdf-rs` reads the file, but its errors do not name the link or joint, and it passes over words among the three numbers
-//! of a vector. So the elements that the dynamics read are looked at first.
+//! of a vector. So the elements that the dynamics read are looked at first, and `urdf-rs` is given these alone: no mesh,
+//! material, sensor or plugin can make a file fail.
 
 use crate::error::{Error, Result};
 use roxmltree::{Document, Node};
@@ -17,9 +18,14 @@ const JOINT_TYPES: [&str; 7] = [
     "spherical",
 ];
 
+/// What the dynamics read of a link.
+const OF_LINKS: [&str; 1] = ["inertial"];
+/// What they read of a joint that moves, and, the first three, of one that does not.
+const OF_JOINTS: [&str; 6] = ["origin", "parent", "child", "axis", "limit", "mimic"];
+
 /// Checks that `text` is a `robot` element whose links and joints have the attributes that the dynamics need, and that
-/// these are numbers where they have to be.
-pub(super) fn check(text: &str, file: &str) -> Result<()> {
+/// these are numbers where they have to be. Returns that element without all that the dynamics do not read.
+pub(super) fn dynamics_only(text: &str, file: &str) -> Result<String> {
     let refuse = |condition: String| {
         Err(Error::input(
             file,
@@ -36,19 +42,51 @@ pub(super) fn check(text: &str, file: &str) -> Result<()> {
     if kind != "robot" {
         return refuse(format!("the root element is '{kind}'"));
     }
+    let mut kept = String::new();
+    let mut end = root.range().start;
+    // Goes on to the end of what is cut.
+    let mut cut = |node: Node<'_, '_>| {
+        kept.push_str(&text[end..node.range().start]);
+        end = node.range().end;
+    };
     for node in root.children().filter(Node::is_element) {
         let kind = node.tag_name().name();
-        let checked = match kind {
-            "link" => check_link(node),
-            "joint" => check_joint(node),
-            _ => continue,
+        if let Some(element) = node.descendants().find(is_xacro) {
+            let name = element.tag_name().name();
+            let condition = format!("'xacro:{name}' is not expanded: run xacro on the file first");
+            return Err(Error::input(file, "robot", condition));
+        }
+        let (checked, read) = match kind {
+            "link" => (check_link(node), &OF_LINKS[..]),
+            "joint" if is_fixed(node) => (check_joint(node), &OF_JOINTS[..3]),
+            "joint" => (
+                check_joint(node).and_then(|()| check_motion(node)),
+                &OF_JOINTS[..],
+            ),
+            _ => {
+                cut(node);
+                continue;
+            }
         };
         let Some(name) = node.attribute("name") else {
             return refuse(format!("a {kind} has no name"));
         };
         checked.map_err(|condition| Error::input(file, format!("{kind} '{name}'"), condition))?;
+        let is_read = |child: &Node<'_, '_>| read.contains(&child.tag_name().name());
+        let unread = |child: &Node<'_, '_>| child.is_element() && !is_read(child);
+        node.children().filter(unread).for_each(&mut cut);
     }
-    Ok(())
+    kept.push_str(&text[end..root.range().end]);
+    Ok(kept)
+}
+
+/// Whether this is a command to the macro processor that writes many URDFs.
+fn is_xacro(node: &Node<'_, '_>) -> bool {
+    (node.tag_name().namespace()).is_some_and(|namespace| namespace.contains("xacro"))
+}
+
+fn is_fixed(joint: Node<'_, '_>) -> bool {
+    joint.attribute("type") == Some("fixed")
 }
 
 /// What is wrong with an element, if anything is.
@@ -74,17 +112,21 @@ fn check_joint(joint: Node<'_, '_>) -> Check {
         link.attribute("link")
             .ok_or(format!("its {end} names no link"))?;
     }
-    check_origin(joint)?;
+    check_origin(joint)
+}
+
+/// What only joints that move have.
+fn check_motion(joint: Node<'_, '_>) -> Check {
     if let Some(axis) = child(joint, "axis") {
         check_numbers(axis, &["xyz"], 3)?;
     }
     if let Some(limit) = child(joint, "limit") {
-        for name in ["lower", "upper", "effort"] {
+        for name in ["lower", "upper"] {
             if limit.has_attribute(name) {
                 check_numbers(limit, &[name], 1)?;
             }
         }
-        check_numbers(limit, &["velocity"], 1)?;
+        check_numbers(limit, &["velocity", "effort"], 1)?;
     }
     Ok(())
 }

@@ -45,6 +45,14 @@ pub fn write_outcome(model: &Model, outcome: &Outcome, folder: &Path) -> Result<
     Ok(vec![trajectory, summary])
 }
 
+/// Writes `text` to the file at `path`.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_text(text: &str, path: &Path) -> Result<()> {
+    write_whole(path, |file| file.write_all(text.as_bytes()))
+}
+
 /// Writes a value as readable JSON.
 ///
 /// # Errors

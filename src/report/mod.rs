@@ -4,5 +4,5 @@ mod files;
 pub mod prove;
 mod table;
 
-pub use files::{write_json, write_outcome};
+pub use files::{write_json, write_outcome, write_text};
 pub use table::{check_table, robot_table, summary_table, verdict_table};

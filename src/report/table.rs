@@ -2,7 +2,7 @@
 
 use super::prove::Verdict;
 use crate::aghf::check::Finding;
-use crate::model::{JointKind, Model};
+use crate::model::Model;
 use crate::scenario::Summary;
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -151,11 +151,6 @@ pub fn robot_table(model: &Model) -> String {
         "mass, kg",
     ]);
     for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
-        let kind = match joint.kind() {
-            JointKind::Revolute => "revolute",
-            JointKind::Continuous => "continuous",
-            JointKind::Prismatic => "prismatic",
-        };
         let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
         let limits = joint.limits();
         let numbers = [
@@ -172,7 +167,7 @@ pub fn robot_table(model: &Model) -> String {
                 "-".to_owned()
             }
         };
-        let words = [joint.name(), kind, carrier].map(str::to_owned);
+        let words = [joint.name(), joint.kind().name(), carrier].map(str::to_owned);
         table.add_row(words.into_iter().chain(numbers.map(limit)));
     }
     for column in table.column_iter_mut().skip(3) {

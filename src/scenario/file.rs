@@ -2,7 +2,7 @@
 
 use super::builtin::builtin_scenario;
 use crate::error::{Error, Result};
-use crate::model::{LoadReport, Model, builtin_robot, load_urdf};
+use crate::model::{LoadReport, Model, UrdfOptions, builtin_robot, load_urdf_with};
 use crate::pseudospectral::Chebyshev;
 use crate::solve::{Feedback, Guess, Problem};
 use serde::{Deserialize, Serialize};
@@ -211,6 +211,18 @@ impl Scenario {
 /// # Errors
 /// Names the file, the element and what is wrong with it.
 pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadReport)> {
+    load_robot_with(name_or_path, folder, UrdfOptions::default())
+}
+
+/// As [`load_robot`], a URDF file being read as `options` say.
+///
+/// # Errors
+/// As [`load_robot`].
+pub fn load_robot_with(
+    name_or_path: &str,
+    folder: &Path,
+    options: UrdfOptions,
+) -> Result<(Model, LoadReport)> {
     if let Some(robot) = builtin_robot(name_or_path) {
         return robot;
     }
@@ -219,7 +231,7 @@ pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadRepor
         let condition = "there is neither a file nor a built-in robot of this name";
         return Err(Error::input(path.display().to_string(), "robot", condition));
     }
-    load_urdf(&path)
+    load_urdf_with(&path, options)
 }
 
 /// Reads a value from JSON; an error names the key that is wrong. `file` names the text.

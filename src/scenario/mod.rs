@@ -5,5 +5,7 @@ mod file;
 mod outcome;
 
 pub use builtin::builtin_scenarios;
-pub use file::{FlowParameters, Scenario, ScenarioFile, SphereObstacle, load_robot};
+pub use file::{
+    FlowParameters, Scenario, ScenarioFile, SphereObstacle, load_robot, load_robot_with,
+};
 pub use outcome::{Method, Outcome, SolveOptions, Summary, solve};
