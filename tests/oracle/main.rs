@@ -1,3 +1,9 @@
-//! wip
-#[test]
-fn x() {}
+//! The third witness: Pinocchio 4.1, other people's library, asked through Python. `tests/run` prepares it.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod compare;
+mod corpus;
+
+mod python;
+mod random;

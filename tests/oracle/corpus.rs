@@ -1,0 +1,165 @@
+//! Every URDF of two public collections and of this project: it agrees with Pinocchio, or is refused for a stated reason.
+
+use crate::common::config;
+use crate::compare::{
+    BOUND, Errors, assert_same_names, compare_dynamics, compare_second_derivatives, state,
+};
+use crate::python::{Oracle, venv};
+use aghf::model::{Mimic, Model, UrdfOptions, parse_urdf_with};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The robots that are refused, and words of the reason.
+const REFUSED: [(&str, &str); 3] = [
+    ("hector_description/robots/quadrotor_base.urdf", "has no moving joint"),
+    ("iris_description/robots/iris_simple.urdf", "has no moving joint"),
+    // A file without a link.
+    ("ur_description/urdf/ur3.urdf", "has no links"),
+];
+
+/// The columns of the table, each with the words by which names of quantities begin.
+const COLUMNS: [(&str, &[&str]); 8] = [
+    ("kinematics", &["joint placements", "link placements"]),
+    ("ID, C, gravity", &["ID", "C", "gravity"]),
+    ("H, Hdot", &["H", "Hdot", "dID/da"]),
+    ("energy", &["kinetic energy", "potential energy"]),
+    ("FD", &["FD", "dFD/dtau"]),
+    ("dID", &["dID/dq", "dID/dv"]),
+    ("dFD", &["dFD/dq", "dFD/dv"]),
+    ("d2ID", &["d2ID/dqdq", "d2ID/dqdv", "d2ID/dvdv", "d2ID/dadq"]),
+];
+
+/// What came of a robot.
+enum Outcome {
+    Agreed { joints: usize, mimic: bool, errors: Errors },
+    Refused { reason: String, pinocchio: String },
+}
+
+#[test]
+fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
+    let robots = robots();
+    let mut table = header();
+    let (mut agreed, mut refused, mut wrong) = (0, 0, Vec::new());
+    for (name, path) in &robots {
+        let expected = REFUSED.iter().find(|(robot, _)| robot == name);
+        let outcome = outcome(path);
+        table += &row(name, &outcome);
+        match (outcome, expected) {
+            (Outcome::Agreed { errors, .. }, None) => {
+                agreed += 1;
+                let off = errors.into_iter().filter(|(_, e)| *e > BOUND);
+                wrong.extend(off.map(|(what, e)| format!("{name}: {what} is off by {e:.1e}")));
+            }
+            (Outcome::Agreed { .. }, Some(_)) => wrong.push(format!("{name}: no longer refused")),
+            (Outcome::Refused { reason, .. }, Some((_, words))) if reason.contains(words) => {
+                refused += 1;
+            }
+            (Outcome::Refused { reason, .. }, _) => wrong.push(format!("{name}: {reason}")),
+        }
+    }
+    let summary = format!("\n{agreed} robots agree to {BOUND:e}, {refused} are refused.\n");
+    table += &summary;
+    println!("{table}");
+    let file = venv().with_file_name("corpus.md");
+    std::fs::write(file, table).expect("the folder is there");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(refused, REFUSED.len(), "a refused robot is not there");
+    assert!(agreed >= 70, "{summary}");
+}
+
+/// Reads and compares a robot. Mimic joints are independent to Pinocchio, so they are here.
+fn outcome(path: &Path) -> Outcome {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path).expect("it can be read");
+    let read = |mimic| parse_urdf_with(&text, &file, UrdfOptions { mimic });
+    let strict = read(Mimic::Refuse);
+    let mimic = strict.as_ref().is_err_and(|e| e.to_string().contains("mimic"));
+    let loaded = if mimic { read(Mimic::Independent) } else { strict };
+    let oracle = Oracle::load(&text);
+    match loaded {
+        Ok((model, _)) => Outcome::Agreed {
+            joints: model.dof(),
+            mimic,
+            errors: errors(&model, &oracle.expect("Pinocchio reads it")),
+        },
+        Err(error) => Outcome::Refused {
+            reason: error.to_string().replace(&format!("{file}: "), ""),
+            pinocchio: match oracle {
+                Ok(oracle) => format!("{} joints", oracle.names()["joints"].len()),
+                Err(error) => format!("refuses: {error}"),
+            },
+        },
+    }
+}
+
+/// The worst errors over a few random states; the second derivatives at the first alone.
+fn errors(model: &Model, oracle: &Oracle) -> Errors {
+    let mut errors = Errors::new();
+    assert_same_names(model, oracle);
+    let mut runner = TestRunner::new(config(3));
+    for case in 0..runner.config().cases {
+        let state = state(model).new_tree(&mut runner).expect("no filter").current();
+        compare_dynamics(model, oracle, &state, &mut errors);
+        if case == 0 {
+            compare_second_derivatives(model, oracle, &state, &mut errors);
+        }
+    }
+    errors
+}
+
+/// All robots with their names: the path below the folder of their collection.
+fn robots() -> Vec<(String, PathBuf)> {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
+    let mut found = Vec::new();
+    let mut of_collection = |folder: &Path, count: usize| {
+        let mut files = Vec::new();
+        collect(folder, &mut files);
+        assert_eq!(files.len(), count, "robots in {}", folder.display());
+        files.sort();
+        let name = |p: &PathBuf| p.strip_prefix(folder).map(|p| p.display().to_string());
+        found.extend(files.into_iter().map(|p| (name(&p).expect("it is below"), p)));
+    };
+    of_collection(&crate::python::share("example-robot-data/robots"), 69);
+    of_collection(&venv().join("share/iCub/robots"), 16);
+    of_collection(&project, 8);
+    found
+}
+
+/// The URDF files below a folder.
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    for entry in entries {
+        let path = entry.expect("it can be listed").path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|e| e == "urdf") {
+            files.push(path);
+        }
+    }
+}
+
+fn header() -> String {
+    let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).collect();
+    let rule = "| --- ".repeat(COLUMNS.len() + 2);
+    format!("| robot | joints | {} |\n{rule}|\n", names.join(" | "))
+}
+
+fn row(name: &str, outcome: &Outcome) -> String {
+    let mut row = format!("| {name} |");
+    let written = match outcome {
+        Outcome::Agreed { joints, mimic, errors } => {
+            let note = if *mimic { ", mimic joints independent" } else { "" };
+            let worst = COLUMNS.map(|(_, of)| of.iter().map(|q| errors[*q]).fold(0.0, f64::max));
+            let worst = worst.map(|e| format!("{e:.0e}")).join(" | ");
+            writeln!(row, " {joints}{note} | {worst} |")
+        }
+        Outcome::Refused { reason, pinocchio } => {
+            writeln!(row, " refused: {reason} (Pinocchio: {pinocchio}) |")
+        }
+    };
+    written.expect("a text takes everything");
+    row
+}
