@@ -5,7 +5,7 @@ mod common;
 use aghf::aghf::{AlgorithmB1, ControlForm, Node, RightHandSide};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
-    crba_derivatives, rnea, rnea_derivatives,
+    crba_derivatives, frame_jacobian, rnea, rnea_derivatives,
 };
 use aghf::scalar::Over;
 use common::robot;
@@ -51,6 +51,12 @@ fn nothing_is_allocated<S: Over<f64>>() {
     assert_eq!(allocations(|| crba(&model, data, &q, &mut h)), 0, "crba");
     let rates = allocations(|| crba_derivatives(&model, data, &q, &v, &mut h, &mut hdot));
     assert_eq!(rates, 0, "crba_derivatives");
+    let (tip, mut jacobian) = (
+        &model.frames()[model.frames().len() - 1],
+        DMatrix::zeros(6, n),
+    );
+    let of_frame = allocations(|| frame_jacobian(&model, data, &q, tip, &mut jacobian));
+    assert_eq!(of_frame, 0, "frame_jacobian");
     let of_id = allocations(|| rnea_derivatives(&model, data, &q, &v, &a, &mut id));
     assert_eq!(of_id, 0, "rnea_derivatives");
     let of_fd = allocations(|| aba_derivatives(&model, data, &q, &v, &a, &mut fd));

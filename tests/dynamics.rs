@@ -4,9 +4,10 @@ mod common;
 
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
-    crba_derivatives, forward_kinematics, kinetic_energy, potential_energy, rnea, rnea_derivatives,
+    crba_derivatives, forward_kinematics, frame_jacobian, frame_placement, kinetic_energy,
+    potential_energy, rnea, rnea_derivatives,
 };
-use aghf::model::Model;
+use aghf::model::{Frame, Model};
 use aghf::scalar::Over;
 use aghf::spatial::Placement;
 use common::{config, constants, dual_jacobian, dual_rate, model_and_state};
@@ -177,6 +178,29 @@ proptest! {
         }
     }
 
+    /// Of every link and of a frame of our own, by duals: the origin moves as the linear rows say, the axes as the angular ones.
+    #[test]
+    fn frame_jacobians_are_derivatives_of_placements((model, q, _, _) in model_and_state()) {
+        let n = model.dof();
+        let tool = Frame::new("tool", Some(n - 1), *model.joints()[0].origin());
+        for frame in model.frames().iter().chain([&tool]) {
+            let mut jacobian = DMatrix::from_element(6, n, f64::NAN);
+            frame_jacobian(&model, &mut Data::new(&model), &q, frame, &mut jacobian).expect("sizes agree");
+            let place = |q: &[Dual64]| {
+                let mut bodies = vec![Placement::identity(); n];
+                forward_kinematics(&model, q, &mut bodies).expect("lengths agree");
+                frame_placement(frame, &bodies).expect("its body is there")
+            };
+            let rotation = place(&constants(&q)).rotation.map(|r| r.re);
+            let by_duals = dual_jacobian(|q| {
+                let Placement { rotation: moved, translation } = place(q);
+                let turning = moved * rotation.transpose().map(Dual64::from);
+                vec![turning.m32, turning.m13, turning.m21, translation.x, translation.y, translation.z]
+            }, &q);
+            assert_close!(&jacobian, &by_duals, 1e-13);
+        }
+    }
+
     /// A workspace that was used elsewhere gives the same bits as a fresh one.
     #[test]
     fn a_used_workspace_gives_the_same_bits((model, q, v, a) in model_and_state()) {
@@ -260,6 +284,18 @@ fn wrong_lengths_are_errors_not_panics() {
         aba(&model, &mut data, q, v, a, &mut tau).expect_err("one is too short");
     }
     crba(&model, &mut data, &good, &mut DMatrix::zeros(3, 2)).expect_err("not square");
+    let mut jacobian = DMatrix::zeros(6, 3);
+    let nowhere = Frame::new("nowhere", Some(3), Placement::identity());
+    let error = frame_jacobian(&model, &mut data, &good, &nowhere, &mut jacobian)
+        .expect_err("no such body");
+    assert!(
+        error.to_string().contains("expected 4 entries, found 3"),
+        "{error}"
+    );
+    frame_jacobian(&model, &mut data, &bad, &nowhere, &mut jacobian).expect_err("too short");
+    let tip = &model.frames()[3];
+    frame_jacobian(&model, &mut data, &good, tip, &mut DMatrix::zeros(3, 6))
+        .expect_err("transposed");
     let other = common::robot("pendulum_2");
     let error = crba(&other, &mut data, &bad, &mut DMatrix::zeros(2, 2)).expect_err("other data");
     assert!(error.to_string().contains("data"), "{error}");

@@ -1,12 +1,15 @@
 //! The laws of the dynamics themselves.
 
 use super::point::moving;
-use super::truth::jacobian;
-use super::{Claim, F, Identity, Point};
+use super::truth::{jacobian, still};
+use super::{Claim, F, Identity, J, Point};
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, crba, crba_derivatives, rnea, rnea_derivatives,
+    Data, InverseDynamicsDerivatives, aba, bias, crba, crba_derivatives, forward_kinematics,
+    frame_jacobian, frame_placement, rnea, rnea_derivatives,
 };
 use crate::error::Result;
+use crate::model::Frame;
+use crate::spatial::Placement;
 use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
@@ -22,6 +25,11 @@ pub(super) fn identities() -> Vec<Identity> {
         law("aba", "FD(q, v, ID(q, v, a)) = a", aba_inverts_rnea),
         law("crba", "H is symmetric and dID/da", the_mass_matrix),
         law("Hdot", "Hdot = dH/dt along the velocity", hdot),
+        law(
+            "frame Jacobian",
+            "[R]' R^T = [J_angular]x and p' = J_linear",
+            frames_move_as_their_jacobian_says,
+        ),
         law("RNEA_D", "dID/dq and dID/dv by duals", rnea_d),
     ]
 }
@@ -110,4 +118,33 @@ fn rnea_d(p: &Point) -> Result<Vec<Claim>> {
         Claim::new("dID/dv", id.dv, part(1)),
         Claim::new("dID/da", id.h, part(2)),
     ])
+}
+
+/// A frame off the origin of every body, by duals of forward kinematics.
+fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Claim>> {
+    let (n, q) = (p.dof(), p.node().x_p1());
+    let mut claims = Vec::new();
+    for body in 0..n {
+        let frame = Frame::new("", Some(body), *p.model.joints()[n - 1 - body].origin());
+        let mut ours = DMatrix::zeros(6, n);
+        frame_jacobian(&p.model, &mut Data::new(&p.model), q, &frame, &mut ours)?;
+        let place = |q: &[J]| {
+            let mut bodies = vec![Placement::identity(); n];
+            forward_kinematics(&p.model, q, &mut bodies)?;
+            frame_placement(&frame, &bodies)
+        };
+        let rotation = place(&still(q))?.rotation.map(|r| r.re);
+        let truth = jacobian(q, |q| {
+            let placement = place(q)?;
+            let turning = placement.rotation * rotation.transpose().map(J::constant);
+            let turning = [turning.m32, turning.m13, turning.m21];
+            Ok(turning
+                .iter()
+                .chain(&placement.translation)
+                .copied()
+                .collect())
+        })?;
+        claims.push(Claim::new("J", ours, truth));
+    }
+    Ok(claims)
 }
