@@ -194,7 +194,12 @@ fn write_joint(
             empty(xml, "axis", &[("xyz", numbers(joint.axis()))])?;
             let limits = joint.limits();
             if *limits == Limits::NONE {
-                return Ok(());
+                // Limits of zeros are read as none here; other readers want the element where the format requires it.
+                let zeros = ["effort", "velocity"].map(|key| (key, "0.0".to_owned()));
+                return match joint.kind() {
+                    JointKind::Continuous => Ok(()),
+                    JointKind::Revolute | JointKind::Prismatic => empty(xml, "limit", &zeros),
+                };
             }
             let mut attributes = vec![
                 ("effort", numbers([&limits.effort])),
