@@ -36,6 +36,11 @@ def derivative(f, x, i, turns, degree):
     return sum(w * (at(h) - at(-h)) for h, w in zip(offsets, weights))
 
 
+def angular_first(jacobian):
+    """Our rows of a Jacobian, which comes as a vector where there is one joint."""
+    return np.roll(jacobian.reshape(6, -1), 3, axis=0)
+
+
 class Robot:
     """A robot with a fixed base."""
 
@@ -58,6 +63,11 @@ class Robot:
             "links": [self.model.frames[i].name for i in self.links],
         }
 
+    def summary(self):
+        """How many joints there are, and how many of them move nothing that has inertia."""
+        mass = pin.crba(self.model, self.data, pin.neutral(self.model))
+        return f"{self.n} joints, {np.count_nonzero(np.diag(mass) < 1e-12)} of them without inertia"
+
     def configuration(self, q):
         """Pinocchio's q."""
         p = np.empty(self.model.nq)
@@ -69,18 +79,24 @@ class Robot:
         """ID and its derivatives in q, v and a, the last of which is H."""
         p = self.configuration(q)
         dq, dv, mass = pin.computeRNEADerivatives(self.model, self.data, p, v, a)
-        return np.array(self.data.tau), np.array(dq), np.array(dv), np.array(mass)
+        square = (np.array(matrix).reshape(self.n, self.n) for matrix in (dq, dv, mass))
+        return np.array(self.data.tau), *square
 
     def mass_rate(self, q, qdot):
         """The rate of H along qdot: C + C^T, since H' - 2 C is skew."""
         coriolis = pin.computeCoriolisMatrix(self.model, self.data, self.configuration(q), qdot)
+        coriolis = coriolis.reshape(self.n, self.n)
         return coriolis + coriolis.T
 
     def dynamics(self, q, v, a, tau):
         """Everything that Pinocchio has a function for."""
         model, data, p = self.model, self.data, self.configuration(q)
+        axes = pin.computeJointJacobians(model, data, p)
         pin.framesForwardKinematics(model, data, p)
+        at_link = [pin.getFrameJacobian(model, data, i, pin.LOCAL_WORLD_ALIGNED) for i in self.links]
         everything = {
+            "joint axes": angular_first(axes),
+            "link Jacobians": np.vstack([angular_first(jacobian) for jacobian in at_link]),
             "joint placements": placements(list(data.oMi)[1:]),
             "link placements": placements(data.oMf[i] for i in self.links),
             "ID": pin.rnea(model, data, p, v, a),

@@ -35,6 +35,14 @@ impl Oracle {
         })
     }
 
+    /// How many joints there are, and how many of them move nothing that has inertia.
+    pub fn summary(&self) -> String {
+        Python::attach(|py| {
+            let summary = self.0.call_method0(py, "summary").expect("it is defined");
+            summary.extract(py).expect("a text")
+        })
+    }
+
     /// What a method of the robot gives at vectors.
     pub fn call(&self, method: &str, vectors: &[&[f64]]) -> Quantities {
         Python::attach(|py| {
@@ -66,7 +74,10 @@ pub fn venv() -> PathBuf {
 pub fn share(folder: &str) -> PathBuf {
     let version = Python::attach(|py| (py.version_info().major, py.version_info().minor));
     let packages = format!("lib/python{}.{}/site-packages", version.0, version.1);
-    venv().join(packages).join("cmeel.prefix/share").join(folder)
+    venv()
+        .join(packages)
+        .join("cmeel.prefix/share")
+        .join(folder)
 }
 
 fn or_panic<'py>(py: Python<'py>, result: PyResult<Bound<'py, PyAny>>) -> Bound<'py, PyAny> {
@@ -95,7 +106,10 @@ fn namespace(py: Python<'_>) -> &Bound<'_, PyDict> {
     let made = NAMESPACE.get_or_init_py_attached(py, || {
         open_venv(py);
         let names = PyDict::new(py);
-        for source in [include_str!("ground_truth.py"), include_str!("definition.py")] {
+        for source in [
+            include_str!("ground_truth.py"),
+            include_str!("definition.py"),
+        ] {
             let source = CString::new(source).expect("no zero in it");
             if let Err(error) = py.run(&source, Some(&names), None) {
                 panic!("{error}: run `tests/run`, which installs what is needed");
