@@ -3,7 +3,7 @@
 mod command;
 
 use aghf::model::builtin_robots;
-use command::{aghf, assert_bad_input, empty_folder, parsed};
+use command::{aghf, assert_bad_input, empty_folder, files, parsed};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -118,4 +118,66 @@ fn robots_reads_files_and_refuses_bad_ones() {
         &["robots", "broken.urdf"],
         "aghf: broken.urdf: link 'link_1': ; negative",
     );
+}
+
+/// A gripper whose second finger mimics the first.
+const GRIPPER: &str = r#"<robot name="gripper"><link name="palm"/>
+  <link name="left"><inertial><mass value="0.1"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="right"><inertial><mass value="0.2"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="a" type="prismatic"><parent link="palm"/><child link="left"/>
+    <limit lower="0" upper="0.1" velocity="1" effort="2"/></joint>
+  <joint name="b" type="prismatic"><parent link="palm"/><child link="right"/><mimic joint="a"/>
+    <limit lower="0" upper="0.1" velocity="1" effort="2"/></joint></robot>"#;
+
+#[test]
+fn mimic_joints_move_by_themselves_where_that_is_asked_for() {
+    let folder = empty_folder("mimic");
+    std::fs::write(folder.join("gripper.urdf"), GRIPPER).expect("writable");
+    let state = r#"{"q": [0, 0], "v": [0, 0], "a": [1, 2]}"#;
+    std::fs::write(folder.join("state.json"), state).expect("writable");
+    for command in [
+        &["robots", "gripper.urdf"][..],
+        &["check", "gripper.urdf", "--samples", "1"],
+        &["eval", "gripper.urdf", "state.json"],
+    ] {
+        let words = "aghf: gripper.urdf: joint 'b': ; mimics joint 'a'; --mimic independent";
+        assert_bad_input(&folder, command, words);
+        let run = aghf(&folder, &[command, &["--mimic", "independent"]].concat());
+        assert_eq!(
+            (run.code, run.stderr.as_str()),
+            (Some(0), ""),
+            "{command:?}"
+        );
+    }
+    let all = parsed(&aghf(
+        &folder,
+        &["robots", "gripper.urdf", "--mimic", "independent", "--json"],
+    ));
+    let notes = all[0]["notes"].to_string();
+    assert!(
+        notes.contains("joint 'b': mimics 'a', independent here"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn robots_are_written_as_urdf() {
+    let folder = empty_folder("written");
+    let written = aghf(&folder, &["robots", "kinova_gen3", "--urdf", "arm.urdf"]);
+    assert_eq!((written.code, written.stderr.as_str()), (Some(0), ""));
+    assert_eq!(
+        files(&folder),
+        ["arm.urdf".to_owned()].into(),
+        "complete and alone"
+    );
+    let [read, built_in] = ["arm.urdf", "kinova_gen3"]
+        .map(|robot| parsed(&aghf(&folder, &["robots", robot, "--json"])));
+    assert_eq!(read[0]["joints"], built_in[0]["joints"]);
+
+    let nowhere = ["robots", "kinova_gen3", "--urdf", "no/such/arm.urdf"];
+    assert_bad_input(&folder, &nowhere, "no/such/arm.urdf: ; No such file");
+    let run = aghf(&folder, &["robots", "--urdf", "arm.urdf"]);
+    assert_eq!(run.code, Some(2), "of which robot? {}", run.stdout);
 }

@@ -48,6 +48,9 @@ impl Robots {
                 for note in report {
                     print(&format!("  {note}"))?;
                 }
+                if let Some(path) = &self.urdf {
+                    print(&format!("wrote {}", path.display()))?;
+                }
                 print("")?;
             }
         }

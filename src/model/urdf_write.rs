@@ -10,6 +10,14 @@ use std::io;
 /// The part of the size of a number by which what is read back may differ, for the poses and inertias that are converted.
 const ROUNDING: f64 = 1e-9;
 
+/// What URDFs say where there are no limits: other readers want the element of joints that are not continuous.
+const PLACEHOLDER: Limits = Limits {
+    lower: 0.0,
+    upper: 0.0,
+    velocity: 0.0,
+    effort: 0.0,
+};
+
 type Xml = Writer<Vec<u8>>;
 
 impl Model<f64> {
@@ -17,9 +25,9 @@ impl Model<f64> {
     ///
     /// Every frame is written as a link, on the joint that carried it, so the names of links and joints and the order of
     /// the joints are those of the file that was read. The inertia of a body is written in the link of its joint; links on
-    /// fixed joints are massless, and what was fixed to the base, no joint moves and the model does not know. Numbers are
-    /// the shortest that read back to the same bits. A model made in code gets a link `base`; its joints come back in the
-    /// order in which the tree is walked.
+    /// fixed joints are massless, and so is what is fixed to the base, whose mass the model does not know. Numbers are
+    /// the shortest that read back to the same bits. No limits are written as zeros, which [`parse_urdf`] reads as none. A
+    /// model made in code gets a link `base`; its joints come back in the order in which the tree is walked.
     ///
     /// # Errors
     /// The model has what no URDF can say: another gravity than $(0, 0, -9.81)$, limits on the position of a continuous
@@ -192,20 +200,17 @@ fn write_joint(
             empty(xml, "child", &[("link", child.clone())])?;
             let Some(joint) = moving else { return Ok(()) };
             empty(xml, "axis", &[("xyz", numbers(joint.axis()))])?;
-            let limits = joint.limits();
-            if *limits == Limits::NONE {
-                // Limits of zeros are read as none here; other readers want the element where the format requires it.
-                let zeros = ["effort", "velocity"].map(|key| (key, "0.0".to_owned()));
-                return match joint.kind() {
-                    JointKind::Continuous => Ok(()),
-                    JointKind::Revolute | JointKind::Prismatic => empty(xml, "limit", &zeros),
-                };
-            }
+            let continuous = joint.kind() == JointKind::Continuous;
+            let limits = match joint.limits() {
+                limits if *limits != Limits::NONE => limits,
+                _ if continuous => return Ok(()),
+                _ => &PLACEHOLDER,
+            };
             let mut attributes = vec![
                 ("effort", numbers([&limits.effort])),
                 ("velocity", numbers([&limits.velocity])),
             ];
-            if joint.kind() != JointKind::Continuous {
+            if !continuous {
                 attributes.push(("lower", numbers([&limits.lower])));
                 attributes.push(("upper", numbers([&limits.upper])));
             }

@@ -26,10 +26,11 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut second)?;
-    let truth = by_duals(&state, |state| {
-        let (q, v, a) = split(state);
+    let a: Vec<Dual64> = a.iter().map(|a| Dual64::from(*a)).collect();
+    let truth = by_duals(&state[..2 * n], |state| {
+        let (q, v) = state.split_at(n);
         let mut id = InverseDynamicsDerivatives::new(n);
-        rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
+        rnea_derivatives(model, &mut Data::new(model), q, v, &a, &mut id)?;
         Ok(entries([&id.dq, &id.dv, &id.h]))
     })?;
     let blocks = [
@@ -53,10 +54,11 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
     rnea_second_derivatives(model, &mut Data::new(model), q, v, fd.a.as_slice(), &mut id)?;
     aba_second_derivatives(&fd, &id, &mut second)?;
-    let truth = by_duals(&state, |state| {
-        let (q, v, tau) = split(state);
+    let tau: Vec<Dual64> = tau.iter().map(|tau| Dual64::from(*tau)).collect();
+    let truth = by_duals(&state[..2 * n], |state| {
+        let (q, v) = state.split_at(n);
         let mut fd = ForwardDynamicsDerivatives::new(n);
-        aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
+        aba_derivatives(model, &mut Data::new(model), q, v, &tau, &mut fd)?;
         Ok(entries([&fd.dq, &fd.dv]))
     })?;
     let blocks = [
