@@ -77,7 +77,7 @@ fn omega_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors
     let error = |(way, ours)| {
         (
             format!("Omega, {way}"),
-            halves_error(&ours, &theirs["Omega"], 1.0 / k),
+            halves_error(&ours, &theirs["Omega"], [1.0 / k, 1.0]),
         )
     };
     ways.map(error).into()
@@ -86,12 +86,8 @@ fn omega_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors
 /// The errors of every Jacobian, all blocks.
 fn jacobian_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors {
     let theirs = oracle.define("jacobian", &parts.concat(), k);
+    let omega = &oracle.define("omega", &parts.concat(), k)["Omega"];
     let error = |(name, kind): (String, JacobianKind)| {
-        // Differences of Omega do not see what is small beside it.
-        let floor = match kind {
-            JacobianKind::Difference => 1.0,
-            _ => 1.0 / k,
-        };
         let mut ours = NodeBlocks::new(model.dof());
         let mut jacobian = kind.build(model);
         jacobian
@@ -102,24 +98,30 @@ fn jacobian_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Err
             ("dxdot", &ours.dxdot),
             ("dxddot", &ours.dxddot),
         ];
-        let errors = blocks.map(|(block, ours)| halves_error(ours, &theirs[block], floor));
-        (
-            format!("Jacobian, {name}"),
-            errors.into_iter().fold(0.0, f64::max),
-        )
+        // Differences do not see what is small beside Omega.
+        let floors = match kind {
+            JacobianKind::Difference => halves(omega).map(|half| half.amax().max(1.0)),
+            _ => [1.0 / k, 1.0],
+        };
+        let errors = blocks.map(|(block, ours)| halves_error(ours, &theirs[block], floors));
+        let worst = errors.into_iter().fold(0.0, f64::max);
+        (format!("Jacobian, {name}"), worst)
     };
     JacobianKind::by_name().map(error).collect()
 }
 
-/// The worse error of the rows of `Omega_P1` and of `Omega_P2`, each relative to its own largest entry: the first have parts
-/// of the size `1 / k`, which is the floor where these are zero but for rounding, the second of the size `k`.
-fn halves_error(ours: &DMatrix<f64>, theirs: &DMatrix<f64>, floor: f64) -> f64 {
-    let n = ours.nrows() / 2;
-    let error = |row, floor| {
-        let half = |m: &DMatrix<f64>| m.rows(row, n).into_owned();
-        relative_error(&half(ours), &half(theirs), floor)
-    };
-    error(0, floor).max(error(n, 1.0))
+/// The rows of `Omega_P1` and those of `Omega_P2`.
+fn halves(m: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
+    let n = m.nrows() / 2;
+    [0, n].map(|row| m.rows(row, n).into_owned())
+}
+
+/// The worse error of the two halves, each relative to its own largest entry: the first has parts of the size `1 / k`, which
+/// is the floor where it is zero but for rounding, the second of the size `k`.
+fn halves_error(ours: &DMatrix<f64>, theirs: &DMatrix<f64>, floors: [f64; 2]) -> f64 {
+    let (ours, theirs) = (halves(ours), halves(theirs));
+    let error = |i: usize| relative_error(&ours[i], &theirs[i], floors[i]);
+    error(0).max(error(1))
 }
 
 /// Theorem B3 with everything that it is written in taken from Pinocchio.
