@@ -12,6 +12,7 @@ use aghf::spatial::Placement;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// How far a quantity may be off: the largest difference over the largest entry.
 pub const BOUND: f64 = 1e-9;
@@ -20,8 +21,56 @@ pub const BOUND: f64 = 1e-9;
 /// on both sides but for what rounding leaves of terms that cancel, of which there may be some hundreds of N m.
 pub const FLOOR: f64 = 1e-3;
 
-/// The worst relative error so far, by quantity.
-pub type Errors = BTreeMap<String, f64>;
+/// What came of comparing, quantity by quantity.
+#[derive(Debug, Default)]
+pub struct Comparison {
+    /// The worst relative error of each quantity.
+    pub worst: BTreeMap<String, f64>,
+    /// What was off by more than its bound.
+    pub off: Vec<String>,
+}
+
+impl Comparison {
+    /// Takes note of an error.
+    pub fn add(&mut self, name: &str, error: f64, bound: f64) {
+        let worst = self.worst.entry(name.to_owned()).or_default();
+        *worst = worst.max(error);
+        if error > bound {
+            self.off.push(format!(
+                "{name} is off by {error:.1e}, more than {bound:.1e}"
+            ));
+        }
+    }
+
+    /// Takes note of all errors of another comparison.
+    pub fn merge(&mut self, other: Self) {
+        for (name, error) in &other.worst {
+            self.add(name, *error, f64::INFINITY);
+        }
+        self.off.extend(other.off);
+    }
+
+    /// Takes note of the errors of quantities that have the same names on both sides, with a floor and a bound for each.
+    fn compare(
+        &mut self,
+        ours: &Quantities,
+        theirs: &Quantities,
+        floor: impl Fn(&str) -> f64,
+        bound: impl Fn(&str) -> f64,
+    ) {
+        assert!(ours.keys().eq(theirs.keys()), "different quantities");
+        for ((name, ours), theirs) in ours.iter().zip(theirs.values()) {
+            self.add(name, relative_error(ours, theirs, floor(name)), bound(name));
+        }
+    }
+}
+
+/// One line a quantity.
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (self.worst.iter()).try_for_each(|(name, error)| writeln!(f, "{name}: {error:.1e}"))
+    }
+}
 
 /// `q, v, a, tau`.
 pub type State = [Vec<f64>; 4];
@@ -72,22 +121,25 @@ pub fn assert_same_names(model: &Model, oracle: &Oracle) {
     }
 }
 
-/// Adds the errors of everything that Pinocchio has a function for.
-pub fn compare_dynamics(model: &Model, oracle: &Oracle, state: &State, errors: &mut Errors) {
+/// Compares everything that Pinocchio has a function for.
+///
+/// Forward dynamics solve with `H`, on both sides by ways that leave the condition number of `H` times the rounding of one
+/// number.
+pub fn compare_dynamics(model: &Model, oracle: &Oracle, state: &State) -> Comparison {
     let [q, v, a, tau] = state;
     let theirs = oracle.call("dynamics", &[q, v, a, tau]);
-    compare(&dynamics(model, state), &theirs, |_| FLOOR, errors);
+    let eigenvalues = theirs["H"].symmetric_eigenvalues();
+    let solve = f64::EPSILON * eigenvalues.max() / eigenvalues.min();
+    let bound = |name: &str| BOUND + if name.contains("FD") { solve } else { 0.0 };
+    let mut comparison = Comparison::default();
+    comparison.compare(&dynamics(model, state), &theirs, |_| FLOOR, bound);
+    comparison
 }
 
-/// Adds the errors of the second derivatives of inverse dynamics.
+/// Compares the second derivatives of inverse dynamics.
 ///
 /// Their rounding is relative to the first derivatives that they are differences of, so these are the floor.
-pub fn compare_second_derivatives(
-    model: &Model,
-    oracle: &Oracle,
-    state: &State,
-    errors: &mut Errors,
-) {
+pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State) -> Comparison {
     let ([q, v, a, _], n) = (state, model.dof());
     let mut data = Data::new(model);
     let mut first = InverseDynamicsDerivatives::new(n);
@@ -106,37 +158,9 @@ pub fn compare_second_derivatives(
         .map(|(name, _, f)| (name, f.amax().max(FLOOR)))
         .into();
     let theirs = oracle.call("second_derivatives", &[q, v, a]);
-    compare(&ours.into(), &theirs, |name| floors[name], errors);
-}
-
-/// Adds the errors of quantities that have the same names on both sides.
-pub fn compare(
-    ours: &Quantities,
-    theirs: &Quantities,
-    floor: impl Fn(&str) -> f64,
-    errors: &mut Errors,
-) {
-    assert!(ours.keys().eq(theirs.keys()), "different quantities");
-    for ((name, ours), theirs) in ours.iter().zip(theirs.values()) {
-        let error = relative_error(ours, theirs, floor(name));
-        add_worst(errors, &[(name.clone(), error)].into());
-    }
-}
-
-/// Keeps the worse error of each quantity.
-pub fn add_worst(worst: &mut Errors, errors: &Errors) {
-    for (name, error) in errors {
-        let so_far = worst.entry(name.clone()).or_default();
-        *so_far = so_far.max(*error);
-    }
-}
-
-/// One line a quantity.
-pub fn listed(worst: &Errors) -> String {
-    worst
-        .iter()
-        .map(|(name, error)| format!("{name}: {error:.1e}\n"))
-        .collect()
+    let mut comparison = Comparison::default();
+    comparison.compare(&ours.into(), &theirs, |name| floors[name], |_| BOUND);
+    comparison
 }
 
 /// What this library says, by the names that `Robot.dynamics` gives it.

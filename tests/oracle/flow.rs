@@ -1,7 +1,7 @@
 //! The right-hand side of the flow and its Jacobians beside their definition in Pinocchio's quantities.
 
 use crate::common::{config, node, numbers, solve_bound};
-use crate::compare::{Errors, add_worst, listed, relative_error};
+use crate::compare::{Comparison, relative_error};
 use crate::python::{Oracle, Quantities};
 use crate::random::{Robot, any_robot};
 use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
@@ -9,7 +9,7 @@ use aghf::aghf::{AlgorithmB1, ControlForm, RightHandSide, TheoremB3};
 use aghf::model::Model;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
+use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 
 /// Penalties: one, where no term hides, and the paper's.
@@ -20,31 +20,28 @@ type Parts = [Vec<f64>; 3];
 
 #[test]
 fn omega_and_its_jacobians() {
-    let worst = RefCell::new(Errors::new());
-    let run = TestRunner::new(config(24)).run(&robot_and_node(), |(robot, parts)| {
+    let all = RefCell::new(Comparison::default());
+    let config = Config {
+        source_file: Some(file!()),
+        ..config(128)
+    };
+    let run = TestRunner::new(config).run(&robot_and_node(), |(robot, parts)| {
         let (model, oracle) = (&robot.model, robot.oracle());
-        // Two solves with H, on both sides, on top of the rounding of the dynamics.
-        let bound = solve_bound(model, &parts[0], 1e-9);
         for k in PENALTIES {
-            let mut errors = omega_errors(model, &oracle, &parts, k);
-            errors.extend(jacobian_errors(model, &oracle, &parts, k));
-            for (name, error) in &errors {
-                // Differences of order four are as good as their step lets them be, which `tests/jacobian.rs` says.
-                let bound = match name.ends_with("difference") {
-                    true => 1e-5 + 1e5 * bound,
-                    false => bound,
-                };
-                prop_assert!(
-                    *error <= bound,
-                    "{name} at k = {k:e} is off by {error:e}, more than {bound:e}"
-                );
-            }
-            add_worst(&mut worst.borrow_mut(), &errors);
+            let mut comparison = compare_omega(model, &oracle, &parts, k);
+            comparison.merge(compare_jacobians(model, &oracle, &parts, k));
+            prop_assert!(comparison.off.is_empty(), "k = {k:e}: {:?}", comparison.off);
+            all.borrow_mut().merge(comparison);
         }
         Ok(())
     });
-    println!("{}", listed(&worst.borrow()));
+    println!("{}", all.borrow());
     run.unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// How far a result may be off that takes two solves with `H`, on both sides.
+fn bound(model: &Model, parts: &Parts) -> f64 {
+    solve_bound(model, &parts[0], 1e-9)
 }
 
 fn robot_and_node() -> impl Strategy<Value = (Robot, Parts)> {
@@ -55,8 +52,8 @@ fn robot_and_node() -> impl Strategy<Value = (Robot, Parts)> {
     })
 }
 
-/// The errors of every way to the right-hand side.
-fn omega_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors {
+/// Every way to the right-hand side.
+fn compare_omega(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Comparison {
     let m = parts[0].len();
     let of = |rhs: &mut dyn RightHandSide<f64, f64>| {
         let mut omega = DMatrix::zeros(m, 1);
@@ -74,40 +71,43 @@ fn omega_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors
         ("Algorithm B1", of(&mut AlgorithmB1::new(model))),
         ("Theorem B3 of Pinocchio's quantities", by_theorem),
     ];
-    let error = |(way, ours)| {
-        (
-            format!("Omega, {way}"),
-            halves_error(&ours, &theirs["Omega"], [1.0 / k, 1.0]),
-        )
-    };
-    ways.map(error).into()
+    let mut comparison = Comparison::default();
+    for (way, ours) in ways {
+        let error = halves_error(&ours, &theirs["Omega"], [1.0 / k, 1.0]);
+        comparison.add(&format!("Omega, {way}"), error, bound(model, parts));
+    }
+    comparison
 }
 
-/// The errors of every Jacobian, all blocks.
-fn jacobian_errors(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Errors {
+/// Every Jacobian, all blocks.
+fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Comparison {
     let theirs = oracle.define("jacobian", &parts.concat(), k);
     let omega = &oracle.define("omega", &parts.concat(), k)["Omega"];
-    let error = |(name, kind): (String, JacobianKind)| {
+    let mut comparison = Comparison::default();
+    for (name, kind) in JacobianKind::by_name() {
         let mut ours = NodeBlocks::new(model.dof());
         let mut jacobian = kind.build(model);
         jacobian
             .at(node(parts), k, &mut ours)
             .expect("lengths agree");
-        let blocks = [
+        let (floors, bound) = match kind {
+            // Differences do not see what is small beside Omega, and their step leaves them half of the digits.
+            JacobianKind::Difference => {
+                let floors = halves(omega).map(|half| half.amax().max(1.0));
+                (floors, 1e-6 + bound(model, parts))
+            }
+            _ => ([1.0 / k, 1.0], bound(model, parts)),
+        };
+        for (block, ours) in [
             ("dx", &ours.dx),
             ("dxdot", &ours.dxdot),
             ("dxddot", &ours.dxddot),
-        ];
-        // Differences do not see what is small beside Omega.
-        let floors = match kind {
-            JacobianKind::Difference => halves(omega).map(|half| half.amax().max(1.0)),
-            _ => [1.0 / k, 1.0],
-        };
-        let errors = blocks.map(|(block, ours)| halves_error(ours, &theirs[block], floors));
-        let worst = errors.into_iter().fold(0.0, f64::max);
-        (format!("Jacobian, {name}"), worst)
-    };
-    JacobianKind::by_name().map(error).collect()
+        ] {
+            let error = halves_error(ours, &theirs[block], floors);
+            comparison.add(&format!("Jacobian, {name}"), error, bound);
+        }
+    }
+    comparison
 }
 
 /// The rows of `Omega_P1` and those of `Omega_P2`.

@@ -2,13 +2,12 @@
 
 use crate::common::{config, robot};
 use crate::compare::{
-    BOUND, Errors, add_worst, assert_same_names, compare_dynamics, compare_second_derivatives,
-    listed, state,
+    Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
 };
 use crate::python::Oracle;
 use aghf::model::{Model, parse_urdf, pendulum, random_chain, random_tree};
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
+use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 use std::fmt;
 
@@ -57,18 +56,21 @@ pub fn any_robot() -> impl Strategy<Value = Robot> {
 
 #[test]
 fn dynamics() {
-    let worst = RefCell::new(Errors::new());
+    let all = RefCell::new(Comparison::default());
     let robot_and_state = any_robot().prop_flat_map(|r| (Just(r.clone()), state(&r.model)));
-    let run = TestRunner::new(config(64)).run(&robot_and_state, |(robot, state)| {
-        let (oracle, mut errors) = (robot.oracle(), Errors::new());
-        assert_same_names(&robot.model, &oracle);
-        compare_dynamics(&robot.model, &oracle, &state, &mut errors);
-        compare_second_derivatives(&robot.model, &oracle, &state, &mut errors);
-        let off: Vec<_> = errors.iter().filter(|(_, e)| **e > BOUND).collect();
-        prop_assert!(off.is_empty(), "off in {off:?}");
-        add_worst(&mut worst.borrow_mut(), &errors);
+    let config = Config {
+        source_file: Some(file!()),
+        ..config(512)
+    };
+    let run = TestRunner::new(config).run(&robot_and_state, |(robot, state)| {
+        let (model, oracle) = (&robot.model, robot.oracle());
+        assert_same_names(model, &oracle);
+        let mut comparison = compare_dynamics(model, &oracle, &state);
+        comparison.merge(compare_second_derivatives(model, &oracle, &state));
+        prop_assert!(comparison.off.is_empty(), "{:?}", comparison.off);
+        all.borrow_mut().merge(comparison);
         Ok(())
     });
-    println!("{}", listed(&worst.borrow()));
+    println!("{}", all.borrow());
     run.unwrap_or_else(|e| panic!("{e}"));
 }
