@@ -23,6 +23,7 @@ fn omega_and_its_jacobians() {
     let all = RefCell::new(Comparison::default());
     let config = Config {
         source_file: Some(file!()),
+        max_shrink_iters: 100,
         ..config(128)
     };
     let run = TestRunner::new(config).run(&robot_and_node(), |(robot, parts)| {

@@ -60,6 +60,7 @@ fn dynamics() {
     let robot_and_state = any_robot().prop_flat_map(|r| (Just(r.clone()), state(&r.model)));
     let config = Config {
         source_file: Some(file!()),
+        max_shrink_iters: 100,
         ..config(512)
     };
     let run = TestRunner::new(config).run(&robot_and_state, |(robot, state)| {
