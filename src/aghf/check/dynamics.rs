@@ -1,7 +1,7 @@
 //! The derivatives of the dynamics against dual numbers.
 
 use super::tensors::second_derivatives;
-use super::{At, CheckOptions, Finding, Findings, State};
+use super::{At, BOUND, CheckOptions, Finding, Findings, State};
 use crate::aghf::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::dynamics::{
     ContractedGradient, ContractedHessian, Data, ForwardDynamicsDerivatives,
@@ -21,11 +21,7 @@ pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Findi
     let mut findings = Findings::default();
     for sample in 0..options.samples {
         let state = &State::random(model, options.seed, sample);
-        let at = At {
-            k: None,
-            sample,
-            state,
-        };
+        let at = At::new(model, sample, state)?;
         inverse_dynamics(model, at, &mut findings)?;
         forward_dynamics(model, at, &mut findings)?;
         mass_matrix(model, at, &mut findings)?;
@@ -50,7 +46,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         Ok(tau)
     })?;
     let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
-    findings.compare_columns("inverse dynamics", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &truth);
     Ok(())
 }
 
@@ -67,7 +63,7 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         Ok(a)
     })?;
     let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
-    findings.compare_columns("forward dynamics", at, &ours, &truth);
+    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &truth);
     Ok(())
 }
 
@@ -84,14 +80,27 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     })?;
     let rate =
         DMatrix::from_column_slice(n, n, (&truth * DVector::from_column_slice(w)).as_slice());
-    findings.compare("mass matrix: rate", at, hdot.as_view(), rate.as_view());
+    let tolerance = at.direct();
+    findings.compare(
+        tolerance,
+        "mass matrix: rate",
+        at,
+        hdot.as_view(),
+        rate.as_view(),
+    );
 
     let mut k = DMatrix::zeros(n, n);
     crba_contracted(model, &mut Data::new(model), q, w, &mut k)?;
     let truth = DMatrix::from_fn(n, n, |i, j| {
         (0..n).map(|m| truth[(i + m * n, j)] * w[m]).sum()
     });
-    findings.compare("mass matrix: d(H w)/dq", at, k.as_view(), truth.as_view());
+    findings.compare(
+        tolerance,
+        "mass matrix: d(H w)/dq",
+        at,
+        k.as_view(),
+        truth.as_view(),
+    );
     Ok(())
 }
 
@@ -116,7 +125,7 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
     let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
     let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
-    findings.compare_columns("w^T ID", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &truth);
 
     let mut hessian = ContractedHessian::new(n);
     rnea_contracted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
@@ -137,7 +146,7 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     for (name, ours, row, column) in blocks {
         let quantity = format!("w^T ID: second derivatives {name}");
         let truth = truth.view((row, column), (n, n));
-        findings.compare(&quantity, at, ours.as_view(), truth);
+        findings.compare(at.direct(), &quantity, at, ours.as_view(), truth);
     }
     Ok(())
 }
@@ -151,7 +160,13 @@ fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<(
     for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
         let quantity = format!("{part}: control form and Algorithm B1");
         let (control, b1) = (control.rows(row, n), b1.rows(row, n));
-        findings.compare(&quantity, at, control.as_view(), b1.as_view());
+        findings.compare(
+            at.divided_twice(BOUND),
+            &quantity,
+            at,
+            control.as_view(),
+            b1.as_view(),
+        );
     }
     Ok(())
 }

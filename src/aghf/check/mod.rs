@@ -11,8 +11,10 @@ pub use dynamics::check_dynamics;
 
 use super::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
 use super::{AlgorithmB1, Node};
+use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
 use crate::model::Model;
+use crate::spatial::Placement;
 use nalgebra::{DMatrix, DMatrixView};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,11 +22,15 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// The largest relative error that rounding explains.
+/// The largest relative error that rounding explains; more where what is divided by a mass matrix of large condition number.
 pub const BOUND: f64 = 1e-9;
 /// What duals of the control form and of Algorithm B1 may differ by: the latter multiplies by $H H$, as it is printed, what it
 /// divides by it again, which costs the square of the condition number of `H`.
 pub const FORMS_BOUND: f64 = 1e-7;
+/// No bound is larger, however ill-conditioned the mass matrix is.
+pub const LARGEST_BOUND: f64 = 1e-2;
+/// What is so small beside the inertia of the robot may be what rounding leaves of zero.
+const VANISHING: f64 = 1e-6;
 /// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
 
@@ -129,29 +135,81 @@ struct Findings {
     all: Vec<Finding>,
 }
 
+/// What an error may be, and how small entries may get before they count as zero.
+#[derive(Clone, Copy)]
+struct Tolerance {
+    bound: f64,
+    floor: f64,
+}
+
 /// Where a comparison is made.
 #[derive(Clone, Copy)]
 struct At<'a> {
     k: Option<f64>,
     sample: usize,
     state: &'a State,
+    /// The smallest and the largest eigenvalue of the mass matrix there.
+    eigenvalues: [f64; 2],
+    /// The inertia of all bodies about the origin of the base, in which everything is computed.
+    inertia: f64,
+}
+
+impl<'a> At<'a> {
+    fn new(model: &Model, sample: usize, state: &'a State) -> Result<Self> {
+        let n = model.dof();
+        let mut h = DMatrix::zeros(n, n);
+        crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
+        let eigenvalues = h.symmetric_eigenvalues();
+        let mut placements = vec![Placement::identity(); n];
+        forward_kinematics(model, &state.x[..n], &mut placements)?;
+        let inertias = model.inertias().iter().zip(&placements);
+        let about_base = inertias.map(|(i, placement)| i.placed(placement).rotational.trace());
+        Ok(Self {
+            k: None,
+            sample,
+            state,
+            eigenvalues: [eigenvalues.min(), eigenvalues.max()],
+            inertia: about_base.sum::<f64>().max(eigenvalues.max()),
+        })
+    }
+
+    /// The condition number of the mass matrix.
+    fn condition(&self) -> f64 {
+        let [smallest, largest] = self.eigenvalues;
+        largest / smallest.abs()
+    }
+
+    /// Of sums of products with inertias.
+    fn direct(&self) -> Tolerance {
+        Tolerance {
+            bound: BOUND,
+            floor: VANISHING * self.inertia,
+        }
+    }
+
+    /// Of what is divided by the mass matrix: rounding grows with its condition number.
+    fn divided(&self) -> Tolerance {
+        Tolerance {
+            bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
+            floor: VANISHING * self.inertia / self.eigenvalues[0].abs(),
+        }
+    }
+
+    /// Of what is divided by it twice: rounding grows with the square. Of what double precision could lose, all is allowed
+    /// between the two forms and a hundredth elsewhere, since errors do not all add up.
+    fn divided_twice(&self, bound: f64) -> Tolerance {
+        Tolerance {
+            bound: (bound * (1.0 + 1e-9 * self.condition().powi(2))).min(LARGEST_BOUND),
+            floor: 0.0,
+        }
+    }
 }
 
 impl Findings {
-    /// Compares `a` with `b`, which is right.
-    fn compare(
-        &mut self,
-        quantity: &str,
-        at: At<'_>,
-        a: DMatrixView<'_, f64>,
-        b: DMatrixView<'_, f64>,
-    ) {
-        self.compare_above(BOUND, quantity, at, a, b, 0.0);
-    }
-
     /// Compares derivatives by their names with the blocks of `n` columns of `truth`, in the same order.
     fn compare_columns(
         &mut self,
+        tolerance: Tolerance,
         of: &str,
         at: At<'_>,
         ours: &[(&str, &DMatrix<f64>)],
@@ -160,19 +218,18 @@ impl Findings {
         for (block, (by, ours)) in ours.iter().enumerate() {
             let columns = truth.columns(block * ours.ncols(), ours.ncols());
             let quantity = format!("{of}: d/{by}");
-            self.compare(&quantity, at, ours.as_view(), columns.as_view());
+            self.compare(tolerance, &quantity, at, ours.as_view(), columns.as_view());
         }
     }
 
-    /// Compares `a` with `b`, which is right. Entries smaller than `floor` count as so large.
-    fn compare_above(
+    /// Compares `a` with `b`, which is right. Of several findings the one that is worst beside its bound is kept.
+    fn compare(
         &mut self,
-        bound: f64,
+        tolerance: Tolerance,
         quantity: &str,
         at: At<'_>,
         a: DMatrixView<'_, f64>,
         b: DMatrixView<'_, f64>,
-        floor: f64,
     ) {
         let difference = a - b;
         // A NaN is the worst of all.
@@ -181,14 +238,14 @@ impl Findings {
             (difference.iter().map(key).enumerate()).fold((0, 0.0), |worst, next| {
                 if next.1 > worst.1 { next } else { worst }
             });
-        let size = b.iter().map(key).fold(floor, f64::max);
+        let size = b.iter().map(key).fold(tolerance.floor, f64::max);
         let error = if worst == 0.0 { 0.0 } else { worst / size };
         let rows = difference.nrows().max(1);
         let finding = Finding {
             quantity: quantity.to_owned(),
             k: at.k,
             error,
-            bound,
+            bound: tolerance.bound,
             entry: (entry % rows, entry / rows),
             sample: at.sample,
             state: at.state.clone(),
@@ -199,8 +256,12 @@ impl Findings {
                 self.place.insert(key, self.all.len());
                 self.all.push(finding);
             }
-            Some(place) if error > self.all[*place].error => self.all[*place] = finding,
-            Some(_) => {}
+            Some(place) => {
+                let worst = &mut self.all[*place];
+                if finding.error / finding.bound > worst.error / worst.bound {
+                    *worst = finding;
+                }
+            }
         }
     }
 }
@@ -241,7 +302,8 @@ fn compare_jacobians(
             for (by, a, b) in pairs(ours, truth) {
                 let quantity = format!("{name}: d{part}/{by}");
                 let (a, b) = (a.rows(row, n), b.rows(row, n));
-                findings.compare_above(bound, &quantity, at, a.as_view(), b.as_view(), 0.0);
+                let tolerance = at.divided_twice(bound);
+                findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
             }
         }
     })?;
@@ -258,8 +320,11 @@ fn check_differences(model: &Model, name: &str, options: &CheckOptions) -> Resul
         let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
         for (by, a, b) in pairs {
             let quantity = format!("{name}: dOmega/{by}");
-            let (a, b) = (a.as_view(), b.as_view());
-            findings.compare_above(DIFFERENCE_BOUND, &quantity, at, a, b, largest);
+            let tolerance = Tolerance {
+                bound: DIFFERENCE_BOUND,
+                floor: largest,
+            };
+            findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
         }
     })?;
     Ok(findings.all)
@@ -288,15 +353,11 @@ fn each_pair(
     let (mut a, mut b) = (NodeBlocks::new(model.dof()), NodeBlocks::new(model.dof()));
     for sample in 0..options.samples {
         let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
         for k in &options.penalties {
             jacobian.at(state.node(), *k, &mut a)?;
             truth.at(state.node(), *k, &mut b)?;
-            let at = At {
-                k: Some(*k),
-                sample,
-                state,
-            };
-            look(at, &a, &b);
+            look(At { k: Some(*k), ..at }, &a, &b);
         }
     }
     Ok(())

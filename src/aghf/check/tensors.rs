@@ -1,7 +1,7 @@
 //! The explicit tensors of second derivatives against dual numbers of the first ones.
 
 use super::dynamics::{by_duals, split, state_of};
-use super::{At, Findings};
+use super::{At, Findings, Tolerance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives, InverseDynamicsDerivatives,
     InverseDynamicsSecondDerivatives, MassMatrixDerivatives, Tensor3, aba_derivatives,
@@ -39,7 +39,14 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         ("dvdv", &second.dvdv, 1, n),
         ("dadq", &second.dadq, 2, 0),
     ];
-    compare("inverse dynamics", at, &blocks, &truth, findings);
+    compare(
+        at.direct(),
+        "inverse dynamics",
+        at,
+        &blocks,
+        &truth,
+        findings,
+    );
     Ok(())
 }
 
@@ -66,7 +73,14 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         ("dqdv", &second.dqdv, 0, n),
         ("dvdv", &second.dvdv, 1, n),
     ];
-    compare("forward dynamics", at, &blocks, &truth, findings);
+    compare(
+        at.divided(),
+        "forward dynamics",
+        at,
+        &blocks,
+        &truth,
+        findings,
+    );
     Ok(())
 }
 
@@ -82,6 +96,7 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
         Ok(entries([&h]))
     })?;
     findings.compare(
+        at.direct(),
         "mass matrix: dH/dq",
         at,
         unfold(&mass.dq, n),
@@ -89,7 +104,13 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     );
     let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
     let truth = mass_matrix_by_hyper_duals(model, q)?;
-    findings.compare("mass matrix: d2H/dqdq", at, ours, truth.as_view());
+    findings.compare(
+        at.direct(),
+        "mass matrix: d2H/dqdq",
+        at,
+        ours,
+        truth.as_view(),
+    );
     Ok(())
 }
 
@@ -120,6 +141,7 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
 /// Compares tensors, each with its name, with blocks of the derivatives `truth` of the matrices of first derivatives behind one
 /// another: the number of the matrix, and the first column.
 fn compare(
+    tolerance: Tolerance,
     of: &str,
     at: At<'_>,
     blocks: &[(&str, &Tensor3<f64>, usize, usize)],
@@ -130,7 +152,7 @@ fn compare(
     for (name, tensor, block, column) in blocks {
         let quantity = format!("{of}: d2/{name}");
         let truth = truth.view((block * n * n, *column), (n * n, n));
-        findings.compare(&quantity, at, unfold(tensor, n), truth);
+        findings.compare(tolerance, &quantity, at, unfold(tensor, n), truth);
     }
 }
 
