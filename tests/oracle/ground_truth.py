@@ -1,0 +1,130 @@
+"""What Pinocchio says of a robot, in the conventions of aghf: a joint has one position, a tensor's derivative index comes last."""
+
+import numpy as np
+import pinocchio as pin
+
+
+def placements(poses):
+    """One row a pose: its rotation, row by row, and its translation."""
+    rows = [np.append(pose.rotation.ravel(), pose.translation) for pose in poses]
+    return np.array(rows).reshape(-1, 12)
+
+
+def derivative(f, x, i, turns, degree):
+    """df / dx_i, without a truncation error.
+
+    Along an angle (`turns`) `f` is a trigonometric polynomial of this degree d, and its values at 2 d + 1 equidistant angles
+    give its derivative exactly: the weights are those of the derivative of the trigonometric interpolant (Trefethen,
+    Spectral Methods in MATLAB, chapter 3, for an odd number of points). Along anything else it is a polynomial of this
+    degree, for which the central difference of order two (degrees 1, 2) or four (3, 4) is exact whatever its step is: 1.
+
+    What remains is rounding: the sum of the absolute weights (2.8 and 4.4 for angles of degree 2 and 4; 1 and 1.5) times that
+    of `f` at points where it is as large as anywhere.
+    """
+    if turns:
+        m = 2 * degree + 1
+        offsets = 2 * np.pi / m * np.arange(1, degree + 1)
+        weights = [(-1) ** (j + 1) / (2 * np.sin(j * np.pi / m)) for j in range(1, degree + 1)]
+    else:
+        offsets, weights = ([1], [1 / 2]) if degree <= 2 else ([1, 2], [2 / 3, -1 / 12])
+
+    def at(offset):
+        moved = np.array(x)
+        moved[i] += offset
+        return f(moved)
+
+    return sum(w * (at(h) - at(-h)) for h, w in zip(offsets, weights))
+
+
+def angular_first(jacobian):
+    """Our rows of a Jacobian, which comes as a vector where there is one joint."""
+    return np.roll(jacobian.reshape(6, -1), 3, axis=0)
+
+
+class Robot:
+    """A robot with a fixed base."""
+
+    def __init__(self, urdf):
+        self.model = pin.buildModelFromXML(urdf)
+        self.data = self.model.createData()
+        joints = list(self.model.joints)[1:]
+        self.n = len(joints)
+        # A continuous joint has two numbers here, the cosine and the sine of its angle.
+        self.on_circle = np.array([joint.nq == 2 for joint in joints], dtype=bool)
+        self.index = np.array([joint.idx_q for joint in joints], dtype=int)
+        self.turns = np.array([not joint.shortname().startswith("JointModelP") for joint in joints])
+        self.links = [i for i, frame in enumerate(self.model.frames) if frame.type == pin.BODY]
+
+    def names(self):
+        """The names of the joints and of the links, and the joints' parents."""
+        return {
+            "joints": list(self.model.names)[1:],
+            "parents": [self.model.names[parent] for parent in list(self.model.parents)[1:]],
+            "links": [self.model.frames[i].name for i in self.links],
+        }
+
+    def summary(self):
+        """How many joints there are, and how many of them move nothing that has inertia."""
+        mass = pin.crba(self.model, self.data, pin.neutral(self.model))
+        return f"{self.n} joints, {np.count_nonzero(np.diag(mass) < 1e-12)} of them without inertia"
+
+    def configuration(self, q):
+        """Pinocchio's q."""
+        p = np.empty(self.model.nq)
+        p[self.index] = np.where(self.on_circle, np.cos(q), q)
+        p[self.index[self.on_circle] + 1] = np.sin(q[self.on_circle])
+        return p
+
+    def inverse_dynamics(self, q, v, a):
+        """ID and its derivatives in q, v and a, the last of which is H."""
+        p = self.configuration(q)
+        dq, dv, mass = pin.computeRNEADerivatives(self.model, self.data, p, v, a)
+        square = (np.array(matrix).reshape(self.n, self.n) for matrix in (dq, dv, mass))
+        return np.array(self.data.tau), *square
+
+    def mass_rate(self, q, qdot):
+        """The rate of H along qdot: C + C^T, since H' - 2 C is skew."""
+        coriolis = pin.computeCoriolisMatrix(self.model, self.data, self.configuration(q), qdot)
+        coriolis = coriolis.reshape(self.n, self.n)
+        return coriolis + coriolis.T
+
+    def dynamics(self, q, v, a, tau):
+        """Everything that Pinocchio has a function for."""
+        model, data, p = self.model, self.data, self.configuration(q)
+        axes = pin.computeJointJacobians(model, data, p)
+        pin.framesForwardKinematics(model, data, p)
+        at_link = [pin.getFrameJacobian(model, data, i, pin.LOCAL_WORLD_ALIGNED) for i in self.links]
+        everything = {
+            "joint axes": angular_first(axes),
+            "link Jacobians": np.vstack([angular_first(jacobian) for jacobian in at_link]),
+            "joint placements": placements(list(data.oMi)[1:]),
+            "link placements": placements(data.oMf[i] for i in self.links),
+            "ID": pin.rnea(model, data, p, v, a),
+            "C": pin.nonLinearEffects(model, data, p, v),
+            "gravity": pin.computeGeneralizedGravity(model, data, p),
+            "H": pin.crba(model, data, p),
+            "Hdot": self.mass_rate(q, v),
+            "FD": pin.aba(model, data, p, v, tau),
+            "kinetic energy": [pin.computeKineticEnergy(model, data, p, v)],
+            "potential energy": [pin.computePotentialEnergy(model, data, p)],
+        }
+        everything = {name: np.array(value) for name, value in everything.items()}
+        _, everything["dID/dq"], everything["dID/dv"], everything["dID/da"] = self.inverse_dynamics(q, v, a)
+        fd = pin.computeABADerivatives(model, data, p, v, tau)
+        everything |= zip(["dFD/dq", "dFD/dv", "dFD/dtau"], map(np.array, fd))
+        return everything
+
+    def second_derivatives(self, q, v, a):
+        """Those of inverse dynamics, by differences of Pinocchio's first ones.
+
+        Seen from joint k, a kinetic energy is the square of velocities in which q_k enters through one rotation or one
+        translation, and a potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
+        where the joint slides, and its derivatives are not of a higher one. In v it is of degree 2, too.
+        """
+
+        first = lambda q, v: np.array(self.inverse_dynamics(q, v, a)[1:])
+        by_q = [derivative(lambda q: first(q, v), q, i, self.turns[i], 2) for i in range(self.n)]
+        by_v = [derivative(lambda v: first(q, v), v, i, False, 2) for i in range(self.n)]
+        (dqdq, _, dadq), (dqdv, dvdv, _) = np.stack(by_q, axis=-1), np.stack(by_v, axis=-1)
+        tensors = {"d2ID/dqdq": dqdq, "d2ID/dadq": dadq, "d2ID/dqdv": dqdv, "d2ID/dvdv": dvdv}
+        return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}

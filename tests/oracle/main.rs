@@ -1,0 +1,10 @@
+//! The third witness: Pinocchio 4.1, other people's library, asked through Python. `tests/run` prepares it.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod compare;
+mod corpus;
+mod flow;
+
+mod python;
+mod random;

@@ -1,0 +1,77 @@
+//! Pendulums, random trees and chains, and two built-in robots at random states.
+
+use crate::common::{config, robot};
+use crate::compare::{
+    Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
+};
+use crate::python::Oracle;
+use aghf::model::{Model, parse_urdf, pendulum, random_chain, random_tree};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use std::cell::RefCell;
+use std::fmt;
+
+/// A robot and the text of the URDF that both sides read.
+#[derive(Clone)]
+pub struct Robot {
+    pub model: Model,
+    urdf: String,
+}
+
+/// The name says it all: how many joints there are, and the seed.
+impl fmt::Debug for Robot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.model.name())
+    }
+}
+
+impl Robot {
+    /// The robot as it comes back from URDF, its joints in the order of the file.
+    fn new(model: &Model) -> Self {
+        let urdf = model.to_urdf().expect("a URDF can say it");
+        let (model, _) = parse_urdf(&urdf, model.name()).expect("it was written here");
+        Self { model, urdf }
+    }
+
+    /// The robot in Pinocchio.
+    pub fn oracle(&self) -> Oracle {
+        Oracle::load(&self.urdf).expect("Pinocchio reads it")
+    }
+}
+
+/// A robot of up to eight joints, or Digit.
+pub fn any_robot() -> impl Strategy<Value = Robot> {
+    let random = |make: fn(usize, u64) -> aghf::Result<Model>| {
+        (1..9_usize, 0..u64::MAX).prop_map(move |(n, seed)| make(n, seed).expect("n > 0"))
+    };
+    let model = prop_oneof![
+        2 => (1..7_usize).prop_map(|n| pendulum(n).expect("n > 0")),
+        4 => random(random_tree),
+        2 => random(random_chain),
+        1 => Just(()).prop_map(|()| robot("kinova_gen3")),
+        1 => Just(()).prop_map(|()| robot("digit_v3_pinned")),
+    ];
+    model.prop_map(|model| Robot::new(&model))
+}
+
+#[test]
+fn dynamics() {
+    let all = RefCell::new(Comparison::default());
+    let robot_and_state = any_robot().prop_flat_map(|r| (Just(r.clone()), state(&r.model)));
+    let config = Config {
+        source_file: Some(file!()),
+        max_shrink_iters: 100,
+        ..config(512)
+    };
+    let run = TestRunner::new(config).run(&robot_and_state, |(robot, state)| {
+        let (model, oracle) = (&robot.model, robot.oracle());
+        assert_same_names(model, &oracle);
+        let mut comparison = compare_dynamics(model, &oracle, &state);
+        comparison.merge(compare_second_derivatives(model, &oracle, &state));
+        prop_assert!(comparison.off.is_empty(), "{:?}", comparison.off);
+        all.borrow_mut().merge(comparison);
+        Ok(())
+    });
+    println!("{}", all.borrow());
+    run.unwrap_or_else(|e| panic!("{e}"));
+}
