@@ -134,7 +134,7 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
         ("joint frames", Ball::joint_frames(model)),
         ("swept", swept),
     ] {
-        let name = format!("{name}, {} rows", 10 * balls.len());
+        println!("{name}: {} rows for {n} joints", 10 * balls.len());
         let spheres = (1..=10).map(sphere).collect();
         let constraints = Penalised {
             state: SphereBalls { balls, spheres },

@@ -3,7 +3,6 @@
 mod common;
 
 use aghf::aghf::constraint::{Ball, Bounds, Penalty, Sphere, SphereBalls};
-use aghf::aghf::jacobian::{NodeBlocks, NodeJacobian};
 use aghf::aghf::{
     AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorqueLimits, TorquePenalty,
 };
@@ -103,15 +102,11 @@ fn nothing_is_allocated<S: Over<f64>>() {
         },
     };
     let mut constrained = constraints.right_hand_side(&model);
-    let mut blocks = NodeBlocks::new(n);
-    let mut penalties = constraints.state_penalty(&model);
     constrained
         .omega(node, 3.0, &mut omega)
         .expect("lengths agree");
     let again = allocations(|| constrained.omega(node, 3.0, &mut omega));
     assert_eq!(again, 0, "constrained flow");
-    let made = allocations(|| penalties.at(node, 3.0, &mut blocks));
-    assert_eq!(made, 0, "Jacobian of the penalties");
 }
 
 #[test]

@@ -81,7 +81,9 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
     hy: DVector<S>,
     k_y: DMatrix<S>,
     k_hy: DMatrix<S>,
-    column: DVector<S>,
+    h_inverse: DMatrix<S>,
+    /// The outer bracket, `N` by `2 N`.
+    outer: DMatrix<S>,
 }
 
 impl<'m, C: Scalar, S: Over<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
@@ -104,7 +106,8 @@ impl<'m, C: Scalar, S: Over<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
             hy: DVector::zeros(n),
             k_y: DMatrix::zeros(n, n),
             k_hy: DMatrix::zeros(n, n),
-            column: DVector::zeros(n),
+            h_inverse: DMatrix::zeros(n, n),
+            outer: DMatrix::zeros(n, 2 * n),
         }
     }
 }
@@ -166,23 +169,19 @@ impl<C: Scalar, S: Over<C>, K: Constraint<C>> NodeJacobian<C, S> for StatePenalt
         let (model, data) = (self.model, &mut self.data);
         crba_contracted(model, data, q, self.y.as_slice(), &mut self.k_y)?;
         crba_contracted(model, data, q, self.hy.as_slice(), &mut self.k_hy)?;
-        let per_k = C::one() / k;
-        for j in 0..2 * n {
-            let in_q = j < n;
-            for i in 0..n {
-                out.dx[(i, j)] = out.dx[(i, j)].scale(per_k);
-                self.column[i] = out.dx[(n + i, j)];
-                if in_q {
-                    self.column[i] -= self.k_hy[(i, j)];
-                }
-            }
-            self.ldlt.solve(self.column.as_mut_slice());
-            if in_q {
-                self.column -= self.k_y.column(j);
-            }
-            self.ldlt.solve(self.column.as_mut_slice());
-            out.dx.view_mut((n, j), (n, 1)).copy_from(&self.column);
-        }
+        let (one, zero, per_k) = (S::one(), S::zero(), C::one() / k);
+        let mut upper = out.dx.rows_mut(0, n);
+        upper.apply(|entry| *entry = entry.scale(per_k));
+        // Products with the inverse are several times faster than as many solves.
+        self.h_inverse.fill_with_identity();
+        self.ldlt.solve_columns(&mut self.h_inverse);
+        let mut lower = out.dx.rows_mut(n, n);
+        let mut by_q = lower.columns_mut(0, n);
+        by_q -= &self.k_hy;
+        self.outer.gemm(one, &self.h_inverse, &lower, zero);
+        let mut by_q = self.outer.columns_mut(0, n);
+        by_q -= &self.k_y;
+        lower.gemm(one, &self.h_inverse, &self.outer, zero);
         Ok(())
     }
 }
