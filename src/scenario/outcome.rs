@@ -1,11 +1,13 @@
 //! Solving a scenario and testing whether that was a success.
 
 use super::Scenario;
+use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
 use crate::aghf::jacobian::JacobianKind;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::pseudospectral::Curve;
 use crate::solve::{
-    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, flow, measure, simulate,
+    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, Iteration, RelaxSettings,
+    RelaxSolution, flow, measure, relax, simulate,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -14,27 +16,31 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The Affine Geometric Heat Flow as published (Algorithm B3).
+    /// Straight to least control effort, where the flow would come to rest, by Newton's method.
     #[default]
+    Relax,
+    /// The Affine Geometric Heat Flow as published (Algorithm B3).
     Flow,
 }
 
-/// What overrides the parameters of a scenario.
+/// What overrides the parameters of a scenario or the defaults of a method.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SolveOptions {
     /// How to solve it.
     pub method: Method,
-    /// How the Jacobian is computed.
-    pub jacobian: JacobianKind,
     /// Degree of the polynomial.
     pub p: Option<usize>,
-    /// Penalty of (11).
-    pub k: Option<f64>,
-    /// How far the flow runs.
-    pub s_max: Option<f64>,
-    /// Absolute and relative tolerance of the integrator.
+    /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
     pub tolerance: Option<f64>,
-    /// The curve to start from.
+    /// Of the relaxation: how many starts there are.
+    pub starts: Option<usize>,
+    /// Of the flow: how the Jacobian is computed.
+    pub jacobian: Option<JacobianKind>,
+    /// Of the flow: penalty of (11).
+    pub k: Option<f64>,
+    /// Of the flow: how far it runs.
+    pub s_max: Option<f64>,
+    /// Of the flow: the curve to start from.
     pub guess: Option<Guess>,
 }
 
@@ -49,68 +55,53 @@ impl SolveOptions {
             s_max: self.s_max.unwrap_or(parameters.s_max),
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
             guess: self.guess.unwrap_or(parameters.guess),
-            jacobian: self.jacobian,
+            jacobian: self.jacobian.unwrap_or_default(),
+        }
+    }
+
+    /// The settings of the relaxation: these options, and its defaults where there are none.
+    #[must_use]
+    pub fn relax_settings(&self) -> RelaxSettings {
+        let default = RelaxSettings::default();
+        RelaxSettings {
+            p: self.p.unwrap_or(default.p),
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            starts: self.starts.unwrap_or(default.starts),
+            ..default
+        }
+    }
+
+    /// Refuses options that the method does not have.
+    fn check(&self) -> Result<()> {
+        let (method, foreign) = match self.method {
+            Method::Flow => ("flow", vec![("starts", self.starts.is_some())]),
+            Method::Relax => {
+                let foreign = [
+                    ("jacobian", self.jacobian.is_some()),
+                    ("k", self.k.is_some()),
+                    ("s_max", self.s_max.is_some()),
+                    ("guess", self.guess.is_some()),
+                ];
+                ("relax", foreign.to_vec())
+            }
+        };
+        match foreign.iter().find(|(_, given)| *given) {
+            Some((what, _)) => {
+                let condition = format!("the method '{method}' has no such parameter");
+                Err(Error::input("options", *what, condition))
+            }
+            None => Ok(()),
         }
     }
 }
 
-/// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
-#[derive(Clone, Debug, Serialize)]
-pub struct Summary {
-    /// The name of the scenario.
-    pub scenario: String,
-    /// The name of the robot.
-    pub robot: String,
-    /// How it was solved.
-    pub method: Method,
-    /// How the Jacobian was computed.
-    pub jacobian: JacobianKind,
-    /// Degree of the polynomial.
-    pub p: usize,
-    /// Penalty of (11).
-    pub k: f64,
-    /// How far the flow was to run.
-    pub s_max: f64,
-    /// Tolerance of the integrator.
-    pub tolerance: f64,
-    /// The curve it started from.
-    pub guess: Guess,
-    /// Whether the flow came to its end and the simulation with feedback ended within the threshold of the goal.
-    pub success: bool,
-    /// The threshold.
-    pub success_threshold: f64,
-    /// The final error of the simulation with feedback: the largest of all positions and velocities.
-    pub final_error_inf: Option<f64>,
-    /// The same without feedback.
-    pub open_loop_error_inf: Option<f64>,
-    /// The gains of the feedback.
-    pub feedback: Feedback,
-    /// $\int |u|^2 dt$ on 2001 times.
-    pub control_effort: f64,
-    /// The action on 2001 times.
-    pub action: f64,
-    /// The action by quadrature over the nodes, which is what the flow sees.
-    pub action_at_nodes: f64,
-    /// The action at the nodes before the flow.
-    pub action_at_nodes_of_guess: f64,
-    /// $\max |\dot q - v|_\infty$ on 2001 times.
-    pub dynamics_defect: f64,
-    /// Wall time of the flow, s.
-    pub solve_seconds: f64,
-    /// Accepted steps of the integrator.
-    pub steps: usize,
-    /// Rejected steps.
-    pub rejected_steps: usize,
-    /// Evaluations of $\Omega$, each at one node.
-    pub omega_evaluations: usize,
-    /// Evaluations of the Jacobian of $\Omega$, each at one node.
-    pub jacobian_evaluations: usize,
-    /// LU factorisations of the Newton matrix.
-    pub factorisations: usize,
-    /// Why the flow did not come to its end, if it did not.
-    pub failure: Option<String>,
-    /// Boundary positions outside joint limits.
-    pub outside_limits: Vec<String>,
+/// How far a solve has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Record {
+    /// Of the flow.
+    Flow(FlowRecord),
+    /// Of the relaxation.
+    Relax(Iteration),
 }
 
 /// What came of a solve.
@@ -118,25 +109,38 @@ pub struct Summary {
 pub struct Outcome {
     /// In numbers.
     pub summary: Summary,
-    /// The curve; the last good one if the flow failed.
+    /// The curve; the last good one if the solve failed.
     pub curve: Curve,
-    /// The action along the flow.
-    pub history: Vec<FlowRecord>,
+    /// How it went.
+    pub history: Vec<Record>,
 }
 
-/// Solves `scenario` and tests the result by forward simulation. `observe` is called as the flow proceeds.
+/// Solves `scenario` and tests the result by forward simulation. `observe` is called as the solve proceeds.
 ///
 /// # Errors
 /// Bad input. A solve that fails is an outcome whose summary says so.
 pub fn solve(
     scenario: &Scenario,
     options: &SolveOptions,
-    observe: &mut dyn FnMut(FlowRecord),
+    observe: &mut dyn FnMut(Record),
 ) -> Result<Outcome> {
-    let settings = options.flow_settings(scenario);
+    options.check()?;
+    match options.method {
+        Method::Flow => solve_by_flow(scenario, &options.flow_settings(scenario), observe),
+        Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(), observe),
+    }
+}
+
+fn solve_by_flow(
+    scenario: &Scenario,
+    settings: &FlowSettings,
+    observe: &mut dyn FnMut(Record),
+) -> Result<Outcome> {
     let problem = scenario.problem()?;
     let started = Instant::now();
-    let outcome = flow(&problem, &settings, observe)?;
+    let outcome = flow(&problem, settings, &mut |record| {
+        observe(Record::Flow(record));
+    })?;
     let solve_seconds = started.elapsed().as_secs_f64();
     let (solution, failure) = match outcome {
         Ok(solution) => (solution, None),
@@ -150,72 +154,123 @@ pub fn solve(
             (kept, Some(reason))
         }
     };
-    let summary = summarise(
-        scenario,
-        options.method,
-        &settings,
-        &solution,
-        solve_seconds,
-        failure,
-    )?;
-    Ok(Outcome {
-        summary,
-        curve: solution.curve,
-        history: solution.history,
-    })
-}
-
-/// A solve in numbers: how it was done, what it cost, and what can be measured of its curve.
-fn summarise(
-    scenario: &Scenario,
-    method: Method,
-    settings: &FlowSettings,
-    solution: &FlowSolution,
-    solve_seconds: f64,
-    failure: Option<String>,
-) -> Result<Summary> {
-    let model = &scenario.model;
     let FlowSolution {
         curve,
         history,
         statistics,
     } = solution;
-    let effort = measure(model, curve, settings.k)?;
+    let effort = measure(&scenario.model, &curve, settings.k)?;
+    let interior = settings.p - 1;
+    let details = Details::Flow(FlowDetails {
+        jacobian: settings.jacobian,
+        k: settings.k,
+        s_max: settings.s_max,
+        tolerance: settings.tolerance,
+        guess: settings.guess,
+        action: effort.action,
+        action_at_nodes: effort.action_at_nodes,
+        action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
+        steps: statistics.steps,
+        rejected_steps: statistics.rejected_steps,
+        omega_evaluations: statistics.rhs_evaluations * interior,
+        jacobian_evaluations: statistics.jacobian_evaluations * interior,
+        factorisations: statistics.factorisations,
+    });
+    let history = history.into_iter().map(Record::Flow).collect();
+    outcome_of(scenario, curve, history, details, solve_seconds, failure)
+}
+
+fn solve_by_relaxation(
+    scenario: &Scenario,
+    settings: &RelaxSettings,
+    observe: &mut dyn FnMut(Record),
+) -> Result<Outcome> {
+    let problem = scenario.problem()?;
+    let started = Instant::now();
+    let solution = relax(&problem, settings, &mut |iteration| {
+        observe(Record::Relax(*iteration));
+    })?;
+    let solve_seconds = started.elapsed().as_secs_f64();
+    let failure = failure_of(&solution, settings);
+    let RelaxSolution {
+        curve, iterations, ..
+    } = solution;
+    let details = Details::Relax(RelaxDetails {
+        tolerance: settings.tolerance,
+        gradient_norm: solution.gradient_norm,
+        smallest_curvature: solution.smallest_curvature,
+        quadrature_points: solution.points,
+        efforts_of_starts: solution.starts,
+        iterations: iterations.len(),
+        factorisations: iterations.iter().map(|i| i.factorisations).sum(),
+    });
+    let history = iterations.into_iter().map(Record::Relax).collect();
+    outcome_of(scenario, curve, history, details, solve_seconds, failure)
+}
+
+/// Why a relaxation did not find a minimum, if it did not.
+fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<String> {
+    let RelaxSolution {
+        converged,
+        gradient_norm,
+        quadrature_error,
+        smallest_curvature,
+        ..
+    } = solution;
+    if !converged {
+        let (tolerance, agreement) = (settings.tolerance, settings.agreement);
+        return Some(format!(
+            "where the search ended the gradient norm is {gradient_norm:.1e}, {tolerance:e} was asked for, \
+             and the quadrature is off by {quadrature_error:.1e}, {agreement:e} was asked for"
+        ));
+    }
+    (*smallest_curvature <= 0.0).then(|| {
+        format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum")
+    })
+}
+
+/// What can be measured of a curve, whatever found it.
+fn outcome_of(
+    scenario: &Scenario,
+    curve: Curve,
+    history: Vec<Record>,
+    details: Details,
+    solve_seconds: f64,
+    failure: Option<String>,
+) -> Result<Outcome> {
+    let model = &scenario.model;
+    // Neither number depends on the penalty.
+    let effort = measure(model, &curve, 1.0)?;
     let final_error = |feedback| -> Result<Option<f64>> {
-        Ok(simulate(model, curve, feedback)?
+        Ok(simulate(model, &curve, feedback)?
             .ok()
             .map(|simulation| simulation.error_inf))
     };
     let final_error_inf = final_error(scenario.file.feedback)?;
     let success_threshold = scenario.file.success_threshold;
-    let interior = settings.p - 1;
-    Ok(Summary {
+    let summary = Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
-        method,
-        jacobian: settings.jacobian,
-        p: settings.p,
-        k: settings.k,
-        s_max: settings.s_max,
-        tolerance: settings.tolerance,
-        guess: settings.guess,
+        method: match details {
+            Details::Flow(_) => Method::Flow,
+            Details::Relax(_) => Method::Relax,
+        },
+        p: curve.chebyshev().degree(),
         success: failure.is_none() && final_error_inf.is_some_and(|e| e < success_threshold),
         success_threshold,
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
         control_effort: effort.control_effort,
-        action: effort.action,
-        action_at_nodes: effort.action_at_nodes,
-        action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
         dynamics_defect: effort.dynamics_defect,
         solve_seconds,
-        steps: statistics.steps,
-        rejected_steps: statistics.rejected_steps,
-        omega_evaluations: statistics.rhs_evaluations * interior,
-        jacobian_evaluations: statistics.jacobian_evaluations * interior,
-        factorisations: statistics.factorisations,
+        details,
         failure,
         outside_limits: scenario.outside_limits(),
+    };
+    Ok(Outcome {
+        summary,
+        curve,
+        history,
     })
 }
