@@ -2,7 +2,6 @@
 
 mod command;
 
-use aghf::aghf::jacobian::JacobianKind;
 use aghf::dynamics::{Data, rnea};
 use aghf::scenario::{Scenario, builtin_scenarios, generated_scenarios};
 use command::{aghf, empty_folder, files};
@@ -96,12 +95,13 @@ fn without_arguments_it_solves_kinova() {
         "final_error_inf",
         "open_loop_error_inf",
         "control_effort",
-        "action",
         "dynamics_defect",
         "solve_seconds",
-        "steps",
-        "omega_evaluations",
-        "jacobian_evaluations",
+        "gradient_norm",
+        "smallest_curvature",
+        "quadrature_points",
+        "iterations",
+        "factorisations",
     ] {
         assert!(
             summary[key].as_f64().is_some_and(|x| x > 0.0),
@@ -111,12 +111,10 @@ fn without_arguments_it_solves_kinova() {
     for (key, value) in [
         ("scenario", "kinova_free_01"),
         ("robot", "kinova_gen3"),
-        ("method", "flow"),
+        ("method", "relax"),
     ] {
         assert_eq!(summary[key], value);
     }
-    let jacobian = serde_json::to_value(JacobianKind::default()).expect("a name");
-    assert_eq!(summary["jacobian"], jacobian);
     assert_eq!(summary["success"], true);
     assert!(summary["final_error_inf"].as_f64() < Some(0.05));
 }
@@ -152,6 +150,37 @@ fn options_override_the_scenario_and_show_in_the_summary() {
     ] {
         assert_eq!(summary[key], value, "{key}");
     }
+    for key in [
+        "action",
+        "steps",
+        "omega_evaluations",
+        "jacobian_evaluations",
+    ] {
+        assert!(
+            summary[key].as_f64().is_some_and(|x| x > 0.0),
+            "{key}: {summary}"
+        );
+    }
+}
+
+#[test]
+fn options_of_the_relaxation_show_in_the_summary() {
+    let folder = empty_folder("relax_options");
+    let arguments = "solve pendulum_1_swingup --p 10 --tolerance 1e-7 --starts 3 --json";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let summary: Value = serde_json::from_str(&run.stdout).expect("it is JSON");
+    assert_eq!(
+        (&summary["p"], &summary["tolerance"]),
+        (&json!(10), &json!(1e-7))
+    );
+    assert_eq!(
+        summary["efforts_of_starts"].as_array().map(Vec::len),
+        Some(3)
+    );
+    assert!(summary["gradient_norm"].as_f64() <= Some(1e-7));
+    // What only the flow has is not there.
+    assert!(summary.get("k").is_none() && summary.get("omega_evaluations").is_none());
 }
 
 #[test]
@@ -179,7 +208,16 @@ fn a_scenario_file_is_solved_under_its_own_name() {
 #[test]
 fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     let folder = empty_folder("failed");
-    let arguments = ["solve", "pendulum_5_swingup", "--k", "1e5", "--s-max", "1"];
+    let arguments = [
+        "solve",
+        "pendulum_5_swingup",
+        "--method",
+        "flow",
+        "--k",
+        "1e5",
+        "--s-max",
+        "1",
+    ];
     let run = aghf(&folder, &arguments);
     assert_eq!(run.code, Some(3), "{}", run.stderr);
     let words: Vec<_> = run

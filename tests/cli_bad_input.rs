@@ -53,8 +53,27 @@ fn bad_options_exit_with_2() {
         ("--s-max", "inf", "s_max: it is inf; positive"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--jacobian", "magic", "--jacobian; 'magic'; dual"),
-        ("--method", "magic", "--method; 'magic'; flow"),
         ("--guess", "circle", "--guess; 'circle'; line-state"),
+    ] {
+        assert_bad_input(
+            &folder,
+            &[
+                "solve",
+                "pendulum_1_swingup",
+                "--method",
+                "flow",
+                option,
+                value,
+            ],
+            words,
+        );
+    }
+    for (option, value, words) in [
+        ("--method", "magic", "--method; 'magic'; relax; flow"),
+        ("--p", "3", "p: it is 3; at least 4"),
+        ("--starts", "0", "starts: it is 0; at least 1"),
+        ("--tolerance", "0", "tolerance: it is 0; positive"),
+        ("--k", "1e5", "k: the method 'relax' has no such parameter"),
     ] {
         assert_bad_input(
             &folder,
@@ -75,12 +94,17 @@ fn negative_options_are_told_from_other_options() {
     ] {
         assert_bad_input(
             &folder,
-            &["solve", "pendulum_1_swingup", &format!("{option}=-1")],
+            &[
+                "solve",
+                "pendulum_1_swingup",
+                "--method=flow",
+                &format!("{option}=-1"),
+            ],
             words,
         );
         assert_bad_input(
             &folder,
-            &["solve", "pendulum_1_swingup", option, "-1"],
+            &["solve", "pendulum_1_swingup", "--method=flow", option, "-1"],
             words,
         );
     }

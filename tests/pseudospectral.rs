@@ -4,7 +4,7 @@ mod common;
 
 use aghf::aghf::ControlForm;
 use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
-use aghf::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian};
+use aghf::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian, gauss_legendre};
 use common::{config, dual_jacobian, numbers, robot};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
@@ -180,6 +180,30 @@ proptest! {
             let bound = if kind == JacobianKind::Difference { 1e-5 } else { 1e-9 };
             let error = common::relative_error(&assembled, &truth);
             prop_assert!(error <= bound, "{name} is off by {error:e}");
+        }
+    }
+}
+
+#[test]
+fn gauss_legendre_is_exact_to_its_degree() {
+    for m in [1, 2, 5, 16, 97] {
+        let (nodes, weights) = gauss_legendre(m);
+        assert!(nodes.windows(2).all(|w| w[0] < w[1]) && weights.iter().all(|w| *w > 0.0));
+        for power in [0, 1, m, 2 * m - 2, 2 * m - 1] {
+            let integral: f64 = nodes
+                .iter()
+                .zip(&weights)
+                .map(|(x, w)| w * x.powi(power as i32))
+                .sum();
+            let exact = if power % 2 == 0 {
+                2.0 / (power as f64 + 1.0)
+            } else {
+                0.0
+            };
+            assert!(
+                (integral - exact).abs() < 1e-14 * m as f64,
+                "{m} {power}: {integral} {exact}"
+            );
         }
     }
 }

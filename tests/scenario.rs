@@ -2,9 +2,10 @@
 
 use aghf::model::builtin_robots;
 use aghf::scenario::{
-    Feasibility, Limit, Outcome, Scenario, SolveOptions, builtin_scenarios, solve,
+    Details, Feasibility, FlowDetails, Limit, Method, Outcome, Record, Scenario, SolveOptions,
+    builtin_scenarios, solve,
 };
-use aghf::solve::Sample;
+use aghf::solve::{FlowRecord, Sample};
 use serde_json::Value;
 use std::path::Path;
 
@@ -81,13 +82,117 @@ fn solved(name: &str, options: &SolveOptions) -> Outcome {
     solve(&scenario, options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// By the flow, with the parameters of the scenario.
+fn by_flow() -> SolveOptions {
+    SolveOptions {
+        method: Method::Flow,
+        ..Default::default()
+    }
+}
+
+fn flow_details(outcome: &Outcome) -> (&FlowDetails, Vec<FlowRecord>) {
+    let Details::Flow(details) = &outcome.summary.details else {
+        panic!("it is a flow: {:?}", outcome.summary);
+    };
+    let records = outcome.history.iter().map(|record| match record {
+        Record::Flow(record) => *record,
+        Record::Relax(_) => panic!("it is a flow"),
+    });
+    (details, records.collect())
+}
+
+#[test]
+fn the_summary_of_a_relaxation_is_consistent() {
+    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
+    let mut seen = Vec::new();
+    let options = SolveOptions {
+        p: Some(9),
+        starts: Some(2),
+        ..Default::default()
+    };
+    let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
+    let s = &outcome.summary;
+    assert!(s.success && s.failure.is_none(), "{s:?}");
+    assert_eq!((s.method, s.p), (Method::Relax, 9));
+    assert!(s.final_error_inf.expect("it ended") < s.success_threshold);
+    // Velocity and configuration are one polynomial: nothing but rounding is between them.
+    assert!(s.dynamics_defect < 1e-10, "{s:?}");
+    let Details::Relax(d) = &s.details else {
+        panic!("it is a relaxation: {s:?}");
+    };
+    assert!(
+        d.gradient_norm <= d.tolerance && d.smallest_curvature > 0.0,
+        "{d:?}"
+    );
+    assert_eq!((seen.len(), d.efforts_of_starts.len()), (d.iterations, 2));
+    assert_eq!(seen, outcome.history);
+    // The quadrature agrees with Simpson's rule to what is asked of it.
+    let Some(Record::Relax(last)) = seen.last() else {
+        panic!("there are iterations");
+    };
+    assert!((last.cost - s.control_effort).abs() <= 2e-3 * s.control_effort);
+}
+
+#[test]
+fn options_of_the_other_method_are_errors() {
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let base = SolveOptions::default();
+    let relax_with = [
+        (
+            SolveOptions {
+                k: Some(1.0),
+                ..base
+            },
+            "k",
+        ),
+        (
+            SolveOptions {
+                s_max: Some(1.0),
+                ..base
+            },
+            "s_max",
+        ),
+        (
+            SolveOptions {
+                guess: Some(Default::default()),
+                ..base
+            },
+            "guess",
+        ),
+        (
+            SolveOptions {
+                jacobian: Some(Default::default()),
+                ..base
+            },
+            "jacobian",
+        ),
+    ];
+    let flow_with = [(
+        SolveOptions {
+            starts: Some(2),
+            ..by_flow()
+        },
+        "starts",
+    )];
+    for (options, what) in relax_with.into_iter().chain(flow_with) {
+        let error = solve(&scenario, &options, &mut |_| {})
+            .expect_err(what)
+            .to_string();
+        assert!(
+            error.starts_with(&format!("options: {what}: the method")),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn the_summary_of_a_swing_up_is_consistent() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let mut seen = Vec::new();
-    let options = SolveOptions::default();
+    let options = by_flow();
     let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
-    let (s, history) = (&outcome.summary, &outcome.history);
+    let s = &outcome.summary;
+    let (d, history) = flow_details(&outcome);
     assert!(
         s.success && s.failure.is_none() && s.outside_limits.is_empty(),
         "{s:?}"
@@ -96,46 +201,46 @@ fn the_summary_of_a_swing_up_is_consistent() {
         (s.scenario.as_str(), s.robot.as_str()),
         ("pendulum_1_swingup", "pendulum_1")
     );
-    assert_eq!((s.p, s.k, s.s_max, s.tolerance), (9, 1e5, 100.0, 1e-4));
+    assert_eq!((s.p, d.k, d.s_max, d.tolerance), (9, 1e5, 100.0, 1e-4));
     assert!(
         s.final_error_inf.expect("it ended") < s.success_threshold,
         "{s:?}"
     );
     assert!(s.open_loop_error_inf.expect("it ended") > 0.0, "{s:?}");
     assert!(
-        s.control_effort > 0.0 && s.control_effort <= s.action,
+        s.control_effort > 0.0 && s.control_effort <= d.action,
         "{s:?}"
     );
     assert!(s.dynamics_defect > 0.0 && s.dynamics_defect < 0.1, "{s:?}");
     assert!(
-        s.steps > 0 && s.factorisations > 0 && s.solve_seconds > 0.0,
+        d.steps > 0 && d.factorisations > 0 && s.solve_seconds > 0.0,
         "{s:?}"
     );
     let interior = s.p - 1;
-    assert!(s.omega_evaluations >= s.steps * interior, "{s:?}");
+    assert!(d.omega_evaluations >= d.steps * interior, "{s:?}");
     assert_eq!(
         (
-            s.omega_evaluations % interior,
-            s.jacobian_evaluations % interior
+            d.omega_evaluations % interior,
+            d.jacobian_evaluations % interior
         ),
         (0, 0)
     );
 
-    assert_eq!(seen, *history);
+    assert_eq!(seen, outcome.history);
     assert_eq!(
         (history[0].s, history.last().expect("it is long").s),
-        (0.0, s.s_max)
+        (0.0, d.s_max)
     );
     assert!(history.windows(2).all(|w| w[0].s < w[1].s));
-    assert_eq!(history[0].action_at_nodes, s.action_at_nodes_of_guess);
+    assert_eq!(history[0].action_at_nodes, d.action_at_nodes_of_guess);
     let last = history.last().expect("it is long").action_at_nodes;
     assert!(
-        (last - s.action_at_nodes).abs() <= 1e-9 * last,
+        (last - d.action_at_nodes).abs() <= 1e-9 * last,
         "{last} {}",
-        s.action_at_nodes
+        d.action_at_nodes
     );
     assert!(
-        s.action_at_nodes < s.action_at_nodes_of_guess,
+        d.action_at_nodes < d.action_at_nodes_of_guess,
         "the flow goes down"
     );
 
@@ -150,7 +255,7 @@ fn a_flow_that_is_cut_short_says_so() {
     let options = SolveOptions {
         k: Some(1e5),
         s_max: Some(1.0),
-        ..Default::default()
+        ..by_flow()
     };
     let summary = solved("pendulum_5_swingup", &options).summary;
     assert!(!summary.success, "{summary:?}");
@@ -164,7 +269,7 @@ fn a_flow_that_is_cut_short_says_so() {
 fn bad_options_are_errors() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let nan = f64::NAN;
-    let base = SolveOptions::default();
+    let base = by_flow();
     let cases = [
         (SolveOptions { p: Some(0), ..base }, "p: it is 0"),
         (
@@ -231,8 +336,11 @@ fn the_same_solve_gives_the_same_bits() {
         let bits: Vec<u64> = outcome.curve.x().iter().map(|x| x.to_bits()).collect();
         (summary.to_string(), bits, outcome.history.clone())
     };
-    let options = SolveOptions::default();
-    for name in ["pendulum_2_swingup", "kinova_free_03"] {
+    for (name, options) in [
+        ("pendulum_2_swingup", by_flow()),
+        ("kinova_free_03", by_flow()),
+        ("pendulum_2_swingup", SolveOptions::default()),
+    ] {
         let first = shown(&solved(name, &options));
         solved(
             "pendulum_1_swingup",

@@ -194,7 +194,7 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
         (
             "600",
             "600\nmethod = \"magic\"",
-            "grid.toml: method: ; magic",
+            "grid.toml: method: ; unknown field",
         ),
         (
             "600",

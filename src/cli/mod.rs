@@ -25,7 +25,7 @@ const FAILED: u8 = 3;
 
 /// Plans motions of robots with the Affine Geometric Heat Flow.
 ///
-/// Without a command it solves kinova_free_01 with the paper's best parameters.
+/// Without a command it plans a motion of least control effort for kinova_free_01.
 #[derive(Debug, Parser)]
 #[command(name = "aghf", version, after_help = EXIT_CODES)]
 struct Cli {

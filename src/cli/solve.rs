@@ -4,8 +4,8 @@ use super::{FAILED, print, print_json};
 use crate::aghf::jacobian::JacobianKind;
 use crate::error::Result;
 use crate::report::{summary_table, write_outcome};
-use crate::scenario::{Method, Scenario, SolveOptions, solve};
-use crate::solve::Guess;
+use crate::scenario::{Method, Record, Scenario, SolveOptions, solve};
+use crate::solve::{Guess, Iteration};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 /// Solve a scenario and write the trajectory that was found.
 ///
-/// `aghf scenarios` lists what is built in. Parameters that are not given are the scenario's.
+/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
     /// A scenario that is built in, or the path of a JSON file.
@@ -22,28 +22,31 @@ pub(super) struct Solve {
     /// How to solve it.
     #[arg(long, value_enum, default_value_t)]
     method: Method,
-    /// How to compute the Jacobian.
-    #[arg(long, value_enum, default_value_t)]
-    jacobian: JacobianKind,
-    /// Degree of the polynomial.
+    /// Degree of the polynomial [default: 16 for relax].
     #[arg(long)]
     p: Option<usize>,
-    /// Penalty on velocities that are not those of the curve.
-    #[arg(long, allow_negative_numbers = true)]
-    k: Option<f64>,
-    /// How far the flow runs.
-    #[arg(long, allow_negative_numbers = true)]
-    s_max: Option<f64>,
-    /// Absolute and relative tolerance of the integrator [default: 1e-4].
+    /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// The curve to start from: a line in the whole state, or in the configuration with the velocity that goes with it.
+    /// Of relax: how many starts to try [default: 6].
+    #[arg(long)]
+    starts: Option<usize>,
+    /// Of flow: how to compute the Jacobian [default: control-form].
+    #[arg(long, value_enum)]
+    jacobian: Option<JacobianKind>,
+    /// Of flow: penalty on velocities that are not those of the curve.
+    #[arg(long, allow_negative_numbers = true)]
+    k: Option<f64>,
+    /// Of flow: how far it runs.
+    #[arg(long, allow_negative_numbers = true)]
+    s_max: Option<f64>,
+    /// Of flow: the curve to start from, a line in the whole state or in the configuration with the velocity that goes with it.
     #[arg(long, value_enum)]
     guess: Option<Guess>,
-    /// Weight of the constraints.
+    /// Of flow: weight of the constraints.
     #[arg(long, allow_negative_numbers = true)]
     k_cons: Option<f64>,
-    /// Sharpness of the activation of the constraints.
+    /// Of flow: sharpness of the activation of the constraints.
     #[arg(long, allow_negative_numbers = true)]
     c_cons: Option<f64>,
     /// The folder for trajectory.csv and summary.json [default: out/SCENARIO].
@@ -60,11 +63,12 @@ impl Default for Solve {
         Self {
             scenario: "kinova_free_01".to_owned(),
             method: Method::default(),
-            jacobian: JacobianKind::default(),
             p: None,
+            tolerance: None,
+            starts: None,
+            jacobian: None,
             k: None,
             s_max: None,
-            tolerance: None,
             guess: None,
             k_cons: None,
             c_cons: None,
@@ -79,11 +83,12 @@ impl Solve {
         let scenario = Scenario::load(&self.scenario)?;
         let options = SolveOptions {
             method: self.method,
-            jacobian: self.jacobian,
             p: self.p,
+            tolerance: self.tolerance,
+            starts: self.starts,
+            jacobian: self.jacobian,
             k: self.k,
             s_max: self.s_max,
-            tolerance: self.tolerance,
             guess: self.guess,
             k_cons: self.k_cons,
             c_cons: self.c_cons,
@@ -92,13 +97,13 @@ impl Solve {
         let progress = if self.json {
             ProgressBar::hidden()
         } else {
-            progress(options.flow_settings(&scenario).s_max)
+            match self.method {
+                Method::Flow => bar(options.flow_settings(&scenario).s_max),
+                Method::Relax => ProgressBar::new_spinner(),
+            }
         };
         let outcome = solve(&scenario, &options, &mut |record| {
-            progress.set_message(format!(
-                "s {:.1e}, action {:.4e}",
-                record.s, record.action_at_nodes
-            ));
+            progress.set_message(message(&record));
             progress.inc(1);
         })?;
         progress.finish_and_clear();
@@ -123,8 +128,22 @@ impl Solve {
     }
 }
 
+/// How far a solve has come.
+fn message(record: &Record) -> String {
+    match record {
+        Record::Flow(r) => format!("s {:.1e}, action {:.4e}", r.s, r.action_at_nodes),
+        Record::Relax(i) => {
+            let Iteration { degree, cost, .. } = i;
+            format!(
+                "degree {degree}, effort {cost:.4e}, gradient {:.1e}",
+                i.gradient_norm
+            )
+        }
+    }
+}
+
 /// A bar that fills as the flow passes the values of `s` on its grid; shown when somebody watches.
-fn progress(s_max: f64) -> ProgressBar {
+fn bar(s_max: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
     ProgressBar::new(crate::solve::output_count(s_max))
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

@@ -5,7 +5,8 @@ use crate::aghf::check::Finding;
 use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::{
-    FAMILIES, RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
+    Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
+    generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -37,23 +38,14 @@ pub(super) fn choice(value: &impl clap::ValueEnum) -> String {
 pub fn summary_table(summary: &Summary) -> String {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
-    let settings = format!(
-        "{}, jacobian {}, p {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
-        choice(&s.method),
-        choice(&s.jacobian),
-        s.p,
-        s.k,
-        s.s_max,
-        s.tolerance,
-        choice(&s.guess)
-    );
+    let (settings, rows) = match &s.details {
+        Details::Flow(d) => flow_rows(d),
+        Details::Relax(d) => relax_rows(d),
+    };
+    let settings = format!("{}, p {}, {settings}", choice(&s.method), s.p);
     let gains = format!(
         "final error with feedback ({}, {})",
         s.feedback.kp, s.feedback.kv
-    );
-    let work = format!(
-        "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
-        s.steps, s.rejected_steps, s.omega_evaluations, s.jacobian_evaluations, s.factorisations
     );
     let mut table = table();
     table.add_row(["scenario", &format!("{} ({})", s.scenario, s.robot)]);
@@ -69,18 +61,11 @@ pub fn summary_table(summary: &Summary) -> String {
     ]);
     table.add_row(["final error open loop", &optional(s.open_loop_error_inf)]);
     table.add_row(["control effort, int |u|^2 dt", &short(s.control_effort)]);
-    table.add_row(["action", &short(s.action)]);
-    table.add_row([
-        "action at the nodes, before and after",
-        &format!(
-            "{}, {}",
-            short(s.action_at_nodes_of_guess),
-            short(s.action_at_nodes)
-        ),
-    ]);
     table.add_row(["dynamics defect, max |qdot - v|", &short(s.dynamics_defect)]);
     table.add_row(["solve time", &format!("{:.4} s", s.solve_seconds)]);
-    table.add_row(["work", &work]);
+    for (what, value) in rows {
+        table.add_row([what, &value]);
+    }
     if let Some(failure) = &s.failure {
         table.add_row(["failure", failure]);
     }
@@ -94,6 +79,56 @@ pub fn summary_table(summary: &Summary) -> String {
         table.add_row(["limit exceeded", &violation.to_string()]);
     }
     table.to_string()
+}
+
+/// The parameters of a flow, and what only a flow has to say.
+fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "jacobian {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
+        choice(&d.jacobian),
+        d.k,
+        d.s_max,
+        d.tolerance,
+        choice(&d.guess)
+    );
+    let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
+    let work = format!(
+        "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
+        d.steps, d.rejected_steps, d.omega_evaluations, d.jacobian_evaluations, d.factorisations
+    );
+    let rows = vec![
+        ("action", short(d.action)),
+        ("action at the nodes, before and after", nodes.join(", ")),
+        ("work", work),
+    ];
+    (settings, rows)
+}
+
+/// The parameters of a relaxation, and what only a relaxation has to say.
+fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "tolerance {:e}, {} starts",
+        d.tolerance,
+        d.efforts_of_starts.len().max(1)
+    );
+    let starts: Vec<_> = d.efforts_of_starts.iter().map(|x| short(*x)).collect();
+    let work = format!(
+        "{} iterations, {} factorisations, {} points",
+        d.iterations, d.factorisations, d.quadrature_points
+    );
+    let rows = vec![
+        (
+            "gradient norm, relative",
+            format!("{:.1e}", d.gradient_norm),
+        ),
+        ("smallest curvature, relative", short(d.smallest_curvature)),
+        (
+            "effort of the starts at the lowest degree",
+            starts.join(", "),
+        ),
+        ("work", work),
+    ];
+    (settings, rows)
 }
 
 /// What came of proving identities.

@@ -4,7 +4,9 @@ mod builtin;
 mod feasibility;
 mod file;
 mod generate;
+mod options;
 mod outcome;
+mod summary;
 mod surroundings;
 pub mod sweep;
 
@@ -15,5 +17,7 @@ pub use file::{
     SphereObstacle, load_robot, load_robot_with,
 };
 pub use generate::{FAMILIES, Family, generate, generated_scenarios};
-pub use outcome::{Method, Outcome, SolveOptions, Summary, solve};
+pub use options::{Method, SolveOptions};
+pub use outcome::{Outcome, Record, solve};
+pub use summary::{Details, FlowDetails, RelaxDetails, Summary};
 pub use surroundings::Surroundings;

@@ -4,6 +4,7 @@ mod control;
 mod flow;
 mod integrate;
 mod problem;
+pub mod relax;
 mod simulate;
 
 pub use control::{Effort, Sample, control_at, measure, sample};
@@ -13,4 +14,5 @@ pub use flow::{
 };
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};
+pub use relax::{Iteration, RelaxSettings, RelaxSolution, relax, relax_with};
 pub use simulate::{Feedback, Simulation, simulate};

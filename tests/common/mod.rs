@@ -5,8 +5,11 @@ pub mod ode;
 
 use aghf::aghf::Node;
 use aghf::dynamics::{Data, crba};
-use aghf::model::{Model, builtin_robot, builtin_robots, random_tree};
-use nalgebra::DMatrix;
+use aghf::model::{
+    JointKind, JointSpec, Limits, Model, builtin_robot, builtin_robots, random_tree,
+};
+use aghf::spatial::{Inertia, Placement};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -29,6 +32,20 @@ pub fn robot(name: &str) -> Model {
         .expect("it is built in")
         .expect("it loads");
     model
+}
+
+/// One slider of mass `mass` along x, so without gravity: $u = m \ddot q$.
+pub fn slider(mass: f64) -> Model {
+    let spec = JointSpec {
+        name: "slider".to_owned(),
+        kind: JointKind::Prismatic,
+        parent: None,
+        origin: Placement::identity(),
+        axis: Vector3::x(),
+        inertia: Inertia::from_com(mass, Vector3::zeros(), Matrix3::identity()),
+        limits: Limits::NONE,
+    };
+    Model::from_joints("slider", vec![spec]).expect("it is a tree")
 }
 
 /// All robots that are built in.

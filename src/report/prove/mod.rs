@@ -12,6 +12,7 @@ mod constraints;
 mod dynamics;
 mod dynamics_derivatives;
 mod point;
+mod relaxation;
 mod theorem_b3;
 mod theorem_b3_gradient;
 mod theorem_b4;
@@ -126,6 +127,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(algorithm_b1::identities());
     all.extend(algorithm_b2::identities());
     all.extend(algorithm_b3::identities());
+    all.extend(relaxation::identities());
     all
 }
 

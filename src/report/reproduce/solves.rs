@@ -5,7 +5,7 @@ use super::systems::{SYSTEMS, System};
 use super::timing::median;
 use crate::error::Result;
 use crate::scenario::{
-    FlowParameters, Scenario, ScenarioFile, SolveOptions, builtin_scenarios, solve,
+    FlowParameters, Method, Scenario, ScenarioFile, SolveOptions, builtin_scenarios, solve,
 };
 use crate::solve::flow;
 use std::time::Instant;
@@ -107,7 +107,10 @@ fn best_sets(scenarios: &[Scenario]) -> Vec<FlowParameters> {
 fn run(scenario: &Scenario, set: FlowParameters, repetitions: usize) -> Result<ScenarioResult> {
     let mut scenario = scenario.clone();
     scenario.file.flow = set;
-    let options = SolveOptions::default();
+    let options = SolveOptions {
+        method: Method::Flow,
+        ..SolveOptions::default()
+    };
     let summary = solve(&scenario, &options, &mut |_| {})?.summary;
     let flow_settings = options.flow_settings(&scenario);
     let problem = scenario.problem()?;
@@ -122,11 +125,11 @@ fn run(scenario: &Scenario, set: FlowParameters, repetitions: usize) -> Result<S
     Ok(ScenarioResult {
         scenario: scenario.name,
         file: scenario.file,
-        tolerance: summary.tolerance,
+        tolerance: flow_settings.tolerance,
         success: summary.success,
         solve_seconds: median(&mut seconds),
         effort: summary.control_effort,
-        action: summary.action,
+        action: summary.details.flow().map_or(f64::NAN, |f| f.action),
         open_loop_error: summary.open_loop_error_inf,
         feedback_error: summary.final_error_inf,
     })

@@ -45,9 +45,6 @@ pub struct SweepFile {
     pub name: Option<String>,
     /// Scenarios that are built in, or paths relative to the sweep; `kinova_free_*` stands for all built-in ones that start so.
     pub scenarios: Vec<String>,
-    /// How to solve them.
-    #[serde(default)]
-    pub method: Method,
     /// The wall time of one solve, s, after which it is stopped.
     pub timeout_s: f64,
     /// Degrees of the polynomial.
@@ -199,7 +196,7 @@ impl Sweep {
     #[must_use]
     pub fn options(&self, parameters: &Parameters) -> SolveOptions {
         SolveOptions {
-            method: self.file.method,
+            method: Method::Flow,
             p: Some(parameters.p),
             k: Some(parameters.k),
             s_max: Some(parameters.s_max),

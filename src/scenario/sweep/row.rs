@@ -123,6 +123,7 @@ impl Row {
     #[must_use]
     pub fn new(sweep: &Sweep, set: &ParameterSet, outcome: &Outcome) -> Self {
         let s = &outcome.summary;
+        let flow = s.details.flow();
         if outcome.timed_out {
             let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
             return Self {
@@ -144,12 +145,12 @@ impl Row {
             final_error_inf: s.final_error_inf,
             open_loop_error_inf: s.open_loop_error_inf,
             control_effort: Some(s.control_effort),
-            action: Some(s.action),
+            action: flow.map(|f| f.action),
             dynamics_defect: Some(s.dynamics_defect),
             smallest_clearance_m: s.feasibility.smallest_clearance_m,
-            steps: Some(s.steps),
-            omega_evaluations: Some(s.omega_evaluations),
-            jacobian_evaluations: Some(s.jacobian_evaluations),
+            steps: flow.map(|f| f.steps),
+            omega_evaluations: flow.map(|f| f.omega_evaluations),
+            jacobian_evaluations: flow.map(|f| f.jacobian_evaluations),
             ..Self::failed(sweep, set, "", s.solve_seconds)
         }
     }

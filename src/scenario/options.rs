@@ -1,0 +1,111 @@
+//! How a scenario is to be solved.
+
+use super::Scenario;
+use crate::aghf::constraint::Penalty;
+use crate::aghf::jacobian::JacobianKind;
+use crate::error::{Error, Result};
+use crate::solve::{FlowSettings, Guess, RelaxSettings};
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// How a scenario is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Straight to least control effort, where the flow would come to rest, by Newton's method.
+    #[default]
+    Relax,
+    /// The Affine Geometric Heat Flow as published (Algorithm B3).
+    Flow,
+}
+
+/// What overrides the parameters of a scenario or the defaults of a method.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SolveOptions {
+    /// How to solve it.
+    pub method: Method,
+    /// Degree of the polynomial.
+    pub p: Option<usize>,
+    /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
+    pub tolerance: Option<f64>,
+    /// Of the relaxation: how many starts there are.
+    pub starts: Option<usize>,
+    /// Of the flow: how the Jacobian is computed.
+    pub jacobian: Option<JacobianKind>,
+    /// Of the flow: penalty of (11).
+    pub k: Option<f64>,
+    /// Of the flow: how far it runs.
+    pub s_max: Option<f64>,
+    /// Of the flow: the curve to start from.
+    pub guess: Option<Guess>,
+    /// Of the flow: weight of the constraints in (A2).
+    pub k_cons: Option<f64>,
+    /// Of the flow: sharpness of their activation in (A3).
+    pub c_cons: Option<f64>,
+    /// Of the flow: the wall time after which it stops, as a failure.
+    pub time_limit: Option<Duration>,
+}
+
+impl SolveOptions {
+    /// The settings of the flow for `scenario`: these options, and the scenario's parameters where there are none.
+    #[must_use]
+    pub fn flow_settings(&self, scenario: &Scenario) -> FlowSettings {
+        let parameters = scenario.file.flow;
+        FlowSettings {
+            p: self.p.unwrap_or(parameters.p),
+            k: self.k.unwrap_or(parameters.k),
+            s_max: self.s_max.unwrap_or(parameters.s_max),
+            tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
+            guess: self.guess.unwrap_or(parameters.guess),
+            jacobian: self.jacobian.unwrap_or_default(),
+            time_limit: self.time_limit,
+        }
+    }
+
+    /// The penalty of the constraints of `scenario` in the flow, likewise.
+    #[must_use]
+    pub fn penalty(&self, scenario: &Scenario) -> Penalty {
+        Penalty {
+            k_cons: self.k_cons.unwrap_or(scenario.file.flow.k_cons),
+            c_cons: self.c_cons.unwrap_or(scenario.file.flow.c_cons),
+        }
+    }
+
+    /// The settings of the relaxation: these options, and its defaults where there are none.
+    #[must_use]
+    pub fn relax_settings(&self) -> RelaxSettings {
+        let default = RelaxSettings::default();
+        RelaxSettings {
+            p: self.p.unwrap_or(default.p),
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            starts: self.starts.unwrap_or(default.starts),
+            ..default
+        }
+    }
+
+    /// Refuses options that the method does not have.
+    pub(super) fn check(&self) -> Result<()> {
+        let (method, foreign) = match self.method {
+            Method::Flow => ("flow", vec![("starts", self.starts.is_some())]),
+            Method::Relax => {
+                let foreign = [
+                    ("jacobian", self.jacobian.is_some()),
+                    ("k", self.k.is_some()),
+                    ("s_max", self.s_max.is_some()),
+                    ("guess", self.guess.is_some()),
+                    ("k_cons", self.k_cons.is_some()),
+                    ("c_cons", self.c_cons.is_some()),
+                    ("time_limit", self.time_limit.is_some()),
+                ];
+                ("relax", foreign.to_vec())
+            }
+        };
+        match foreign.iter().find(|(_, given)| *given) {
+            Some((what, _)) => {
+                let condition = format!("the method '{method}' has no such parameter");
+                Err(Error::input("options", *what, condition))
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What came of a solve, in numbers.
+
+use super::{Feasibility, Method};
+use crate::aghf::jacobian::JacobianKind;
+use crate::solve::{Feedback, Guess};
+use serde::Serialize;
+
+/// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The name of the scenario.
+    pub scenario: String,
+    /// The name of the robot.
+    pub robot: String,
+    /// How it was solved.
+    pub method: Method,
+    /// Degree of the polynomial.
+    pub p: usize,
+    /// Whether the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
+    /// hits nothing and keeps the limits that are enforced.
+    pub success: bool,
+    /// The threshold.
+    pub success_threshold: f64,
+    /// The final error of the simulation with feedback: the largest of all positions and velocities.
+    pub final_error_inf: Option<f64>,
+    /// The same without feedback.
+    pub open_loop_error_inf: Option<f64>,
+    /// The gains of the feedback.
+    pub feedback: Feedback,
+    /// $\int |u|^2 dt$ on 2001 times.
+    pub control_effort: f64,
+    /// $\max |\dot q - v|_\infty$ on 2001 times.
+    pub dynamics_defect: f64,
+    /// Wall time of the method, s.
+    pub solve_seconds: f64,
+    /// What the method has to say; its fields stand beside the others in JSON.
+    #[serde(flatten)]
+    pub details: Details,
+    /// Why the method did not come to its end, if it did not.
+    pub failure: Option<String>,
+    /// What the curve keeps clear of and which limits it breaks.
+    #[serde(flatten)]
+    pub feasibility: Feasibility,
+    /// Boundary positions outside joint limits.
+    pub outside_limits: Vec<String>,
+}
+
+/// The part of a summary that only one method has.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Details {
+    /// Of the flow.
+    Flow(FlowDetails),
+    /// Of the relaxation.
+    Relax(RelaxDetails),
+}
+
+impl Details {
+    /// Those of the flow, if it was the flow.
+    #[must_use]
+    pub fn flow(&self) -> Option<&FlowDetails> {
+        match self {
+            Self::Flow(flow) => Some(flow),
+            Self::Relax(_) => None,
+        }
+    }
+}
+
+/// How a flow was done and what it cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowDetails {
+    /// How the Jacobian was computed.
+    pub jacobian: JacobianKind,
+    /// Penalty of (11).
+    pub k: f64,
+    /// How far the flow was to run.
+    pub s_max: f64,
+    /// Tolerance of the integrator.
+    pub tolerance: f64,
+    /// The curve it started from.
+    pub guess: Guess,
+    /// Weight of the constraints in (A2), where there are any.
+    pub k_cons: Option<f64>,
+    /// Sharpness of their activation in (A3).
+    pub c_cons: Option<f64>,
+    /// The action on 2001 times.
+    pub action: f64,
+    /// The action by quadrature over the nodes, which is what the flow sees.
+    pub action_at_nodes: f64,
+    /// The action at the nodes before the flow.
+    pub action_at_nodes_of_guess: f64,
+    /// Accepted steps of the integrator.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected_steps: usize,
+    /// Evaluations of $\Omega$, each at one node.
+    pub omega_evaluations: usize,
+    /// Evaluations of the Jacobian of $\Omega$, each at one node.
+    pub jacobian_evaluations: usize,
+    /// LU factorisations of the Newton matrix.
+    pub factorisations: usize,
+}
+
+/// How a relaxation was done and what it cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct RelaxDetails {
+    /// The gradient norm that was asked for, relative to the effort.
+    pub tolerance: f64,
+    /// The gradient norm that was reached.
+    pub gradient_norm: f64,
+    /// The smallest eigenvalue of the Hessian in the metric of Gauss and Newton: positive at a minimum.
+    pub smallest_curvature: f64,
+    /// Points of the quadrature.
+    pub quadrature_points: usize,
+    /// The efforts that the starts came to at the lowest degree, ascending.
+    pub efforts_of_starts: Vec<f64>,
+    /// Iterations of Newton's method, of all starts and degrees.
+    pub iterations: usize,
+    /// Cholesky factorisations.
+    pub factorisations: usize,
+}

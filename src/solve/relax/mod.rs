@@ -1,0 +1,159 @@
+//! Straight to where the flow comes to rest: the control effort minimised over polynomials by Newton's method.
+//!
+//! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
+//! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
+//! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
+
+mod basis;
+mod block_tridiagonal;
+mod cost;
+mod grid;
+mod ladder;
+mod newton;
+mod objective;
+mod settings;
+mod trust_region;
+
+pub use basis::Basis;
+pub use block_tridiagonal::BlockTridiagonal;
+pub use cost::{Point, PointCost, PointDerivatives, SquaredControl};
+pub use grid::Grid;
+pub use newton::Iteration;
+pub use objective::{Derivatives, Objective};
+pub use settings::{RelaxSettings, RelaxSolution};
+
+use crate::error::Result;
+use crate::pseudospectral::{Chebyshev, Curve};
+use crate::solve::Problem;
+use ladder::{Level, Path, Settled, line, settle};
+use nalgebra::{DMatrix, DVector};
+use newton::Stop;
+
+/// What is asked below the highest degree, where a curve is no more than the start of the next.
+const LOWER: Level = Level {
+    stop: Stop {
+        tolerance: 0.1,
+        iterations: 25,
+    },
+    agreement: 0.02,
+    last: false,
+};
+
+/// How many curves go on from the first degrees of the ladder: the best at a low degree need not be the best at a high one.
+const KEPT: [usize; 2] = [3, 2];
+/// Costs that differ by less than this, relative, are taken for those of one curve.
+const SAME: f64 = 0.01;
+
+/// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
+///
+/// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them go up the
+/// ladder, fewer at each degree and each from where the one below ended, and the best one goes to the degree that the settings name.
+///
+/// # Errors
+/// A setting is out of range, or the start of the settings is for another robot. A search that ends before its tolerance is
+/// a solution that says so.
+pub fn relax(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    observe: &mut dyn FnMut(&Iteration),
+) -> Result<RelaxSolution> {
+    let effort = SquaredControl::new(problem.model());
+    relax_with(problem, settings, &effort, observe)
+}
+
+/// The same for the integral of any running cost.
+///
+/// # Errors
+/// As [`relax`], or `cost` is for another robot.
+pub fn relax_with<P: PointCost<f64> + Clone>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    cost: &P,
+    observe: &mut dyn FnMut(&Iteration),
+) -> Result<RelaxSolution> {
+    settings.check(problem)?;
+    let mut iterations = Vec::new();
+    let mut log = |iteration: Iteration| {
+        observe(&iteration);
+        iterations.push(iteration);
+    };
+    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
+    let basis = |degree| Basis::new(1, degree, false);
+    let path = if let Some(curve) = &settings.start {
+        path_of(curve, basis(settings.p))
+    } else {
+        let line = line(problem, basis(lower[0]));
+        let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
+        let mut paths: Vec<Path> = [line.clone()].into_iter().chain(bent).collect();
+        for (rung, degree) in lower.iter().enumerate() {
+            let settled = paths.iter().map(|path| {
+                let path = path.in_basis(basis(*degree));
+                settle(problem, cost, path, LOWER, &mut log)
+            });
+            let mut settled = settled.collect::<Result<Vec<Settled>>>()?;
+            settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            if rung == 0 {
+                starts = settled.iter().map(|s| s.cost).collect();
+            }
+            settled.dedup_by(|b, a| b.cost - a.cost <= SAME * a.cost);
+            settled.truncate(KEPT.get(rung).copied().unwrap_or(1));
+            paths = settled.into_iter().map(|s| s.path).collect();
+        }
+        paths.swap_remove(0).in_basis(basis(settings.p))
+    };
+    let highest = Level {
+        stop: Stop {
+            tolerance: settings.tolerance,
+            iterations: settings.iterations,
+        },
+        agreement: settings.agreement,
+        last: true,
+    };
+    let found = settle(problem, cost, path, highest, &mut log)?;
+    Ok(RelaxSolution {
+        curve: curve_of(problem, &found.path)?,
+        cost: found.cost,
+        gradient_norm: found.gradient_norm,
+        smallest_curvature: found.smallest_curvature,
+        points: found.points,
+        quadrature_error: found.quadrature_error,
+        converged: found.converged,
+        starts,
+        iterations,
+    })
+}
+
+/// The polynomial through Chebyshev nodes that is the same curve, with $v = \dot q$.
+fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
+    let (n, horizon) = (problem.model().dof(), problem.horizon());
+    let p = path.basis.degree();
+    let chebyshev = Chebyshev::new(p, horizon)?;
+    let mut x = DMatrix::zeros(2 * n, p + 1);
+    for (node, time) in chebyshev.times().iter().enumerate() {
+        let [q, slope, _] = path.basis.evaluate(&path.coefficients, time / horizon);
+        x.view_mut((0, node), (n, 1)).copy_from(&q);
+        x.view_mut((n, node), (n, 1)).copy_from(&(slope / horizon));
+    }
+    x.column_mut(0).copy_from_slice(problem.start());
+    x.column_mut(p).copy_from_slice(problem.goal());
+    Curve::new(chebyshev, x)
+}
+
+/// The configuration of a curve in a basis.
+fn path_of(curve: &Curve, basis: Basis) -> Path {
+    let (n, chebyshev) = (curve.dof(), curve.chebyshev());
+    let horizon = chebyshev.horizon();
+    let second = curve.x() * chebyshev.d2().transpose();
+    let mut weights = DVector::zeros(chebyshev.degree() + 1);
+    let coefficients = basis.fit(n, |time| {
+        let (x, xdot) = curve.at(time * horizon);
+        chebyshev.interpolation(time * horizon, &mut weights);
+        let a = second.rows(0, n) * &weights;
+        let part = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
+        [part(&x, 1.0), part(&xdot, horizon), a * horizon * horizon]
+    });
+    Path {
+        basis,
+        coefficients,
+    }
+}

@@ -1,0 +1,107 @@
+//! What can be asked of the relaxation, and what it says.
+
+use super::{Basis, Iteration};
+use crate::error::{Error, Result};
+use crate::pseudospectral::Curve;
+use crate::solve::Problem;
+
+/// How the relaxation is done.
+#[derive(Clone, Debug)]
+pub struct RelaxSettings {
+    /// The degree of the polynomial.
+    pub p: usize,
+    /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
+    pub tolerance: f64,
+    /// The most iterations at one degree and one quadrature.
+    pub iterations: usize,
+    /// How well the quadrature has to agree with a finer one, relative.
+    pub agreement: f64,
+    /// How many starts there are: the line, and bent ones.
+    pub starts: usize,
+    /// How far the bent ones are bent, rad or m.
+    pub bend: f64,
+    /// A curve to start from instead, at once at the degree `p`.
+    pub start: Option<Curve>,
+}
+
+impl Default for RelaxSettings {
+    fn default() -> Self {
+        Self {
+            p: 16,
+            tolerance: 1e-8,
+            iterations: 500,
+            agreement: 1e-3,
+            starts: 6,
+            bend: 1.0,
+            start: None,
+        }
+    }
+}
+
+impl RelaxSettings {
+    /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
+    pub const LARGEST_DEGREE: usize = 64;
+
+    /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 12, 16, 24, 32, 48, ... that are below.
+    pub(super) fn lower_degrees(&self) -> Vec<usize> {
+        let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
+        let rungs = [9, 12].into_iter().chain(doubling);
+        let below = rungs.take_while(|degree| *degree < self.p);
+        std::iter::once(self.p.min(6)).chain(below).collect()
+    }
+
+    /// # Errors
+    /// A setting is out of range.
+    pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
+        let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
+        let (smallest, largest) = (Basis::SMALLEST_DEGREE, Self::LARGEST_DEGREE);
+        if !(smallest..=largest).contains(&self.p) {
+            let range = format!("at least {smallest} and at most {largest} is needed");
+            return refuse("p", format!("it is {}, {range}", self.p));
+        }
+        for (what, value) in [("tolerance", self.tolerance), ("agreement", self.agreement)] {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(what, format!("it is {value}, a positive number is needed"));
+            }
+        }
+        if !self.bend.is_finite() {
+            return refuse(
+                "bend",
+                format!("it is {}, a finite number is needed", self.bend),
+            );
+        }
+        for (what, value) in [("starts", self.starts), ("iterations", self.iterations)] {
+            if value == 0 {
+                return refuse(what, "it is 0, at least 1 is needed".to_owned());
+            }
+        }
+        match &self.start {
+            Some(curve) => problem.model().check("start", curve.dof()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What came of a relaxation.
+#[derive(Clone, Debug)]
+pub struct RelaxSolution {
+    /// The motion, with $v = \dot q$.
+    pub curve: Curve,
+    /// The integral of the running cost, $\int |u|^2 dt$ unless it is another, by a quadrature finer than the one that was minimised.
+    pub cost: f64,
+    /// The relative gradient norm at the end; see [`Iteration::gradient_norm`].
+    pub gradient_norm: f64,
+    /// The smallest eigenvalue of the Hessian relative to the metric of Gauss and Newton: positive at a minimum, one for a
+    /// linear problem.
+    pub smallest_curvature: f64,
+    /// How many points the quadrature has.
+    pub points: usize,
+    /// How far the cost by this quadrature is from that by the finer one, relative.
+    pub quadrature_error: f64,
+    /// Whether the gradient norm came below the tolerance, and the quadrature agrees.
+    pub converged: bool,
+    /// The costs at the lowest degree, from all starts, ascending.
+    pub starts: Vec<f64>,
+    /// All iterations, of all starts and degrees.
+    pub iterations: Vec<Iteration>,
+}
