@@ -341,7 +341,7 @@ fn a_set_that_runs_out_of_time_is_a_row() {
     let rows = timeless(&sweep(&folder, &[], "results.csv"));
     assert_eq!(rows.len(), 61);
     for row in &rows[1..] {
-        let end = "line-configuration,,,time-limit,time limit of 0.000000001 s reached,,,,,,,,";
+        let end = "line-configuration,,,time-limit,time limit of 0.000000001 s reached,,,,,,,,,";
         assert!(row.ends_with(end), "{row}");
     }
 }

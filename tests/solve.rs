@@ -5,7 +5,7 @@ mod common;
 use aghf::aghf::jacobian::JacobianKind;
 use aghf::model::{Model, pendulum};
 use aghf::pseudospectral::{Chebyshev, Curve};
-use aghf::scenario::{Scenario, builtin_scenarios};
+use aghf::scenario::{Method, Scenario, SolveOptions, builtin_scenarios};
 use aghf::solve::{
     Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, Problem, flow, measure, sample,
     simulate,
@@ -287,13 +287,16 @@ fn bad_problems_and_settings_are_errors() {
     measure(&other, &consistent(&model, 0.1), 1.0).expect_err("another robot");
 }
 
-/// Acceptance: every built-in scenario is solved with the parameters in its file.
+/// Acceptance: the flow solves every built-in scenario with the parameters in its file.
 #[test]
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).expect("built in");
-        let outcome =
-            aghf::scenario::solve(&scenario, &Default::default(), &mut |_| ()).expect("valid");
+        let options = SolveOptions {
+            method: Method::Flow,
+            ..SolveOptions::default()
+        };
+        let outcome = aghf::scenario::solve(&scenario, &options, &mut |_| ()).expect("valid");
         let summary = outcome.summary;
         println!(
             "{name}: {:?} {:?}",

@@ -1,6 +1,6 @@
 //! Sweep files, rankings and tables of results.
 
-use aghf::report::sweep::{ranking, ranking_table, write_parquet};
+use aghf::report::sweep::{best, ranking, ranking_of, ranking_table, write_parquet};
 use aghf::scenario::sweep::{Row, RowOutcome, Sweep, builtin_sweeps};
 use parquet::file::reader::SerializedFileReader;
 use parquet::record::Field;
@@ -41,7 +41,7 @@ fn a_parquet_file_has_what_a_csv_has() {
         control_effort: Some(0.1),
         action: Some(-0.0),
         dynamics_defect: Some(f64::MAX),
-        smallest_clearance_m: None,
+        smallest_clearance_m: Some(-0.02),
         steps: Some(3),
         omega_evaluations: Some(4),
         jacobian_evaluations: Some(usize::MAX / 2),
@@ -112,6 +112,7 @@ fn the_ranking_is_by_success_then_time() {
             reason: None,
             control_effort: Some(effort),
             final_error_inf: Some(effort / 1e4),
+            smallest_clearance_m: Some(0.2 - seconds / 10.0),
             ..Row::failed(&grid, set, "", seconds)
         })
         .collect();
@@ -143,11 +144,26 @@ fn the_ranking_is_by_success_then_time() {
         (all[2].solve_seconds, all[3].solve_seconds),
         (Some(0.5), None)
     );
+    assert_eq!(
+        (all[0].smallest_clearance_m, all[3].smallest_clearance_m),
+        (Some(0.0), None),
+        "the smallest of those that succeed"
+    );
     let one = of("pendulum_2_swingup");
     assert_eq!(
         one.iter().map(|r| r.k).collect::<Vec<_>>(),
         [1e7, 1e4, 1e5, 1e3]
     );
+    // The same for a part of the scenarios, and of a table of which no other part is there.
+    let three: Vec<f64> = ranking_of(&grid, &rows[4..], "pendulum_3")
+        .iter()
+        .map(|r| r.k)
+        .collect();
+    assert_eq!(three, [1e4, 1e5, 1e3, 1e7]);
+    let all: Vec<_> = all.into_iter().cloned().collect();
+    let [fastest, least] = best(&all).expect("some succeed");
+    assert_eq!((fastest.k, least.k), (1e4, 1e5));
+    assert_eq!(best(&all[3..]), None, "none succeeds");
     let table = ranking_table(&ranked);
     let lines: Vec<Vec<_>> = table
         .lines()
@@ -155,6 +171,7 @@ fn the_ranking_is_by_success_then_time() {
         .collect();
     assert_eq!(lines[1][..6], ["all", "time", "100", "%", "7", "1e4"]);
     assert_eq!(lines[2][..6], ["all", "effort", "100", "%", "7", "1e5"]);
+    assert_eq!(lines[2].last(), Some(&"-0.2000"), "the clearance: {table}");
     assert_eq!(lines.len(), 7, "{table}");
 }
 
@@ -194,7 +211,7 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
         (
             "600",
             "600\nmethod = \"magic\"",
-            "grid.toml: method: ; unknown field",
+            "grid.toml: method: ; unknown field `method`",
         ),
         (
             "600",
@@ -204,7 +221,7 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
         (
             "600",
             "600\nk_cons = [1e5]",
-            "grid.toml: scenarios[0]: k_cons and c_cons: 'pendulum_2_swingup' has no obstacles",
+            "grid.toml: scenarios[0]: k_cons and c_cons: 'pendulum_2_swingup' has no constraints",
         ),
         ("600", "600\nc_cons = [0]", "grid.toml: c_cons[0]: it is 0"),
         (
@@ -238,7 +255,6 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
     );
 }
 
-/// Those with obstacles wait for their scenarios.
 #[test]
 fn the_tables_of_the_paper_are_built_in() {
     let tables = [
@@ -252,19 +268,9 @@ fn the_tables_of_the_paper_are_built_in() {
     ];
     assert!(builtin_sweeps().eq(tables.iter().map(|t| t.0)));
     for (name, scenarios, sets) in tables {
-        match Sweep::load(name) {
-            Ok(sweep) => {
-                assert_eq!(sweep.scenarios.len(), scenarios, "{name}");
-                assert_eq!(sweep.sets_a_scenario(), sets, "{name}");
-                assert_eq!(sweep.sets.len(), scenarios * sets);
-            }
-            Err(e) => {
-                let condition = format!("{name}: scenarios[0]: no built-in scenario matches");
-                assert!(
-                    e.to_string().starts_with(&condition) && name.ends_with("obstacles"),
-                    "{e}"
-                );
-            }
-        }
+        let sweep = Sweep::load(name).expect("built in");
+        assert_eq!(sweep.scenarios.len(), scenarios, "{name}");
+        assert_eq!(sweep.sets_a_scenario(), sets, "{name}");
+        assert_eq!(sweep.sets.len(), scenarios * sets);
     }
 }

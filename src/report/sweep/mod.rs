@@ -5,5 +5,5 @@ mod ranking;
 mod results;
 
 pub use columns::write_parquet;
-pub use ranking::{Ranked, ranking, ranking_table, write_ranking};
+pub use ranking::{Ranked, best, ranking, ranking_of, ranking_table, write_ranking};
 pub use results::{Results, merge, shard_files};

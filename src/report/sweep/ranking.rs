@@ -9,7 +9,8 @@ use comfy_table::CellAlignment;
 use serde::Serialize;
 use std::path::Path;
 
-/// How one set of parameters did in one scenario, or in all: means and largest errors are over the solves that succeeded.
+/// How one set of parameters did in one scenario, or in all: means, largest errors and the smallest clearance are over the solves
+/// that succeeded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
     /// The scenario, or `all`.
@@ -40,6 +41,8 @@ pub struct Ranked {
     pub final_error_inf: Option<f64>,
     /// Largest final error without.
     pub open_loop_error_inf: Option<f64>,
+    /// Smallest clearance in m, where there are obstacles.
+    pub smallest_clearance_m: Option<f64>,
 }
 
 /// The parameters of a sweep, best first, for all scenarios if there are several and then for each: those with the highest
@@ -56,6 +59,29 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
         ranking.extend(ranked(&scenario.name, &[rows]));
     }
     ranking
+}
+
+/// The same for those scenarios of a sweep whose names begin with `prefix`, taken together. `rows` are those of all their sets, and
+/// may be those of others, in order.
+#[must_use]
+pub fn ranking_of(sweep: &Sweep, rows: &[Row], prefix: &str) -> Vec<Ranked> {
+    let chosen = rows.iter().filter(|row| row.scenario.starts_with(prefix));
+    let rows: Vec<Row> = chosen.cloned().collect();
+    let scenarios: Vec<&[Row]> = rows.chunks(sweep.sets_a_scenario()).collect();
+    ranked(prefix, &scenarios)
+}
+
+/// The fastest set among those with the highest rate of success in a ranking of one group of scenarios, and the one of least
+/// effort; `None` where no set succeeds.
+#[must_use]
+pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
+    let fastest = ranking.first().filter(|r| r.success_rate > 0.0)?;
+    let effort = |r: &&Ranked| r.control_effort.unwrap_or(f64::INFINITY);
+    let least = (ranking
+        .iter()
+        .filter(|r| r.success_rate == fastest.success_rate))
+    .min_by(|a, b| effort(a).total_cmp(&effort(b)))?;
+    Some([fastest, least])
 }
 
 /// The ranking over scenarios whose rows are in the same order.
@@ -103,6 +129,7 @@ fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
         action: mean(|row| row.action),
         final_error_inf: largest(|row| row.final_error_inf),
         open_loop_error_inf: largest(|row| row.open_loop_error_inf),
+        smallest_clearance_m: largest(|row| row.smallest_clearance_m.map(|m| -m)).map(|m| -m),
     }
 }
 
@@ -140,18 +167,14 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
         "action",
         "final error",
         "open loop",
+        "clearance, m",
     ]);
     for group in ranking.chunk_by(|a, b| a.scenario == b.scenario) {
-        let most = group[0].success_rate;
-        let effort = |r: &&Ranked| r.control_effort.unwrap_or(f64::INFINITY);
-        let least = (group.iter().filter(|r| r.success_rate == most))
-            .min_by(|a, b| effort(a).total_cmp(&effort(b)));
-        if most == 0.0 {
+        let Some(best) = best(group) else {
             table.add_row([&group[0].scenario, "no set succeeds"]);
             continue;
-        }
-        for (by, r) in [("time", Some(&group[0])), ("effort", least)] {
-            let Some(r) = r else { continue };
+        };
+        for (by, r) in ["time", "effort"].into_iter().zip(best) {
             let optional = |x: Option<f64>, form: fn(f64) -> String| x.map_or("-".to_owned(), form);
             let exponent = |x: f64| format!("{x:e}");
             table.add_row([
@@ -169,6 +192,7 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
                 optional(r.action, short),
                 optional(r.final_error_inf, short),
                 optional(r.open_loop_error_inf, short),
+                optional(r.smallest_clearance_m, short),
             ]);
         }
     }

@@ -88,6 +88,13 @@ impl<'s> Results<'s> {
         missing.copied().collect()
     }
 
+    /// The rows that are there, in the order of the grid.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.1.values().cloned().collect()
+    }
+
     fn sets(&self) -> impl Iterator<Item = &'s ParameterSet> {
         let shard = self.shard;
         (self.sweep.sets.iter()).filter(move |set| shard.has(set.index))
