@@ -3,7 +3,10 @@
 mod command;
 
 use aghf::report::reproduce::fit::{polynomial, power_law, value};
-use aghf::report::reproduce::{Origin, Quantity, Reproduction, SYSTEMS, Settings, reproduce};
+use aghf::report::reproduce::{
+    GRIDS, Origin, Quantity, Reproduction, SYSTEMS, Settings, SystemResult, reproduce,
+};
+use aghf::scenario::Limit;
 use command::{aghf, assert_bad_input, empty_folder, files};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -134,7 +137,7 @@ fn a_report_on_pendulums_has_all_rows_and_files() {
         .collect::<Vec<_>>();
     assert_eq!(scenarios, names);
     assert!(
-        solves.iter().all(|r| &r[11] == "true"),
+        solves.iter().all(|r| &r[14] == "true"),
         "the built-in sets succeed"
     );
     let scaling = records(&folder.join("scaling.csv"));
@@ -164,25 +167,26 @@ fn a_report_on_pendulums_has_all_rows_and_files() {
     }
 }
 
+/// Whose sets, how many scenarios they solve, and the penalties of these.
+fn rows(reproduction: &Reproduction) -> Vec<(Vec<Origin>, usize, Vec<f64>)> {
+    let row = |s: &SystemResult| {
+        let successes = s.results.iter().filter(|r| r.success).count();
+        let penalties = s.results.iter().map(|r| r.file.flow.k).collect();
+        (s.origins.clone(), successes, penalties)
+    };
+    reproduction.systems.iter().map(row).collect()
+}
+
 /// The supplement's set for Digit does not reach one of the goals, so there is a second row with our own.
 #[test]
 fn a_system_is_solved_with_the_papers_set_and_with_our_own_where_they_differ() {
     let reproduction = run(&tiny("digit_free_"));
     assert!(reproduction.series.iter().all(|s| s.points.is_empty()));
-    let rows: Vec<_> = reproduction
-        .systems
-        .iter()
-        .map(|s| {
-            let successes = s.results.iter().filter(|r| r.success).count();
-            let penalties: Vec<f64> = s.results.iter().map(|r| r.file.flow.k).collect();
-            (s.origin, successes, penalties)
-        })
-        .collect();
     let expected = [
-        (Origin::Paper, 1, vec![1e7, 1e7]),
-        (Origin::Own, 2, vec![1e7, 1e8]),
+        (vec![Origin::Paper], 1, vec![1e7, 1e7]),
+        (vec![Origin::Own], 2, vec![1e7, 1e8]),
     ];
-    assert_eq!(rows, expected);
+    assert_eq!(rows(&reproduction), expected);
     let folder = empty_folder("reproduce_digit");
     reproduction.write(&folder).expect("writable");
     assert!(
@@ -194,7 +198,8 @@ fn a_system_is_solved_with_the_papers_set_and_with_our_own_where_they_differ() {
 /// Two robots determine a power but neither polynomial; the report leaves the cells empty.
 #[test]
 fn too_few_robots_have_no_polynomial() {
-    let reproduction = run(&tiny("kinova"));
+    let reproduction = run(&tiny("kinova_gen3"));
+    assert!(reproduction.systems.is_empty());
     for series in &reproduction.series {
         assert_eq!(series.points.len(), 1);
         assert_eq!((series.polynomial(), series.power_law()), (None, None));
@@ -204,8 +209,97 @@ fn too_few_robots_have_no_polynomial() {
         report.contains("| Jacobian, Theorem B4 |  |  |  | about N^3 |"),
         "{report}"
     );
+}
+
+/// Clearances and broken limits are those of the worst scenario, and a collision is no success.
+#[test]
+fn systems_with_obstacles_have_clearances() {
+    let reproduction = run(&tiny("kinova_obstacles_"));
+    let paper = vec![Origin::Paper, Origin::Own];
+    assert_eq!(rows(&reproduction), [(paper, 5, vec![1e9; 5])]);
+    let results = &reproduction.systems[0].results;
+    let clearances = results.iter().map(|r| r.feasibility.smallest_clearance_m);
+    let clearances: Vec<f64> = clearances.flatten().collect();
+    assert!(clearances.len() == 5 && clearances.iter().all(|m| *m > 0.0));
+    let smallest = clearances.into_iter().fold(f64::INFINITY, f64::min);
+    let beyond = results.iter().filter(|r| {
+        let violations = &r.feasibility.limit_violations;
+        violations.iter().any(|v| v.limit == Limit::Velocity)
+    });
+    let report = reproduction.markdown();
+    let start = "| Kinova, obstacles | paper; own | 8, 1e9, 0.1 (1e9, 1) | 5/5 |";
+    let row = report.lines().find(|l| l.starts_with(start));
+    let cells: Vec<&str> = row.expect(&report).split(" | ").collect();
+    assert_eq!(cells[9], format!("{smallest:.3}"));
+    let broken: Vec<&str> = cells[10].trim_end_matches(" |").split(", ").collect();
+    assert_eq!(broken[1], beyond.count().to_string(), "{report}");
+}
+
+/// Four sets, of which the fastest that succeeds and the one of least effort are found; what is solved is not solved again.
+#[test]
+fn best_sets_are_looked_for_in_a_grid() {
+    let folder = empty_folder("reproduce_grid");
+    let grid = folder.join("grid.toml");
+    let text =
+        "scenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntimeout_s = 60\nk = [1e5]\n";
+    let write = |p: &str, s_max: &str| {
+        let text = format!("{text}p = {p}\ns_max = {s_max}");
+        std::fs::write(&grid, text).expect("writable");
+    };
+    write("[4, 9]", "[1e-6, 100]");
+    let settings = Settings {
+        grids: vec![
+            "table_10_quick".to_owned(),
+            grid.to_str().expect("text").to_owned(),
+        ],
+        sweeps: folder.join("sweeps"),
+        ..tiny("pendulum_1_")
+    };
+    let found = run(&settings);
+    let [search] = &found.searches[..] else {
+        panic!("{:?}", found.searches);
+    };
+    assert_eq!((search.sweep.as_str(), search.sets), ("grid", 4));
+    assert!((1..4).contains(&search.succeeding), "{search:?}");
+    let [fastest, least] = search.best.as_ref().expect("some succeed");
+    // The longer the flow runs, the less is the effort.
+    assert_eq!(least.s_max, 100.0);
+    assert!(fastest.solve_seconds <= least.solve_seconds);
+    let origins: Vec<Origin> = (found.systems.iter())
+        .flat_map(|s| s.origins.clone())
+        .collect();
+    assert_eq!(origins, [Origin::Fastest, Origin::LeastEffort]);
+    let of_least = found.systems.last().expect("two origins");
+    assert!(of_least.results[0].success && of_least.results[0].file.flow.s_max == 100.0);
+    let report = found.markdown();
+    let row = format!("| pendulum, 1 link | grid | 4 | {} |", search.succeeding);
+    assert!(report.contains(&row), "{report}");
+
+    // The other scenario of the grid is not of this system, so its sets have no rows yet.
+    let results = folder.join("sweeps/grid/results.csv");
+    assert_eq!(records(&results).len(), 4);
+    let text = std::fs::read_to_string(&results).expect("it is there");
+    run(&settings);
+    let unchanged = || std::fs::read_to_string(&results).is_ok_and(|again| again == text);
+    assert!(unchanged(), "all was there");
+    let torn = &text[..text.len() - 20];
+    std::fs::write(&results, torn).expect("writable");
+    let again = run(&settings);
+    assert_eq!((records(&results).len(), unchanged()), (4, false));
+    assert_eq!(again.searches[0].succeeding, search.succeeding);
+
+    write("[9]", "[1]");
+    let error = reproduce(&settings, &mut |_| {}).expect_err("another grid");
+    assert!(error.to_string().contains("sweep.json: grid.p"), "{error}");
+    // A grid without a good set says so, and there is nothing to solve.
+    std::fs::remove_dir_all(folder.join("sweeps")).expect("it is there");
+    write("[4]", "[1e-6]");
+    let none = run(&settings);
+    assert!(none.searches[0].best.is_none() && none.systems.is_empty());
+    let row = "| pendulum, 1 link | grid | 1 | 0 |";
+    let report = none.markdown();
     assert!(
-        report.contains("| Kinova | 9, 1e9, 0.1 | 9, 1e9, 0.1 | 5/5 |"),
+        report.contains(row) && report.contains("| none succeeds |"),
         "{report}"
     );
 }
@@ -220,6 +314,7 @@ fn settings_that_measure_nothing_are_refused() {
             "settings: configurations: ; at least 1",
         ),
         ("--only submarine", "settings: only: ; submarine"),
+        ("--grid table_99", "table_99: sweep: there is neither"),
         ("--repetitions many", "--repetitions"),
     ] {
         let arguments: Vec<&str> = std::iter::once("reproduce")
@@ -256,8 +351,12 @@ fn the_command_prints_the_report_that_it_writes() {
         let words = format!("[default: {full}, quick: {quick}]");
         assert!(help.stdout.contains(&words), "{words} in {}", help.stdout);
     }
+    assert!(Settings::full().grids == GRIDS && Settings::quick().grids.is_empty());
     for word in [
         "--quick",
+        "--grid",
+        "--sweeps",
+        "[default: out/sweeps]",
         "--out",
         "--only",
         "figure_4.svg",

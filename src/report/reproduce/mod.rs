@@ -1,15 +1,17 @@
-//! The experiments of the paper's supplement, run anew: the solves of section C with their best sets, and the times of
-//! Figures 4 and 5.
+//! The experiments of the paper's supplement, run anew: the grid searches of Tables IX to XIII, the solves of section C with the
+//! best sets, and the times of Figures 4 and 5.
 
 pub mod fit;
 mod markdown;
 mod plot;
+mod searches;
 mod solves;
 mod systems;
 mod tables;
 mod timing;
 mod words;
 
+pub use searches::Search;
 pub use solves::{Origin, ScenarioResult, SystemResult};
 pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};
 pub use timing::{Quantity, Series, Times};
@@ -31,10 +33,24 @@ pub struct Settings {
     pub seed: u64,
     /// Only systems and robots whose names begin with this; all where it is empty.
     pub only: String,
+    /// Sweeps that are built in, or paths of TOML files: a system's best sets are looked for in the first that has all its
+    /// scenarios.
+    pub grids: Vec<String>,
+    /// The folder in which each sweep has its folder of results.
+    pub sweeps: PathBuf,
 }
 
+/// The sweeps of the paper's Tables IX to XIII.
+pub const GRIDS: [&str; 5] = [
+    "table_09_pendulums",
+    "table_10_kinova",
+    "table_11_digit",
+    "table_12_kinova_obstacles",
+    "table_13_digit_obstacles",
+];
+
 impl Settings {
-    /// As many configurations as the paper has.
+    /// The paper's grids, and as many configurations as the paper has.
     #[must_use]
     pub fn full() -> Self {
         Self {
@@ -42,15 +58,18 @@ impl Settings {
             configurations: 1000,
             seed: 1,
             only: String::new(),
+            grids: GRIDS.map(str::to_owned).into(),
+            sweeps: "out/sweeps".into(),
         }
     }
 
-    /// What tells the same in less than a minute.
+    /// Nothing is searched: the paper's best sets and our own, in about a minute.
     #[must_use]
     pub fn quick() -> Self {
         Self {
             repetitions: 9,
             configurations: 200,
+            grids: Vec::new(),
             ..Self::full()
         }
     }
@@ -86,6 +105,8 @@ impl Settings {
 pub struct Reproduction {
     /// How much was measured.
     pub settings: Settings,
+    /// The grid searches, for each system that has one.
+    pub searches: Vec<Search>,
     /// The solves.
     pub systems: Vec<SystemResult>,
     /// The times at a node; one series for each of [`Quantity::ALL`].
@@ -94,17 +115,22 @@ pub struct Reproduction {
     pub seconds: f64,
 }
 
-/// Runs the experiments, one after the other on one core; `progress` hears what is next.
+/// Runs the experiments: grids on all cores, going on where they were interrupted, and all that is timed one after the other on one
+/// core. `progress` hears what is next.
 ///
 /// # Errors
-/// Nothing is to be measured.
-pub fn reproduce(settings: &Settings, progress: &mut dyn FnMut(&str)) -> Result<Reproduction> {
+/// Nothing is to be measured, or a sweep cannot be loaded, or its results cannot be read or written.
+pub fn reproduce(
+    settings: &Settings,
+    progress: &mut (dyn FnMut(&str) + Send),
+) -> Result<Reproduction> {
     settings.check()?;
     let started = Instant::now();
-    let systems = solves::solves(settings, progress)?;
+    let (searches, systems) = solves::solves(settings, progress)?;
     let series = timing::scaling(settings, progress)?;
     Ok(Reproduction {
         settings: settings.clone(),
+        searches,
         systems,
         series,
         seconds: started.elapsed().as_secs_f64(),

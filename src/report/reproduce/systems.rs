@@ -1,16 +1,25 @@
 //! What the paper's experiments are about. A line each.
 
-use crate::scenario::FlowParameters;
+use crate::scenario::{FlowParameters, builtin_scenarios, generated_scenarios};
 
-/// A system of the paper's experiments and what the supplement says of it.
+/// A system of the paper's experiments, or a family of harder scenarios, and what the supplement says of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct System {
     /// Its name in the report.
     pub title: &'static str,
-    /// What the names of its scenarios, which are built in, begin with.
+    /// What the names of its scenarios, which are built in or generated, begin with.
     pub prefix: &'static str,
     /// The best set that the supplement prints, if it does.
     pub paper: Option<PaperSet>,
+}
+
+impl System {
+    /// The names of its scenarios.
+    pub fn scenarios(self) -> impl Iterator<Item = String> {
+        let builtin = builtin_scenarios().map(str::to_owned);
+        let all = builtin.chain(generated_scenarios());
+        all.filter(move |name| name.starts_with(self.prefix))
+    }
 }
 
 /// A best set as the supplement prints it, section C-C.
@@ -22,45 +31,65 @@ pub struct PaperSet {
     pub k: f64,
     /// How far the flow runs.
     pub s_max: f64,
+    /// Weight (A2) and sharpness (A3) of the constraints, where there are obstacles.
+    pub constraints: Option<(f64, f64)>,
 }
 
 impl PaperSet {
     /// This set, and `others` for what the supplement does not print.
     #[must_use]
     pub fn over(self, others: FlowParameters) -> FlowParameters {
+        let (k_cons, c_cons) = self.constraints.unwrap_or((others.k_cons, others.c_cons));
         FlowParameters {
             p: self.p,
             k: self.k,
             s_max: self.s_max,
-            ..others
+            guess: others.guess,
+            k_cons,
+            c_cons,
         }
     }
 }
 
 /// The systems, in the order of the report.
-pub const SYSTEMS: [System; 7] = [
+pub const SYSTEMS: [System; 13] = [
     system("pendulum, 1 link", "pendulum_1_", None),
     system("pendulum, 2 links", "pendulum_2_", None),
     system("pendulum, 3 links", "pendulum_3_", None),
     system("pendulum, 4 links", "pendulum_4_", None),
     system("pendulum, 5 links", "pendulum_5_", None),
-    system("Kinova", "kinova_free_", Some((9, 1e9, 0.1))),
-    system("Digit", "digit_free_", Some((6, 1e7, 1.0))),
+    system("Kinova", "kinova_free_", Some(set(9, 1e9, 0.1, None))),
+    system("Digit", "digit_free_", Some(set(6, 1e7, 1.0, None))),
+    system(
+        "Kinova, obstacles",
+        "kinova_obstacles_",
+        Some(set(8, 1e9, 0.1, Some((1e9, 1.0)))),
+    ),
+    system(
+        "Digit, obstacles",
+        "digit_obstacles_",
+        Some(set(6, 1e7, 1.0, Some((1e5, 200.0)))),
+    ),
+    system("Kinova, cross", "kinova_cross_", None),
+    system("Kinova, gap", "kinova_gap_", None),
+    system("Kinova, floor", "kinova_floor_", None),
+    system("Digit, box", "digit_box_", None),
 ];
 
-const fn system(
-    title: &'static str,
-    prefix: &'static str,
-    paper: Option<(usize, f64, f64)>,
-) -> System {
-    let paper = match paper {
-        Some((p, k, s_max)) => Some(PaperSet { p, k, s_max }),
-        None => None,
-    };
+const fn system(title: &'static str, prefix: &'static str, paper: Option<PaperSet>) -> System {
     System {
         title,
         prefix,
         paper,
+    }
+}
+
+const fn set(p: usize, k: f64, s_max: f64, constraints: Option<(f64, f64)>) -> PaperSet {
+    PaperSet {
+        p,
+        k,
+        s_max,
+        constraints,
     }
 }
 

@@ -1,6 +1,8 @@
 //! The measurements as comma-separated values, for other programs.
 
 use super::{Reproduction, Series, SystemResult};
+use crate::report::table::choice;
+use crate::scenario::Limit;
 use std::io::{Error, Result};
 
 /// A table as text.
@@ -28,39 +30,57 @@ pub(super) fn solves(systems: &[SystemResult]) -> Result<String> {
         "p",
         "k",
         "s_max",
+        "guess",
+        "k_cons",
+        "c_cons",
         "tolerance",
         "horizon_s",
         "kp",
         "kv",
         "success_threshold",
         "success",
+        "failure",
         "solve_s",
         "control_effort",
         "action",
         "open_loop_error_inf",
         "final_error_inf",
+        "smallest_clearance_m",
+        "joints_beyond_position",
+        "joints_beyond_velocity",
+        "joints_beyond_torque",
     ];
     let rows = systems.iter().flat_map(|system| {
         system.results.iter().map(|r| {
             let flow = r.file.flow;
+            let constrained = r.constrained();
+            let beyond = |limit| r.joints_beyond(limit).to_string();
             vec![
                 system.system.title.to_owned(),
-                system.origin.name().to_owned(),
+                system.origins(),
                 r.scenario.clone(),
                 flow.p.to_string(),
                 all(flow.k),
                 all(flow.s_max),
+                choice(&flow.guess),
+                all(constrained.then_some(flow.k_cons)),
+                all(constrained.then_some(flow.c_cons)),
                 all(r.tolerance),
                 all(r.file.horizon_s),
                 all(r.file.feedback.kp),
                 all(r.file.feedback.kv),
                 all(r.file.success_threshold),
                 r.success.to_string(),
+                r.failure.clone().unwrap_or_default(),
                 all(r.solve_seconds),
                 all(r.effort),
                 all(r.action),
                 all(r.open_loop_error),
                 all(r.feedback_error),
+                all(r.feasibility.smallest_clearance_m),
+                beyond(Limit::Position),
+                beyond(Limit::Velocity),
+                beyond(Limit::Torque),
             ]
         })
     });
