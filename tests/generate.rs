@@ -1,6 +1,7 @@
 //! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the same.
 
-use aghf::scenario::{FAMILIES, Scenario, ScenarioFile, generate, generated_scenarios};
+use aghf::aghf::constraint::{Ball, BuiltIn, Capsule, SphereBalls};
+use aghf::scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};
 
 /// The smallest clearance of configurations, m.
 fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
@@ -39,6 +40,37 @@ fn every_line_hits_something_between_free_ends() {
         names += 1;
     }
     assert_eq!(names, 10 * FAMILIES.len());
+}
+
+/// Capsules that share a ball leave the larger one.
+#[test]
+fn the_balls_of_a_scenario_cover_its_links() {
+    for name in ["kinova_cross_01", "digit_box_01"] {
+        let scenario = Scenario::load(name).expect("it can be generated");
+        let constraints = scenario.state_constraints().expect("good");
+        let [BuiltIn::Spheres(SphereBalls { balls, .. })] = &constraints[..] else {
+            panic!("{name}: {constraints:?}");
+        };
+        let RobotShape::SweptLinks {
+            radius_m,
+            spacing_m,
+        } = scenario.file.robot_shape
+        else {
+            panic!("{name}: the whole robot is meant");
+        };
+        let mut shared = 0;
+        for capsule in Capsule::along_links(&scenario.model, radius_m) {
+            for ball in capsule.balls(spacing_m).expect("positive") {
+                let there = |b: &Ball| (b.body, b.centre) == (ball.body, ball.centre);
+                let known: Vec<_> = balls.iter().filter(|b| there(b)).collect();
+                assert_eq!(known.len(), 1, "{name}");
+                assert!(known[0].radius >= ball.radius, "{name}");
+                shared += usize::from(known[0].radius > ball.radius);
+            }
+        }
+        println!("{name}: {shared} shared");
+        assert!(shared > 0 || name.starts_with("kinova"), "{name}");
+    }
 }
 
 #[test]

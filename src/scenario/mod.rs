@@ -1,4 +1,4 @@
-//! Problems as files, and what came of solving them.
+#![doc = include_str!("keys.md")]
 
 mod builtin;
 mod feasibility;

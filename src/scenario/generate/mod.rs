@@ -67,7 +67,7 @@ const KINOVA: Family = Family {
     attempt: kinova::cross,
 };
 
-/// The families of generated scenarios, [`LISTED`] of each.
+/// The families of generated scenarios, ten of each are listed.
 pub const FAMILIES: [Family; 4] = [
     Family {
         name: "kinova_cross",
