@@ -90,9 +90,9 @@ impl Feasibility {
         })
     }
 
-    /// Whether nothing is hit and the limits that the scenario enforces are kept, these within `tolerance`.
+    /// Whether nothing is hit by more than `depth` and the limits that the scenario enforces are kept within `tolerance`.
     #[must_use]
-    pub fn holds(&self, scenario: &Scenario, tolerance: f64) -> bool {
+    pub fn holds(&self, scenario: &Scenario, depth: f64, tolerance: f64) -> bool {
         let enforced = scenario.file.enforced_limits;
         let broken = |violation: &LimitViolation| {
             let enforced = match violation.limit {
@@ -102,7 +102,7 @@ impl Feasibility {
             };
             enforced && violation.by > tolerance
         };
-        self.smallest_clearance_m.is_none_or(|m| m >= 0.0)
+        self.smallest_clearance_m.is_none_or(|m| m >= -depth)
             && !self.limit_violations.iter().any(broken)
     }
 }

@@ -71,10 +71,14 @@ impl SolveOptions {
         }
     }
 
-    /// The settings of the relaxation: these options, and its defaults where there are none.
+    /// The settings of the relaxation for `scenario`: these options, and its defaults where there are none.
     #[must_use]
-    pub fn relax_settings(&self) -> RelaxSettings {
-        let default = RelaxSettings::default();
+    pub fn relax_settings(&self, scenario: &Scenario) -> RelaxSettings {
+        let default = if scenario.is_free() {
+            RelaxSettings::default()
+        } else {
+            RelaxSettings::constrained()
+        };
         RelaxSettings {
             p: self.p.unwrap_or(default.p),
             tolerance: self.tolerance.unwrap_or(default.tolerance),

@@ -7,13 +7,13 @@ use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
     Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings, RelaxSolution,
-    flow, flow_constrained, measure, relax, sample, simulate,
+    Requirements, flow, flow_constrained, measure, relax, relax_constrained, sample, simulate,
 };
 use std::time::Instant;
 
 /// At how many intervals of time feasibility is looked at.
 const INTERVALS: usize = 2000;
-/// By how much a limit that is enforced may be exceeded, in its own unit: penalties give way a little.
+/// By how much a limit that is enforced may be exceeded after the flow, in its own unit: penalties give way a little.
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
 /// How far a solve has come.
@@ -50,7 +50,7 @@ pub fn solve(
     options.check()?;
     match options.method {
         Method::Flow => solve_by_flow(scenario, options, observe),
-        Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(), observe),
+        Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(scenario), observe),
     }
 }
 
@@ -131,9 +131,16 @@ fn solve_by_relaxation(
 ) -> Result<Outcome> {
     let problem = scenario.problem()?;
     let started = Instant::now();
-    let solution = relax(&problem, settings, &mut |iteration| {
-        observe(Record::Relax(*iteration));
-    })?;
+    let requirements = Requirements {
+        state: scenario.state_constraints()?,
+        torque: scenario.torque_limits(),
+    };
+    let observe = &mut |iteration: &Iteration| observe(Record::Relax(*iteration));
+    let solution = if scenario.is_free() {
+        relax(&problem, settings, observe)?
+    } else {
+        relax_constrained(&problem, settings, &requirements, observe)?
+    };
     let solve_seconds = started.elapsed().as_secs_f64();
     let failure = failure_of(&solution, settings);
     let RelaxSolution {
@@ -143,6 +150,7 @@ fn solve_by_relaxation(
         tolerance: settings.tolerance,
         gradient_norm: solution.gradient_norm,
         smallest_curvature: solution.smallest_curvature,
+        largest_violation: (!scenario.is_free()).then_some(solution.largest_violation),
         quadrature_points: solution.points,
         efforts_of_starts: solution.starts,
         iterations: iterations.len(),
@@ -159,8 +167,14 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         gradient_norm,
         quadrature_error,
         smallest_curvature,
+        largest_violation,
         ..
     } = solution;
+    if *largest_violation > RelaxSettings::FEASIBLE {
+        return Some(format!(
+            "no start led to a motion within the constraints: the largest violation is {largest_violation:.1e}"
+        ));
+    }
     if !converged {
         let (tolerance, agreement) = (settings.tolerance, settings.agreement);
         return Some(format!(
@@ -194,15 +208,25 @@ fn outcome_of(
     let success_threshold = scenario.file.success_threshold;
     let reached = final_error_inf.is_some_and(|e| e < success_threshold);
     let feasibility = Feasibility::of(scenario, &sample(model, &curve, INTERVALS)?)?;
+    let (method, feasible) = match details {
+        Details::Flow(_) => (
+            Method::Flow,
+            feasibility.holds(scenario, 0.0, LIMIT_TOLERANCE),
+        ),
+        Details::Relax(_) => {
+            let tolerance = RelaxSettings::FEASIBLE;
+            (
+                Method::Relax,
+                feasibility.holds(scenario, tolerance, tolerance),
+            )
+        }
+    };
     let summary = Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
-        method: match details {
-            Details::Flow(_) => Method::Flow,
-            Details::Relax(_) => Method::Relax,
-        },
+        method,
         p: curve.chebyshev().degree(),
-        success: failure.is_none() && reached && feasibility.holds(scenario, LIMIT_TOLERANCE),
+        success: failure.is_none() && reached && feasible,
         success_threshold,
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,

@@ -110,6 +110,8 @@ pub struct RelaxDetails {
     pub gradient_norm: f64,
     /// The smallest eigenvalue of the Hessian in the metric of Gauss and Newton: positive at a minimum.
     pub smallest_curvature: f64,
+    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    pub largest_violation: Option<f64>,
     /// Points of the quadrature.
     pub quadrature_points: usize,
     /// The efforts that the starts came to at the lowest degree, ascending.

@@ -35,6 +35,10 @@ impl<C: Scalar> Constraint<C> for BuiltIn<C> {
         each!(self, it => it.value(at, g))
     }
 
+    fn slopes(&self, slopes: &mut [C]) {
+        each!(self, it => it.slopes(slopes));
+    }
+
     fn contract<S: Over<C>>(
         &self,
         at: &State<'_, C, S>,

@@ -48,6 +48,12 @@ pub trait Constraint<C: Scalar = f64> {
     /// The constraint is for another robot.
     fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()>;
 
+    /// How fast each row grows at its boundary with what it bounds, in rad, rad/s or m, into `slopes`, which has
+    /// [`rows`](Self::rows) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
+    fn slopes(&self, slopes: &mut [C]) {
+        slopes.fill(C::one());
+    }
+
     /// Adds to `out` the contractions with the weights of its rows. By dual numbers of the value unless overridden:
     /// `N / 2` evaluations with four tangents for the gradient, about $N^2 / 2$ with nine numbers each for the Hessian.
     ///

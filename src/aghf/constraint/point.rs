@@ -87,6 +87,15 @@ impl<C: Scalar> Constraint<C> for SphereBalls<C> {
         Ok(())
     }
 
+    /// $2 (r + \rho)$, as $g$ is about that times the depth.
+    fn slopes(&self, slopes: &mut [C]) {
+        let balls = self.balls.iter();
+        let reaches = balls.flat_map(|b| self.spheres.iter().map(|s| s.radius + b.radius));
+        for (slope, reach) in slopes.iter_mut().zip(reaches) {
+            *slope = reach + reach;
+        }
+    }
+
     /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.
     fn contract<S: Over<C>>(
         &self,

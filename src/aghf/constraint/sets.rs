@@ -27,6 +27,12 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         self.1.value(at, b)
     }
 
+    fn slopes(&self, slopes: &mut [C]) {
+        let (a, b) = slopes.split_at_mut(self.0.rows());
+        self.0.slopes(a);
+        self.1.slopes(b);
+    }
+
     fn contract<S: Over<C>>(
         &self,
         at: &State<'_, C, S>,
@@ -54,6 +60,14 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         Ok(())
     }
 
+    fn slopes(&self, mut slopes: &mut [C]) {
+        for constraint in self {
+            let (own, rest) = slopes.split_at_mut(constraint.rows());
+            constraint.slopes(own);
+            slopes = rest;
+        }
+    }
+
     fn contract<S: Over<C>>(
         &self,
         at: &State<'_, C, S>,
@@ -79,6 +93,10 @@ macro_rules! behind {
 
             fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
                 (**self).value(at, g)
+            }
+
+            fn slopes(&self, slopes: &mut [C]) {
+                (**self).slopes(slopes);
             }
 
             fn contract<S: Over<C>>(

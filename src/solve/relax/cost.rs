@@ -75,6 +75,7 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     id: InverseDynamicsDerivatives<S>,
     second: ContractedHessian<S>,
     weights: DVector<S>,
+    stiffness: DVector<S>,
     jacobian: DMatrix<S>,
     transposed: DMatrix<S>,
 }
@@ -90,21 +91,29 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             id: InverseDynamicsDerivatives::new(n),
             second: ContractedHessian::new(n),
             weights: DVector::zeros(n),
+            stiffness: DVector::zeros(n),
             jacobian: DMatrix::zeros(n, 3 * n),
             transposed: DMatrix::zeros(3 * n, n),
         }
     }
-}
 
-impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
-    fn value(&mut self, point: Point<'_, S>) -> Result<S> {
+    /// $u$ at a point.
+    pub(super) fn control(&mut self, point: Point<'_, S>) -> Result<&DVector<S>> {
         let Point { q, v, a, .. } = point;
         let u = self.weights.as_mut_slice();
         rnea(self.model, &mut self.data, q, v, a, u)?;
-        Ok(self.weights.dot(&self.weights))
+        Ok(&self.weights)
     }
 
-    fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
+    /// The derivatives of the effort and of another cost of the control alone, and the effort. `charge` is handed `u` and adds
+    /// what the other cost has as first and second derivatives, the latter with their own joint only; it says whether it has
+    /// any of the second. The metric is that of the effort.
+    pub(super) fn derivatives_charging(
+        &mut self,
+        point: Point<'_, S>,
+        out: &mut PointDerivatives<S>,
+        charge: impl FnOnce(&[S], &mut [S], &mut [S]) -> bool,
+    ) -> Result<S> {
         let n = self.model.dof();
         let Point { q, v, a, .. } = point;
         rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
@@ -116,11 +125,21 @@ impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
         self.jacobian.transpose_to(&mut self.transposed);
         self.weights.copy_from(tau);
         self.weights *= two;
+        self.stiffness.fill(S::zero());
+        let (first, second) = (&mut self.weights, &mut self.stiffness);
+        let stiff = charge(tau.as_slice(), first.as_mut_slice(), second.as_mut_slice());
         out.gradient
             .gemv(S::one(), &self.transposed, &self.weights, S::zero());
         out.metric
             .gemm(two, &self.transposed, &self.jacobian, S::zero());
         out.hessian.copy_from(&out.metric);
+        if stiff {
+            for (mut row, c) in self.jacobian.row_iter_mut().zip(self.stiffness.iter()) {
+                row *= *c;
+            }
+            out.hessian
+                .gemm(S::one(), &self.transposed, &self.jacobian, S::one());
+        }
 
         let w = self.weights.as_slice();
         rnea_contracted_hessian(self.model, &mut self.data, q, v, a, w, &mut self.second)?;
@@ -140,5 +159,26 @@ impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
             }
         }
         Ok(tau.dot(tau))
+    }
+}
+
+impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
+    fn value(&mut self, point: Point<'_, S>) -> Result<S> {
+        let u = self.control(point)?;
+        Ok(u.dot(u))
+    }
+
+    fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
+        self.derivatives_charging(point, out, |_, _, _| false)
+    }
+}
+
+impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
+    fn value(&mut self, point: Point<'_, S>) -> Result<S> {
+        (**self).value(point)
+    }
+
+    fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
+        (**self).derivatives(point, out)
     }
 }

@@ -127,7 +127,7 @@ pub(super) fn settle<P: PointCost<f64> + Clone>(
             &mut objective,
             coefficients,
             level.stop,
-            &mut judge,
+            &mut |curve, cost, end| judge.finds_coarse(curve, cost, end),
             observe,
         )?;
         let Minimum {

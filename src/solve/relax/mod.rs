@@ -4,18 +4,23 @@
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
 //! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
 
+mod augmented;
 mod basis;
 mod block_tridiagonal;
+mod constrained;
 mod cost;
 mod grid;
 mod ladder;
 mod newton;
 mod objective;
+mod scan;
 mod settings;
 mod trust_region;
 
+pub use augmented::{Augmented, Requirements};
 pub use basis::Basis;
 pub use block_tridiagonal::BlockTridiagonal;
+pub use constrained::relax_constrained;
 pub use cost::{Point, PointCost, PointDerivatives, SquaredControl};
 pub use grid::Grid;
 pub use newton::Iteration;
@@ -115,6 +120,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         cost: found.cost,
         gradient_norm: found.gradient_norm,
         smallest_curvature: found.smallest_curvature,
+        largest_violation: 0.0,
         points: found.points,
         quadrature_error: found.quadrature_error,
         converged: found.converged,

@@ -78,7 +78,7 @@ pub(super) struct Judge<'g, P> {
 
 impl<P: PointCost<f64>> Judge<'_, P> {
     /// Whether the quadrature is too coarse for this curve, which it says costs `cost`. On the way less is asked than at the `end`.
-    fn finds_coarse(&mut self, curve: &DMatrix<f64>, cost: f64, end: bool) -> Result<bool> {
+    pub fn finds_coarse(&mut self, curve: &DMatrix<f64>, cost: f64, end: bool) -> Result<bool> {
         self.cost = self.finer.value(curve)?;
         let agreement = if end {
             self.agreement
@@ -109,13 +109,14 @@ impl Newton {
         }
     }
 
-    /// Minimises `objective` from `coefficients`, looking at its quadrature with `judge` now and then.
+    /// Minimises `objective` from `coefficients`, asking `coarse` now and then whether its quadrature is: of a curve, its cost, and whether
+    /// it is where the search ends.
     pub fn minimise<P: PointCost<f64>>(
         &mut self,
         objective: &mut Objective<'_, f64, P>,
         mut coefficients: DMatrix<f64>,
         stop: Stop,
-        judge: &mut Judge<'_, P>,
+        coarse: &mut dyn FnMut(&DMatrix<f64>, f64, bool) -> Result<bool>,
         observe: &mut dyn FnMut(Iteration),
     ) -> Result<Minimum> {
         let (mut region, mut steps) = (Region::default(), 0);
@@ -135,7 +136,7 @@ impl Newton {
             let converged = gradient_norm <= stop.tolerance;
             let last = converged || steps == stop.iterations;
             let look = last || steps % LOOK == LOOK - 1;
-            let mut end = match look && judge.finds_coarse(&coefficients, cost, last)? {
+            let mut end = match look && coarse(&coefficients, cost, last)? {
                 true => Some(End::Coarse),
                 false if converged => Some(End::Converged),
                 false if last => Some(End::Stalled),

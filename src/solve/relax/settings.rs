@@ -41,6 +41,17 @@ impl Default for RelaxSettings {
 impl RelaxSettings {
     /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
     pub const LARGEST_DEGREE: usize = 64;
+    /// What a motion may exceed its constraints by, in rad, rad/s, m, N m or N.
+    pub const FEASIBLE: f64 = 1e-6;
+
+    /// The defaults within constraints: the gradient norm is 1e-6, since large multipliers leave no more digits.
+    #[must_use]
+    pub fn constrained() -> Self {
+        Self {
+            tolerance: 1e-6,
+            ..Self::default()
+        }
+    }
 
     /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 12, 16, 24, 32, 48, ... that are below.
     pub(super) fn lower_degrees(&self) -> Vec<usize> {
@@ -94,6 +105,8 @@ pub struct RelaxSolution {
     /// The smallest eigenvalue of the Hessian relative to the metric of Gauss and Newton: positive at a minimum, one for a
     /// linear problem.
     pub smallest_curvature: f64,
+    /// By how much the worst constraint is broken at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
+    pub largest_violation: f64,
     /// How many points the quadrature has.
     pub points: usize,
     /// How far the cost by this quadrature is from that by the finer one, relative.

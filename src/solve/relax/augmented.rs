@@ -1,0 +1,221 @@
+//! What is asked of a motion besides little effort, as an augmented Lagrangian.
+
+use super::{Point, PointCost, PointDerivatives, SquaredControl};
+use crate::aghf::TorqueLimits;
+use crate::aghf::constraint::{Constraint, Evaluator, Weights};
+use crate::error::{Result, check_length};
+use crate::model::Model;
+
+/// What a motion has to keep at every time.
+#[derive(Clone, Debug)]
+pub struct Requirements<K> {
+    /// Constraints on $x = [q; v]$.
+    pub state: K,
+    /// Limits on $u$; no entries where there are none.
+    pub torque: TorqueLimits,
+}
+
+impl<K: Constraint> Requirements<K> {
+    /// How many rows there are at each time: those of the state, then those of the control.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.state.rows() + self.torque.rows()
+    }
+}
+
+/// The rows of requirements at single points, in their own units and relative to their scales.
+#[derive(Clone, Debug)]
+pub(super) struct Rows<'a, K> {
+    pub requirements: &'a Requirements<K>,
+    pub effort: SquaredControl<'a, f64, f64>,
+    evaluator: Evaluator<'a, f64, f64>,
+    /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
+    scales: Vec<f64>,
+    /// One of the multiplied row in rad, rad/s, m, N m or N.
+    pub units: Vec<f64>,
+    x: Vec<f64>,
+}
+
+impl<'a, K: Constraint> Rows<'a, K> {
+    pub fn new(model: &'a Model, requirements: &'a Requirements<K>) -> Result<Self> {
+        let Requirements { state, torque } = requirements;
+        if torque.rows() > 0 {
+            check_length("torque limits", model.dof(), torque.0.len())?;
+        }
+        let mut slopes = vec![1.0; state.rows()];
+        state.slopes(&mut slopes);
+        let limits = torque.0.iter().flatten().flat_map(|limit| [*limit; 2]);
+        let units = slopes.iter().map(|_| 1.0).chain(limits.clone());
+        Ok(Self {
+            requirements,
+            effort: SquaredControl::new(model),
+            evaluator: Evaluator::new(model),
+            units: units.collect(),
+            scales: slopes.into_iter().chain(limits).map(f64::recip).collect(),
+            x: vec![0.0; 2 * model.dof()],
+        })
+    }
+
+    pub fn count(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// All rows at a point into `h`, and the effort there.
+    pub fn at(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<f64> {
+        self.of_state(point, h)?;
+        let states = self.requirements.state.rows();
+        let u = self.effort.control(point)?;
+        if self.requirements.torque.rows() > 0 {
+            let torque = &self.requirements.torque;
+            torque.value(u.as_slice(), &mut h[states..])?;
+            for (h, scale) in h[states..].iter_mut().zip(&self.scales[states..]) {
+                *h *= scale;
+            }
+        }
+        Ok(u.dot(u))
+    }
+
+    /// The same without the effort, which costs nothing where only the state has constraints.
+    pub fn of_all(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<()> {
+        if self.requirements.torque.rows() > 0 {
+            self.at(point, h)?;
+            Ok(())
+        } else {
+            self.of_state(point, h)
+        }
+    }
+
+    /// The rows of the state alone.
+    pub fn of_state(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<()> {
+        let n = point.q.len();
+        self.x[..n].copy_from_slice(point.q);
+        self.x[n..].copy_from_slice(point.v);
+        let states = self.requirements.state.rows();
+        let placed = self.evaluator.at(&self.x)?;
+        placed.value(&self.requirements.state, &mut h[..states])?;
+        for (h, scale) in h[..states].iter_mut().zip(&self.scales) {
+            *h *= scale;
+        }
+        Ok(())
+    }
+}
+
+/// The effort and, for the rows $h_j \le 0$ at each point with multipliers $\lambda_j$ of their own,
+///
+/// $$ l = |u|^2 + \frac{1}{2 \rho} \sum_j \max(0, \lambda_j + \rho (h_j + m_j))^2 . $$
+///
+/// This is the augmented Lagrangian of Powell, Hestenes and Rockafellar (Nocedal and Wright, *Numerical Optimization*, 17.4) less the
+/// $\lambda_j^2 / 2 \rho$, which do not depend on the curve. A row $h_j$ is a row of the constraints divided by its
+/// [slope](Constraint::slopes), or a torque above its limit divided by the limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it.
+#[derive(Clone, Debug)]
+pub struct Augmented<'a, K> {
+    pub(super) rows: Rows<'a, K>,
+    /// $\rho$.
+    pub rho: f64,
+    /// $\lambda$, row by row for each point.
+    pub multipliers: Vec<f64>,
+    /// $m$, likewise.
+    pub margins: Vec<f64>,
+    h: Vec<f64>,
+    w: Vec<f64>,
+    c: Vec<f64>,
+}
+
+impl<'a, K: Constraint> Augmented<'a, K> {
+    /// Without multipliers at so many points.
+    ///
+    /// # Errors
+    /// The torque limits are those of another robot.
+    pub fn new(
+        model: &'a Model,
+        requirements: &'a Requirements<K>,
+        rho: f64,
+        points: usize,
+    ) -> Result<Self> {
+        Ok(Self::of(Rows::new(model, requirements)?, rho, points))
+    }
+
+    /// The same of rows that are there already.
+    pub(super) fn of(rows: Rows<'a, K>, rho: f64, points: usize) -> Self {
+        let zeros = vec![0.0; rows.count()];
+        let all = vec![0.0; rows.count() * points];
+        Self {
+            rows,
+            rho,
+            multipliers: all.clone(),
+            margins: all,
+            h: zeros.clone(),
+            w: zeros.clone(),
+            c: zeros,
+        }
+    }
+
+    /// What row `row` of `h` pulls with: the multiplier that it would get at point `index`.
+    pub(super) fn pull(&self, index: usize, row: usize, h: f64) -> f64 {
+        let at = index * self.h.len() + row;
+        (self.multipliers[at] + self.rho * (h + self.margins[at])).max(0.0)
+    }
+}
+
+impl<K: Constraint> PointCost<f64> for Augmented<'_, K> {
+    fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let effort = self.rows.at(point, &mut self.h)?;
+        let pulls = (0..self.h.len()).map(|j| self.pull(point.index, j, self.h[j]));
+        Ok(effort + pulls.map(|w| w * w).sum::<f64>() / (2.0 * self.rho))
+    }
+
+    fn derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+    ) -> Result<f64> {
+        let (n, rho) = (point.q.len(), self.rho);
+        let Requirements { state, torque } = self.rows.requirements;
+        let states = state.rows();
+        self.rows.of_state(point, &mut self.h)?;
+        let (mut charged, mut active) = (0.0, false);
+        for j in 0..states {
+            let (w, scale) = (self.pull(point.index, j, self.h[j]), self.rows.scales[j]);
+            charged += w * w;
+            active |= w > 0.0;
+            self.w[j] = w * scale;
+            self.c[j] = if w > 0.0 { rho * scale * scale } else { 0.0 };
+        }
+        let own = point.index * self.h.len() + states..(point.index + 1) * self.h.len();
+        let (multipliers, margins) = (&self.multipliers[own.clone()], &self.margins[own]);
+        let effort = self
+            .rows
+            .effort
+            .derivatives_charging(point, out, |u, first, second| {
+                let limited = torque.0.iter().enumerate();
+                let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
+                let mut stiff = false;
+                for (k, (i, limit)) in limited.enumerate() {
+                    for (j, sign) in [(2 * k, 1.0), (2 * k + 1, -1.0)] {
+                        let h = (sign * u[i] - limit) / limit + margins[j];
+                        let w = multipliers[j] + rho * h;
+                        if w > 0.0 {
+                            charged += w * w;
+                            first[i] += sign * w / limit;
+                            second[i] += rho / (limit * limit);
+                            stiff = true;
+                        }
+                    }
+                }
+                stiff
+            })?;
+        if active {
+            let weights = Weights {
+                w: &self.w[..states],
+                c: Some(&self.c[..states]),
+            };
+            let mut placed = self.rows.evaluator.at(&self.rows.x)?;
+            let pull = placed.contract(state, weights)?;
+            let mut gradient = out.gradient.rows_mut(0, 2 * n);
+            gradient += pull.gradient();
+            let mut hessian = out.hessian.view_mut((0, 0), (2 * n, 2 * n));
+            hessian += pull.hessian();
+        }
+        Ok(effort + charged / (2.0 * rho))
+    }
+}

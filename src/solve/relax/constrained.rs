@@ -1,0 +1,381 @@
+//! Least effort within constraints: an augmented Lagrangian about Newton's method.
+
+use super::augmented::{Augmented, Requirements, Rows};
+use super::ladder::{Path, line};
+use super::newton::{End, Newton, Stop};
+use super::scan::{Peak, Scan, rows_on};
+use super::{
+    Basis, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
+};
+use crate::aghf::constraint::Constraint;
+use crate::error::Result;
+use crate::solve::Problem;
+use nalgebra::DMatrix;
+
+const FEASIBLE: f64 = RelaxSettings::FEASIBLE;
+/// How far the rows are kept on the safe side, relative to their scale, so that rounding does not put the end outside.
+const RESERVE: f64 = 2e-7;
+/// Points to start with for each degree.
+const POINTS: usize = 3;
+/// How many intervals between two points are looked at.
+const SCAN: usize = 6;
+/// The last look is at so many intervals at least.
+const FINE: usize = 2400;
+/// Rows below this are of no interest, relative to their scale.
+const FLOOR: f64 = -0.05;
+/// The violation has to shrink by this in a round, or else the weight grows.
+const SHRINK: f64 = 0.3;
+/// By how much.
+const GROWTH: f64 = 4.0;
+/// A violation of this, relative to the scale of the rows, costs at first what the effort does.
+const DEPTH: f64 = 0.05;
+/// Below this violation the look is fine.
+const NEAR: f64 = 1e-4;
+/// How many of the candidates go up the ladder at most.
+const TRIED: usize = 3;
+/// After so many rounds in which nothing became better the constraints are taken to exclude each other.
+const PATIENCE: usize = 8;
+/// The most iterations in a round.
+const ITERATIONS: usize = 60;
+
+/// What is asked of one level of the ladder.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    /// Rounds of multipliers.
+    rounds: usize,
+    /// Gradient norm and iterations of each round.
+    stop: Stop,
+    agreement: f64,
+    /// Whether all has to be right at the end.
+    last: bool,
+}
+
+const LOWER: Level = Level {
+    rounds: 3,
+    stop: Stop {
+        tolerance: 0.1,
+        iterations: 12,
+    },
+    agreement: 0.05,
+    last: false,
+};
+
+/// A curve with the multipliers that hold it.
+#[derive(Clone, Debug)]
+struct Held {
+    path: Path,
+    times: Vec<f64>,
+    multipliers: Vec<f64>,
+    rho: f64,
+    effort: f64,
+    violation: f64,
+    gradient_norm: f64,
+    smallest_curvature: f64,
+    points: usize,
+    quadrature_error: f64,
+    converged: bool,
+}
+
+/// Finds a motion of locally least control effort that keeps `requirements` at all times. `observe` is called after each
+/// iteration.
+///
+/// As [`relax`](super::relax), with starts that bend around obstacles in different ways; the best goes up the ladder of degrees, and
+/// the next best where it does not end within the constraints. These are kept exactly: each point of the quadrature has
+/// multipliers, and what a row exceeds between the points is added to it at the points beside.
+///
+/// # Errors
+/// A setting is out of range, or requirements or start are for another robot. A search that ends outside the constraints or before
+/// its tolerance is a solution that says so.
+pub fn relax_constrained<K: Constraint + Clone>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    requirements: &Requirements<K>,
+    observe: &mut dyn FnMut(&Iteration),
+) -> Result<RelaxSolution> {
+    settings.check(problem)?;
+    let mut rows = Rows::new(problem.model(), requirements)?;
+    let mut iterations = Vec::new();
+    let mut log = |iteration: Iteration| {
+        observe(&iteration);
+        iterations.push(iteration);
+    };
+    let basis = |degree| Basis::new(1, degree, false);
+    let highest = Level {
+        rounds: 40,
+        stop: Stop {
+            tolerance: settings.tolerance,
+            iterations: settings.iterations.min(ITERATIONS),
+        },
+        agreement: settings.agreement,
+        last: true,
+    };
+    // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
+    let possible = at_ends(problem, &mut rows)? <= FEASIBLE;
+    let highest = if possible { highest } else { LOWER };
+    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
+    let mut candidates = Vec::new();
+    match (&settings.start, lower.split_first()) {
+        (Some(curve), _) => candidates.push(Held::free(path_of(curve, basis(settings.p)))),
+        (None, None) => candidates.push(Held::free(line(problem, basis(settings.p)))),
+        (None, Some((first, _))) => {
+            let line = line(problem, basis(*first));
+            let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
+            for path in [line.clone()].into_iter().chain(bent) {
+                candidates.push(hold(problem, &rows, Held::free(path), LOWER, &mut log)?);
+            }
+            candidates.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+            starts = candidates.iter().map(|c| c.effort).collect();
+        }
+    }
+    let rungs = lower.get(1..).unwrap_or_default();
+    let mut best: Option<Held> = None;
+    let tried = if possible { TRIED } else { 1 };
+    for mut held in candidates.into_iter().take(tried) {
+        for degree in rungs {
+            held.path = held.path.in_basis(basis(*degree));
+            held = hold(problem, &rows, held, LOWER, &mut log)?;
+        }
+        held.path = held.path.in_basis(basis(settings.p));
+        let held = hold(problem, &rows, held, highest, &mut log)?;
+        if best.as_ref().is_none_or(|b| held.violation < b.violation) {
+            best = Some(held);
+        }
+        if best.as_ref().is_some_and(|b| b.converged) {
+            break;
+        }
+    }
+    // The settings ask for one start at least.
+    let found = best.unwrap_or_else(|| Held::free(line(problem, basis(settings.p))));
+    Ok(RelaxSolution {
+        curve: curve_of(problem, &found.path)?,
+        cost: found.effort,
+        gradient_norm: found.gradient_norm,
+        smallest_curvature: found.smallest_curvature,
+        largest_violation: found.violation,
+        points: found.points,
+        quadrature_error: found.quadrature_error,
+        converged: found.converged,
+        starts,
+        iterations,
+    })
+}
+
+impl Held {
+    /// Nothing holds it yet.
+    fn free(path: Path) -> Self {
+        Self {
+            path,
+            times: Vec::new(),
+            multipliers: Vec::new(),
+            rho: 0.0,
+            effort: f64::NAN,
+            violation: f64::NAN,
+            gradient_norm: f64::NAN,
+            smallest_curvature: f64::NAN,
+            points: 0,
+            quadrature_error: f64::NAN,
+            converged: false,
+        }
+    }
+
+    /// The effort, those that are far outside after the others.
+    fn rank(&self) -> f64 {
+        self.effort * (1.0 + 1e3 * (self.violation - 0.01).max(0.0))
+    }
+
+    /// The multipliers at other times, interpolated.
+    fn multipliers_at(&self, times: &[f64], rows: usize) -> Vec<f64> {
+        let mut found = vec![0.0; times.len() * rows];
+        if self.times.is_empty() {
+            return found;
+        }
+        let last = self.times.len() - 1;
+        for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {
+            let after = self.times.partition_point(|t| t < time);
+            let (a, b) = (after.saturating_sub(1), after.min(last));
+            let span = self.times[b] - self.times[a];
+            let share = if span > 0.0 {
+                (time - self.times[a]) / span
+            } else {
+                0.0
+            };
+            for (row, to) in to.iter_mut().enumerate() {
+                let [x, y] = [a, b].map(|i| self.multipliers[i * rows + row]);
+                *to = x + share * (y - x);
+            }
+        }
+        found
+    }
+}
+
+/// Minimises within the constraints from a curve in its basis.
+fn hold<'a, K: Constraint + Clone>(
+    problem: &Problem<'a>,
+    rows: &Rows<'a, K>,
+    mut held: Held,
+    level: Level,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Held> {
+    let n = problem.model().dof();
+    let count = rows.count();
+    let basis = held.path.basis.clone();
+    let mut points = POINTS * basis.degree() + 4;
+    let (mut rounds, mut best, mut since) = (0, f64::INFINITY, 0);
+    'points: loop {
+        let grid = Grid::new(&basis, points, problem.horizon());
+        let finer = Grid::new(&basis, points * 3 / 2 + 7, problem.horizon());
+        let mut scan = Scan::new(&basis, SCAN * points, problem.horizon());
+        let mut fine = false;
+        let mut cost = Augmented::of(rows.clone(), held.rho, grid.times.len());
+        cost.multipliers = held.multipliers_at(&grid.times, count);
+        held.times = grid.times.clone();
+        held.points = points;
+        let mut own = Objective::new(&grid, rows.effort.clone(), n);
+        let mut judge = Objective::new(&finer, rows.effort.clone(), n);
+        let mut h = vec![0.0; count * grid.times.len()];
+        let (mut violation_before, mut tolerance) = (f64::INFINITY, 0.1_f64);
+        let peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
+        let effort = rows_on(&grid, &mut cost.rows, &held.path.coefficients, &mut h)?;
+        cost.set_margins(&grid, &peaks, &h);
+        if cost.rho == 0.0 {
+            cost.rho = first_weight(&grid, &h, count, effort);
+        }
+        loop {
+            let mut objective = Objective::new(&grid, &mut cost, n);
+            let mut newton = Newton::new(&objective);
+            let stop = Stop {
+                tolerance: tolerance.max(level.stop.tolerance),
+                ..level.stop
+            };
+            let (mut exact, mut error) = (f64::NAN, f64::NAN);
+            let mut coarse = |c: &DMatrix<f64>, _: f64, _: bool| {
+                exact = judge.value(c)?;
+                let seen = own.value(c)?;
+                error = (exact - seen).abs() / exact.max(f64::EPSILON);
+                Ok(error > level.agreement && points < 64 * basis.degree())
+            };
+            let from = held.path.coefficients.clone();
+            let found = newton.minimise(&mut objective, from, stop, &mut coarse, observe)?;
+            drop(objective);
+            held.path.coefficients = found.coefficients;
+            (held.effort, held.quadrature_error) = (exact, error);
+            rounds += 1;
+
+            let mut peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
+            let mut violation = largest(&peaks, &cost.rows.units);
+            let effort = rows_on(&grid, &mut cost.rows, &held.path.coefficients, &mut h)?;
+            let moved = cost.update(&grid, &peaks, &h);
+            held.gradient_norm = found.gradient_norm * (found.cost / effort.max(1e-16)).sqrt();
+            let settled = found.end == End::Converged
+                && stop.tolerance <= level.stop.tolerance
+                && moved <= FEASIBLE;
+            if violation <= NEAR && level.last && !fine {
+                fine = true;
+                let intervals = (FINE / basis.pieces()).max(SCAN * points);
+                scan = Scan::new(&basis, intervals, problem.horizon());
+                peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
+                violation = largest(&peaks, &cost.rows.units);
+            }
+            held.violation = violation.max(0.0);
+            held.multipliers.clone_from(&cost.multipliers);
+            held.rho = cost.rho;
+            if found.end == End::Coarse {
+                points = points * 3 / 2;
+                continue 'points;
+            }
+            held.converged = settled && violation <= FEASIBLE && error <= level.agreement;
+            // What is left to do, most of it in the constraints first.
+            let left = moved / FEASIBLE + held.gradient_norm / level.stop.tolerance;
+            since += 1;
+            if left < 0.5 * best {
+                (best, since) = (left, 0);
+            }
+            if held.converged
+                || since > PATIENCE
+                || rounds >= level.rounds
+                || (!level.last && violation < 1e-3)
+            {
+                if level.last {
+                    held.smallest_curvature = newton.smallest_curvature().0;
+                }
+                return Ok(held);
+            }
+            if found.end == End::Converged {
+                if moved > SHRINK * violation_before {
+                    cost.rho *= GROWTH;
+                }
+                violation_before = moved;
+                tolerance = if moved == 0.0 { 0.0 } else { 0.1 * tolerance };
+            }
+        }
+    }
+}
+
+/// By how much the states at the ends break the constraints on the state.
+fn at_ends<K: Constraint>(problem: &Problem<'_>, rows: &mut Rows<'_, K>) -> Result<f64> {
+    let n = problem.model().dof();
+    let (mut h, still) = (vec![f64::NEG_INFINITY; rows.count()], vec![0.0; n]);
+    let mut worst = 0.0_f64;
+    for state in [problem.start(), problem.goal()] {
+        let (q, v) = state.split_at(n);
+        let point = Point {
+            index: 0,
+            time: 0.0,
+            q,
+            v,
+            a: &still,
+        };
+        rows.of_state(point, &mut h)?;
+        let violations = h.iter().zip(&rows.units).map(|(h, unit)| h * unit);
+        worst = violations.fold(worst, f64::max);
+    }
+    Ok(worst)
+}
+
+/// A weight with which the violation costs about as much as the effort.
+fn first_weight(grid: &Grid<f64>, h: &[f64], count: usize, effort: f64) -> f64 {
+    let mut sum = 0.0;
+    for (g, h) in h.chunks_exact(count.max(1)).enumerate() {
+        let weight = grid.weights[g % grid.points()];
+        sum += weight * h.iter().map(|h| h.max(0.0).powi(2)).sum::<f64>();
+    }
+    // A violation of that much for the whole time at least.
+    let least = DEPTH * DEPTH * grid.weights.iter().sum::<f64>() * grid.pieces as f64;
+    2.0 * effort / sum.max(least)
+}
+
+/// The largest violation, in the units of the rows.
+fn largest(peaks: &[Peak], units: &[f64]) -> f64 {
+    let all = peaks.iter().map(|peak| peak.height * units[peak.row]);
+    all.fold(f64::NEG_INFINITY, f64::max)
+}
+
+impl<K: Constraint> Augmented<'_, K> {
+    /// The margins that make the rows at the points beside a peak as high as the peak.
+    fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
+        let count = self.rows.count();
+        self.margins.fill(RESERVE);
+        for peak in peaks {
+            let after = grid.times.partition_point(|t| *t < peak.time);
+            for g in [after.wrapping_sub(1), after] {
+                if g < grid.times.len() {
+                    let at = g * count + peak.row;
+                    self.margins[at] = self.margins[at].max(RESERVE + peak.height - h[at]);
+                }
+            }
+        }
+    }
+
+    /// New margins and multipliers; says how far the latter moved, in units of the rows.
+    fn update(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) -> f64 {
+        self.set_margins(grid, peaks, h);
+        let (count, mut moved) = (self.rows.count(), 0.0_f64);
+        for (at, h) in h.iter().enumerate() {
+            let pull = self.pull(at / count, at % count, *h);
+            let by = (pull - self.multipliers[at]).abs() / self.rho;
+            moved = moved.max(by * self.rows.units[at % count]);
+            self.multipliers[at] = pull;
+        }
+        moved
+    }
+}

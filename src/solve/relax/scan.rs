@@ -1,0 +1,131 @@
+//! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
+
+use super::augmented::Rows;
+use super::{Basis, Grid, Point};
+use crate::aghf::constraint::Constraint;
+use crate::error::Result;
+use nalgebra::DMatrix;
+
+/// A basis tabulated at equally spaced times.
+pub(super) struct Scan {
+    basis: Basis,
+    horizon: f64,
+    /// Value, first and second derivative in time at each time of a piece.
+    table: DMatrix<f64>,
+    intervals: usize,
+}
+
+/// A largest value of a row over time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peak {
+    pub row: usize,
+    pub time: f64,
+    pub height: f64,
+}
+
+impl Scan {
+    /// `intervals` on each piece.
+    pub fn new(basis: &Basis, intervals: usize, horizon: f64) -> Self {
+        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
+        for k in 0..=intervals {
+            let local = basis.local(2.0 * k as f64 / intervals as f64 - 1.0);
+            for d in 0..3 {
+                let scaled = local.row(d).transpose() / horizon.powi(d as i32);
+                table.set_column(3 * k + d, &scaled);
+            }
+        }
+        Self {
+            basis: basis.clone(),
+            horizon,
+            table,
+            intervals,
+        }
+    }
+
+    /// The local maxima in time of all rows above `floor`, ends of the horizon included, refined by a parabola.
+    pub fn peaks<K: Constraint>(
+        &self,
+        rows: &mut Rows<'_, K>,
+        coefficients: &DMatrix<f64>,
+        floor: f64,
+    ) -> Result<Vec<Peak>> {
+        let (n, count) = (coefficients.nrows(), rows.count());
+        let pieces = self.basis.pieces();
+        let interval = self.horizon / (pieces * self.intervals) as f64;
+        // Three neighbours in time; a value from beyond the ends is below all.
+        let below = vec![f64::NEG_INFINITY; count];
+        let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
+        let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
+        let last = pieces * self.intervals;
+        for k in 0..=last + 1 {
+            if k <= last {
+                let e = (k / self.intervals).min(pieces - 1);
+                let local = k - e * self.intervals;
+                if local == 0 {
+                    let own = coefficients.columns(self.basis.first(e), self.table.nrows());
+                    states.gemm(1.0, &own, &self.table, 0.0);
+                }
+                let state = &states.as_slice()[3 * local * n..3 * (local + 1) * n];
+                let point = Point {
+                    index: 0,
+                    time: k as f64 * interval,
+                    q: &state[..n],
+                    v: &state[n..2 * n],
+                    a: &state[2 * n..],
+                };
+                rows.of_all(point, &mut next)?;
+            } else {
+                next.copy_from_slice(&below);
+            }
+            for row in 0..count {
+                let (a, b, c) = (before[row], here[row], next[row]);
+                if k == 0 || b <= floor || a > b || c >= b {
+                    continue;
+                }
+                let (mut shift, mut height) = (0.0, b);
+                if a.is_finite() && c.is_finite() {
+                    let (slope, bend) = ((c - a) / 2.0, 2.0 * b - a - c);
+                    shift = (slope / bend).clamp(-0.5, 0.5);
+                    height += 0.5 * slope * shift;
+                }
+                found.push(Peak {
+                    row,
+                    time: ((k - 1) as f64 + shift) * interval,
+                    height,
+                });
+            }
+            std::mem::swap(&mut before, &mut here);
+            std::mem::swap(&mut here, &mut next);
+        }
+        Ok(found)
+    }
+}
+
+/// All rows at all points of a grid, row by row for each point, and the effort.
+pub(super) fn rows_on<K: Constraint>(
+    grid: &Grid<f64>,
+    rows: &mut Rows<'_, K>,
+    coefficients: &DMatrix<f64>,
+    h: &mut [f64],
+) -> Result<f64> {
+    let (n, count) = (coefficients.nrows(), rows.count());
+    let mut states = DMatrix::zeros(n, grid.table.ncols());
+    let (mut index, mut effort) = (0, 0.0);
+    for e in 0..grid.pieces {
+        let own = coefficients.columns(grid.first(e), grid.table.nrows());
+        states.gemm(1.0, &own, &grid.table, 0.0);
+        for (g, weight) in grid.weights.iter().enumerate() {
+            let state = &states.as_slice()[3 * g * n..3 * (g + 1) * n];
+            let point = Point {
+                index,
+                time: grid.times[index],
+                q: &state[..n],
+                v: &state[n..2 * n],
+                a: &state[2 * n..],
+            };
+            effort += weight * rows.at(point, &mut h[index * count..(index + 1) * count])?;
+            index += 1;
+        }
+    }
+    Ok(effort)
+}
