@@ -28,7 +28,7 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax: how many starts to try [default: 6].
+    /// Of relax: how many starts to try [default: 8].
     #[arg(long)]
     starts: Option<usize>,
     /// Of flow: how to compute the Jacobian [default: control-form].

@@ -38,21 +38,23 @@ use newton::Stop;
 const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
-        iterations: 25,
+        iterations: 15,
     },
     agreement: 0.02,
     last: false,
 };
 
-/// How many curves go on from the first degrees of the ladder: the best at a low degree need not be the best at a high one.
-const KEPT: [usize; 2] = [3, 2];
+/// How many curves go on from the lowest degree: the best there need not be the best at the next.
+const KEPT: usize = 3;
+/// Those that cost more than the best one by more than this, relative, do not.
+const HOPELESS: f64 = 0.2;
 /// Costs that differ by less than this, relative, are taken for those of one curve.
 const SAME: f64 = 0.01;
 
 /// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
 ///
-/// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them go up the
-/// ladder, fewer at each degree and each from where the one below ended, and the best one goes to the degree that the settings name.
+/// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them are relaxed at
+/// the next, from where they ended, and the best one of these goes up to the degree that the settings name.
 ///
 /// # Errors
 /// A setting is out of range, or the start of the settings is for another robot. A search that ends before its tolerance is
@@ -101,7 +103,10 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
                 starts = settled.iter().map(|s| s.cost).collect();
             }
             settled.dedup_by(|b, a| b.cost - a.cost <= SAME * a.cost);
-            settled.truncate(KEPT.get(rung).copied().unwrap_or(1));
+            let best = settled[0].cost;
+            let near = settled.partition_point(|s| s.cost - best <= HOPELESS * best.abs());
+            let most = if rung == 0 { KEPT } else { 1 };
+            settled.truncate(near.clamp(1, most));
             paths = settled.into_iter().map(|s| s.path).collect();
         }
         paths.swap_remove(0).in_basis(basis(settings.p))

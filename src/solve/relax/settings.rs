@@ -31,7 +31,7 @@ impl Default for RelaxSettings {
             tolerance: 1e-8,
             iterations: 500,
             agreement: 1e-3,
-            starts: 6,
+            starts: 8,
             bend: 1.0,
             start: None,
         }
@@ -53,10 +53,10 @@ impl RelaxSettings {
         }
     }
 
-    /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 12, 16, 24, 32, 48, ... that are below.
+    /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 16, 24, 32, 48, ... that are below.
     pub(super) fn lower_degrees(&self) -> Vec<usize> {
         let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
-        let rungs = [9, 12].into_iter().chain(doubling);
+        let rungs = std::iter::once(9).chain(doubling);
         let below = rungs.take_while(|degree| *degree < self.p);
         std::iter::once(self.p.min(6)).chain(below).collect()
     }
