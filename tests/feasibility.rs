@@ -31,19 +31,22 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
     assert!((position.by - 0.5).abs() < 1e-12);
     assert_eq!((torque.limit, torque.at_s), (Limit::Torque, 2.0));
     assert!((torque.by - 10.0).abs() < 1e-12);
-    assert!(feasibility.holds(&scenario, 0.0), "none is enforced");
+    assert!(feasibility.holds(&scenario, 0.0, 0.0), "none is enforced");
     scenario.file.enforced_limits.velocity = true;
-    assert!(feasibility.holds(&scenario, 0.0), "the speed is kept");
+    assert!(feasibility.holds(&scenario, 0.0, 0.0), "the speed is kept");
     scenario.file.enforced_limits.torque = true;
-    assert!(!feasibility.holds(&scenario, 0.0));
-    assert!(feasibility.holds(&scenario, 10.5), "within the tolerance");
+    assert!(!feasibility.holds(&scenario, 0.0, 0.0));
+    assert!(
+        feasibility.holds(&scenario, 0.0, 10.5),
+        "within the tolerance"
+    );
     let fast = samples(&[(0.0, 1.0, 0.0), (0.0, -2.0, 0.0)]);
     let fast = Feasibility::of(&scenario, &fast).expect("of this robot");
     let [speed] = &fast.limit_violations[..] else {
         panic!("{fast:?}");
     };
     assert_eq!((speed.limit, speed.at_s), (Limit::Velocity, 1.0));
-    assert!((speed.by - (2.0 - 1.3963)).abs() < 1e-12 && !fast.holds(&scenario, 0.0));
+    assert!((speed.by - (2.0 - 1.3963)).abs() < 1e-12 && !fast.holds(&scenario, 0.0, 0.0));
 }
 
 #[test]
@@ -56,8 +59,12 @@ fn a_collision_is_told() {
         sample
     };
     let start = Feasibility::of(&scenario, &[motion(0.0)]).expect("of this robot");
-    assert!(start.smallest_clearance_m.is_some_and(|m| m > 0.02) && start.holds(&scenario, 0.0));
+    assert!(
+        start.smallest_clearance_m.is_some_and(|m| m > 0.02) && start.holds(&scenario, 0.0, 0.0)
+    );
     let line: Vec<_> = (0..=50).map(|i| motion(f64::from(i) / 50.0)).collect();
     let line = Feasibility::of(&scenario, &line).expect("of this robot");
-    assert!(line.smallest_clearance_m.is_some_and(|m| m < -0.02) && !line.holds(&scenario, 0.0));
+    assert!(
+        line.smallest_clearance_m.is_some_and(|m| m < -0.02) && !line.holds(&scenario, 0.0, 0.0)
+    );
 }

@@ -67,6 +67,9 @@ pub(super) struct Minimum {
     pub end: End,
 }
 
+/// Says of a curve, its cost, and whether the search ends there, whether the quadrature is too coarse for it.
+pub(super) type LookAtQuadrature<'a> = dyn FnMut(&DMatrix<f64>, f64, bool) -> Result<bool> + 'a;
+
 /// Looks at the quadrature of an objective with a finer one: a minimiser exploits what a coarse one does not see.
 pub(super) struct Judge<'g, P> {
     pub finer: Objective<'g, f64, P>,
@@ -109,14 +112,13 @@ impl Newton {
         }
     }
 
-    /// Minimises `objective` from `coefficients`, asking `coarse` now and then whether its quadrature is: of a curve, its cost, and whether
-    /// it is where the search ends.
+    /// Minimises `objective` from `coefficients`, asking `coarse` now and then about its quadrature.
     pub fn minimise<P: PointCost<f64>>(
         &mut self,
         objective: &mut Objective<'_, f64, P>,
         mut coefficients: DMatrix<f64>,
         stop: Stop,
-        coarse: &mut dyn FnMut(&DMatrix<f64>, f64, bool) -> Result<bool>,
+        coarse: &mut LookAtQuadrature<'_>,
         observe: &mut dyn FnMut(Iteration),
     ) -> Result<Minimum> {
         let (mut region, mut steps) = (Region::default(), 0);
