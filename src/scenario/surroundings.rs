@@ -70,15 +70,6 @@ impl Surroundings {
         })
     }
 
-    /// The same obstacles around another shape: capsules of this radius along all links.
-    #[must_use]
-    pub fn swept(&self, model: &Model, radius: f64) -> Self {
-        Self {
-            capsules: Capsule::along_links(model, radius),
-            ..self.clone()
-        }
-    }
-
     /// Whether there is nothing to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
