@@ -51,7 +51,7 @@ impl Comparison {
     }
 
     /// Takes note of the errors of quantities that have the same names on both sides, with a floor and a bound for each.
-    fn compare(
+    pub fn compare(
         &mut self,
         ours: &Quantities,
         theirs: &Quantities,

@@ -128,3 +128,27 @@ class Robot:
         (dqdq, _, dadq), (dqdv, dvdv, _) = np.stack(by_q, axis=-1), np.stack(by_v, axis=-1)
         tensors = {"d2ID/dqdq": dqdq, "d2ID/dadq": dadq, "d2ID/dqdv": dqdv, "d2ID/dvdv": dvdv}
         return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}
+
+    def constraints(self, q):
+        """A ball of 0.1 m about the origin of every link, to stay out of a sphere and in a half-space: the values of the rows, then
+        the gradient and the Hessian of their sum with the weights 1, 2, ...
+
+        A position is of degree 1 in the sine and cosine of each angle, so its square is of degree 2.
+        """
+        centre, reach = np.array([0.3, -0.2, 0.5]), 0.1 + 0.25
+        normal, offset = np.array([0.6, 0.0, 0.8]), 0.1 - 0.3
+
+        def rows(q):
+            model, data, p = self.model, self.data, self.configuration(q)
+            pin.computeJointJacobians(model, data, p)
+            pin.framesForwardKinematics(model, data, p)
+            at = [data.oMf[i].translation.copy() for i in self.links]
+            moved = [pin.getFrameJacobian(model, data, i, pin.LOCAL_WORLD_ALIGNED) for i in self.links]
+            moved = [jacobian.reshape(6, -1)[:3] for jacobian in moved]
+            values = [reach**2 - (p - centre) @ (p - centre) for p in at] + [offset - normal @ p for p in at]
+            slopes = [-2 * (p - centre) @ j for p, j in zip(at, moved)] + [-normal @ j for j in moved]
+            return np.array(values), np.array(slopes)
+
+        gradient = lambda q: rows(q)[1].T @ np.arange(1, 2 * len(self.links) + 1)
+        hessian = [derivative(gradient, q, i, self.turns[i], 2) for i in range(self.n)]
+        return {"g": rows(q)[0], "gradient": gradient(q), "Hessian": np.stack(hessian, axis=-1)}
