@@ -6,8 +6,9 @@ use crate::aghf::{Penalised, TorquePenalty};
 use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
-    Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings, RelaxSolution,
-    Requirements, flow, flow_constrained, measure, relax, relax_constrained, sample, simulate,
+    Effort, Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings,
+    RelaxSolution, Requirements, flow, flow_constrained, measure, relax, relax_constrained, sample,
+    simulate,
 };
 use std::time::Instant;
 
@@ -117,7 +118,15 @@ fn solve_by_flow(
         factorisations: statistics.factorisations,
     });
     let history = history.into_iter().map(Record::Flow).collect();
-    let outcome = outcome_of(scenario, curve, history, details, solve_seconds, failure)?;
+    let found = Found {
+        curve,
+        effort,
+        history,
+        details,
+        solve_seconds,
+        failure,
+    };
+    let outcome = outcome_of(scenario, found)?;
     Ok(Outcome {
         timed_out,
         ..outcome
@@ -157,7 +166,17 @@ fn solve_by_relaxation(
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
     let history = iterations.into_iter().map(Record::Relax).collect();
-    outcome_of(scenario, curve, history, details, solve_seconds, failure)
+    // Nothing that is told of it depends on the penalty.
+    let effort = measure(&scenario.model, &curve, 1.0)?;
+    let found = Found {
+        curve,
+        effort,
+        history,
+        details,
+        solve_seconds,
+        failure,
+    };
+    outcome_of(scenario, found)
 }
 
 /// Why a relaxation did not find a minimum, if it did not.
@@ -187,18 +206,27 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
     })
 }
 
-/// What can be measured of a curve, whatever found it.
-fn outcome_of(
-    scenario: &Scenario,
+/// What a method found.
+struct Found {
     curve: Curve,
+    effort: Effort,
     history: Vec<Record>,
     details: Details,
     solve_seconds: f64,
     failure: Option<String>,
-) -> Result<Outcome> {
+}
+
+/// What can be measured of a curve, whatever found it.
+fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
+    let Found {
+        curve,
+        effort,
+        history,
+        details,
+        solve_seconds,
+        failure,
+    } = found;
     let model = &scenario.model;
-    // Neither number depends on the penalty.
-    let effort = measure(model, &curve, 1.0)?;
     let final_error = |feedback| -> Result<Option<f64>> {
         Ok(simulate(model, &curve, feedback)?
             .ok()

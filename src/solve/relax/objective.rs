@@ -233,7 +233,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
 }
 
 /// What the running cost reads at point `g` of piece `e`.
-fn point<'a, S: Scalar>(
+pub(super) fn point<'a, S: Scalar>(
     grid: &Grid<S>,
     states: &'a DMatrix<S>,
     e: usize,

@@ -1,6 +1,7 @@
 //! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
 
 use super::augmented::Rows;
+use super::objective::point;
 use super::{Basis, Grid, Point};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
@@ -110,21 +111,14 @@ pub(super) fn rows_on<K: Constraint>(
 ) -> Result<f64> {
     let (n, count) = (coefficients.nrows(), rows.count());
     let mut states = DMatrix::zeros(n, grid.table.ncols());
-    let (mut index, mut effort) = (0, 0.0);
+    let mut effort = 0.0;
     for e in 0..grid.pieces {
         let own = coefficients.columns(grid.first(e), grid.table.nrows());
         states.gemm(1.0, &own, &grid.table, 0.0);
         for (g, weight) in grid.weights.iter().enumerate() {
-            let state = &states.as_slice()[3 * g * n..3 * (g + 1) * n];
-            let point = Point {
-                index,
-                time: grid.times[index],
-                q: &state[..n],
-                v: &state[n..2 * n],
-                a: &state[2 * n..],
-            };
-            effort += weight * rows.at(point, &mut h[index * count..(index + 1) * count])?;
-            index += 1;
+            let point = point(grid, &states, e, g);
+            let own = point.index * count..(point.index + 1) * count;
+            effort += weight * rows.at(point, &mut h[own])?;
         }
     }
     Ok(effort)
