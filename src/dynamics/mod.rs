@@ -45,6 +45,7 @@ pub use kinematics::{forward_kinematics, frame_placement};
 pub use rnea::{bias, rnea};
 pub use rnea_contracted::{
     ContractedGradient, ContractedHessian, rnea_contracted_gradient, rnea_contracted_hessian,
+    rnea_second_order,
 };
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
 pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_derivatives};

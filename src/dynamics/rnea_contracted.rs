@@ -26,7 +26,7 @@
 //!
 //! and the other half of each block follows from the symmetry of second derivatives.
 
-use super::{Data, check_square};
+use super::{Data, InverseDynamicsDerivatives, check_square};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -81,6 +81,21 @@ impl<S: Scalar> ContractedHessian<S> {
             qa: zeros(),
         }
     }
+
+    /// Makes the blocks zero, if all are of the right size.
+    fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
+        let blocks = [
+            ("qq", &mut self.qq),
+            ("qv", &mut self.qv),
+            ("vv", &mut self.vv),
+            ("qa", &mut self.qa),
+        ];
+        for (what, matrix) in blocks {
+            check_square(what, model.dof(), matrix)?;
+            matrix.fill(S::zero());
+        }
+        Ok(())
+    }
 }
 
 /// The gradient of $w^T ID$ at `(q, v, a)`, `N` entries each, by a hand-written adjoint of [`rnea`](super::rnea). Cost O(N).
@@ -99,7 +114,9 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
     for (what, vector) in [("out.q", &out.q), ("out.v", &out.v), ("out.a", &out.a)] {
         model.check(what, vector.len())?;
     }
-    data.contract(model, q, v, a, w)?;
+    data.prepare_derivatives(model, q, v, a)?;
+    data.contract(model, w)?;
+    data.sum_forces(model);
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, rate, rate2) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
@@ -112,7 +129,6 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
         out.v[i] = axis.dot(&p) + rate.dot(&momentum) * two;
         out.a[i] = axis.dot(&momentum);
         if let Some(parent) = joint.parent() {
-            data.forces[parent] += force;
             data.virtual_momenta[parent] += momentum;
             data.virtual_forces[parent] += p;
         }
@@ -133,80 +149,45 @@ pub fn rnea_contracted_hessian<C: Scalar, S: Over<C>>(
     w: &[S],
     out: &mut ContractedHessian<S>,
 ) -> Result<()> {
-    let blocks = [
-        ("qq", &mut out.qq),
-        ("qv", &mut out.qv),
-        ("vv", &mut out.vv),
-        ("qa", &mut out.qa),
-    ];
-    for (what, matrix) in blocks {
-        check_square(what, model.dof(), matrix)?;
-        matrix.fill(S::zero());
-    }
-    data.contract(model, q, v, a, w)?;
-    for i in 0..model.dof() {
-        data.virtual_coriolis[i] = Coriolis::new(&data.inertias[i], &data.virtual_velocities[i]);
-    }
-    let two = S::from_f64(2.0);
-    for (k, joint) in model.joints().iter().enumerate().rev() {
-        let (axis, rate, rate2) = (data.axes[k], data.axis_rates[k], data.accelerations[k]);
-        let gained = data.virtual_axis_rates[k];
-        let (inertia, b, d) = (data.inertias[k], data.coriolis[k], data.virtual_coriolis[k]);
-        let (force, momentum, p) = (
-            data.forces[k],
-            data.virtual_momenta[k],
-            data.virtual_forces[k],
-        );
+    out.clear(model)?;
+    data.prepare_derivatives(model, q, v, a)?;
+    data.contract(model, w)?;
+    data.sum_forces(model);
+    data.sweep(model, None, out);
+    Ok(())
+}
 
-        let f_by_q = axis.cross_force(&force) + b.apply(&rate) * two + inertia.apply(&rate2);
-        let l_by_q = axis.cross_force(&momentum) + inertia.apply(&gained);
-        let p_by_q =
-            axis.cross_force(&p) + (b.apply_transpose(&gained) - d.apply_transpose(&rate)) * two;
-        let f_by_a = inertia.apply(&axis);
-        let f_by_v = (b.apply(&axis) + inertia.apply(&rate)) * two;
-        let p_by_v = -d.apply_transpose(&axis) * two;
-
-        let mut ancestor = Some(k);
-        while let Some(j) = ancestor {
-            let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
-            let (rate2_j, gained_j) = (&data.accelerations[j], &data.virtual_axis_rates[j]);
-            out.qq[(j, k)] = rate_j.dot(&p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f_by_q);
-            out.qq[(k, j)] = out.qq[(j, k)];
-            out.vv[(j, k)] = axis_j.dot(&p_by_v);
-            out.vv[(k, j)] = out.vv[(j, k)];
-            out.qv[(j, k)] = rate_j.dot(&p_by_v) + gained_j.dot(&f_by_v);
-            out.qv[(k, j)] = axis_j.dot(&p_by_q) + rate_j.dot(&l_by_q) * two;
-            out.qa[(j, k)] = gained_j.dot(&f_by_a);
-            out.qa[(k, j)] = axis_j.dot(&l_by_q);
-            ancestor = model.joints()[j].parent();
-        }
-        if let Some(parent) = joint.parent() {
-            data.inertias[parent] += inertia;
-            data.coriolis[parent] += b;
-            data.virtual_coriolis[parent] += d;
-            data.forces[parent] += force;
-            data.virtual_momenta[parent] += momentum;
-            data.virtual_forces[parent] += p;
-        }
-    }
+/// Inverse dynamics at `[q, v, a]`, `N` entries each, with its first derivatives, and the Hessian of $w^T ID$ for the weights `w`
+/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives) and [`rnea_contracted_hessian`], which have most
+/// of their work in common. Cost O(N d) with d the depth of the tree.
+///
+/// # Errors
+/// An argument does not have one entry a joint, or `first` or `second` was made for another size.
+pub fn rnea_second_order<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    [q, v, a]: [&[S]; 3],
+    weigh: impl FnOnce(&DVector<S>, &mut [S]),
+    first: &mut InverseDynamicsDerivatives<S>,
+    second: &mut ContractedHessian<S>,
+) -> Result<()> {
+    first.clear(model)?;
+    second.clear(model)?;
+    data.prepare_derivatives(model, q, v, a)?;
+    data.sum_forces(model);
+    data.read_torques(&mut first.tau);
+    let mut w = std::mem::take(&mut data.numbers);
+    weigh(&first.tau, &mut w);
+    let contracted = data.contract(model, &w);
+    data.numbers = w;
+    contracted?;
+    data.sweep(model, Some(first), second);
     Ok(())
 }
 
 impl<S: Scalar> Data<S> {
-    /// What both contractions start from: motions, forces and virtual quantities of the bodies. The accelerations end as
-    /// $\ddot\Psi$.
-    fn contract<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        q: &[S],
-        v: &[S],
-        a: &[S],
-        w: &[S],
-    ) -> Result<()>
-    where
-        S: Over<C>,
-    {
-        self.prepare_derivatives(model, q, v, a)?;
+    /// What contractions start from besides [`prepare_derivatives`](Self::prepare_derivatives): virtual quantities of the bodies.
+    fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S]) -> Result<()> {
         self.add_virtual_velocities(model, w)?;
         let two = S::from_f64(2.0);
         for i in 0..model.dof() {
@@ -214,5 +195,64 @@ impl<S: Scalar> Data<S> {
             self.virtual_forces[i] = self.coriolis[i].apply_transpose(mu) * two;
         }
         Ok(())
+    }
+
+    /// The Hessian, and if they are asked for the first derivatives of inverse dynamics, after [`contract`](Self::contract) and
+    /// [`sum_forces`](Self::sum_forces): from the tips to the base, with sums over subtrees.
+    fn sweep<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        mut first: Option<&mut InverseDynamicsDerivatives<S>>,
+        out: &mut ContractedHessian<S>,
+    ) {
+        for i in 0..model.dof() {
+            let mu = &self.virtual_velocities[i];
+            self.virtual_coriolis[i] = Coriolis::new(&self.inertias[i], mu);
+        }
+        let two = S::from_f64(2.0);
+        for (k, joint) in model.joints().iter().enumerate().rev() {
+            // A push on the subtree of k is what moving joint k changes of F.
+            let f = self.push(k);
+            if let Some(first) = first.as_deref_mut() {
+                f.meet(model, self, k, first);
+            }
+            let (axis, rate, gained) = (
+                &self.axes[k],
+                &self.axis_rates[k],
+                &self.virtual_axis_rates[k],
+            );
+            let (inertia, b, d) = (
+                &self.inertias[k],
+                &self.coriolis[k],
+                &self.virtual_coriolis[k],
+            );
+            let (momentum, p) = (&self.virtual_momenta[k], &self.virtual_forces[k]);
+            let l_by_q = axis.cross_force(momentum) + inertia.apply(gained);
+            let p_by_q =
+                axis.cross_force(p) + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
+            let p_by_v = -d.apply_transpose(axis) * two;
+
+            let mut ancestor = Some(k);
+            while let Some(j) = ancestor {
+                let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
+                let (rate2_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
+                out.qq[(j, k)] = rate_j.dot(&p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
+                out.qq[(k, j)] = out.qq[(j, k)];
+                out.vv[(j, k)] = axis_j.dot(&p_by_v);
+                out.vv[(k, j)] = out.vv[(j, k)];
+                out.qv[(j, k)] = rate_j.dot(&p_by_v) + gained_j.dot(&f.by_v);
+                out.qv[(k, j)] = axis_j.dot(&p_by_q) + rate_j.dot(&l_by_q) * two;
+                out.qa[(j, k)] = gained_j.dot(&f.by_a);
+                out.qa[(k, j)] = axis_j.dot(&l_by_q);
+                ancestor = model.joints()[j].parent();
+            }
+            if let Some(parent) = joint.parent() {
+                let (d, momentum, p) = (*d, *momentum, *p);
+                self.add_to_subtree(k, parent);
+                self.virtual_coriolis[parent] += d;
+                self.virtual_momenta[parent] += momentum;
+                self.virtual_forces[parent] += p;
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::{Data, check_square, kinematics};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::Coriolis;
+use crate::spatial::{Coriolis, Force};
 use nalgebra::{DMatrix, DVector};
 
 /// Inverse dynamics and its first derivatives.
@@ -35,6 +35,20 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
             h: DMatrix::zeros(n, n),
         }
     }
+
+    /// Makes the matrices zero, if all are of the right size.
+    pub(super) fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
+        model.check("tau", self.tau.len())?;
+        for (what, matrix) in [
+            ("dq", &mut self.dq),
+            ("dv", &mut self.dv),
+            ("h", &mut self.h),
+        ] {
+            check_square(what, model.dof(), matrix)?;
+            matrix.fill(S::zero());
+        }
+        Ok(())
+    }
 }
 
 /// Inverse dynamics at `(q, v, a)`, `N` entries each, and its derivatives in all three, into `out`. Cost O(N d) with d the
@@ -50,42 +64,50 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
     a: &[S],
     out: &mut InverseDynamicsDerivatives<S>,
 ) -> Result<()> {
-    let n = model.dof();
-    model.check("tau", out.tau.len())?;
-    for (what, matrix) in [("dq", &mut out.dq), ("dv", &mut out.dv), ("h", &mut out.h)] {
-        check_square(what, n, matrix)?;
-        matrix.fill(S::zero());
-    }
+    out.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
-    let two = S::from_f64(2.0);
+    data.sum_forces(model);
+    data.read_torques(&mut out.tau);
     for (i, joint) in model.joints().iter().enumerate().rev() {
-        let (axis, rate, rate2) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
-        let (inertia, coriolis, force) = (data.inertias[i], data.coriolis[i], data.forces[i]);
-        out.tau[i] = axis.dot(&force);
-        // Forces that moving joint i makes on its subtree, to be met by the joints before it.
-        let by_a = inertia.apply(&axis);
-        let by_v = (coriolis.apply(&axis) + inertia.apply(&rate)) * two;
-        let by_q = coriolis.apply(&rate) * two + inertia.apply(&rate2) + axis.cross_force(&force);
-        // How joint i feels the joints before it.
-        let felt = coriolis.apply_transpose(&axis) * two;
-        let mut ancestor = Some(i);
-        while let Some(j) = ancestor {
-            let (axis_j, rate_j) = (data.axes[j], data.axis_rates[j]);
-            out.h[(j, i)] = axis_j.dot(&by_a);
-            out.h[(i, j)] = out.h[(j, i)];
-            out.dv[(j, i)] = axis_j.dot(&by_v);
-            out.dv[(i, j)] = axis_j.dot(&felt) + rate_j.dot(&by_a) * two;
-            out.dq[(j, i)] = axis_j.dot(&by_q);
-            out.dq[(i, j)] = rate_j.dot(&felt) + data.accelerations[j].dot(&by_a);
-            ancestor = model.joints()[j].parent();
-        }
+        data.push(i).meet(model, data, i, out);
         if let Some(parent) = joint.parent() {
-            data.inertias[parent] += inertia;
-            data.coriolis[parent] += coriolis;
-            data.forces[parent] += force;
+            data.add_to_subtree(i, parent);
         }
     }
     Ok(())
+}
+
+/// Forces that moving a joint makes on its subtree, to be met by the joints before it.
+pub(super) struct Push<S: Scalar> {
+    pub by_q: Force<S>,
+    pub by_v: Force<S>,
+    pub by_a: Force<S>,
+}
+
+impl<S: Scalar> Push<S> {
+    /// The entries of the derivatives that have to do with joint `i` and those before it, with `self` that of joint `i`.
+    pub fn meet<C: Scalar>(
+        &self,
+        model: &Model<C>,
+        data: &Data<S>,
+        i: usize,
+        out: &mut InverseDynamicsDerivatives<S>,
+    ) {
+        let two = S::from_f64(2.0);
+        // How joint i feels the joints before it.
+        let felt = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
+        let mut ancestor = Some(i);
+        while let Some(j) = ancestor {
+            let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
+            out.h[(j, i)] = axis_j.dot(&self.by_a);
+            out.h[(i, j)] = out.h[(j, i)];
+            out.dv[(j, i)] = axis_j.dot(&self.by_v);
+            out.dv[(i, j)] = axis_j.dot(&felt) + rate_j.dot(&self.by_a) * two;
+            out.dq[(j, i)] = axis_j.dot(&self.by_q);
+            out.dq[(i, j)] = rate_j.dot(&felt) + data.accelerations[j].dot(&self.by_a);
+            ancestor = model.joints()[j].parent();
+        }
+    }
 }
 
 impl<S: Scalar> Data<S> {
@@ -122,5 +144,42 @@ impl<S: Scalar> Data<S> {
             };
         }
         Ok(())
+    }
+
+    /// Makes of the forces on the bodies those on their subtrees.
+    pub(super) fn sum_forces<C: Scalar>(&mut self, model: &Model<C>) {
+        for (i, joint) in model.joints().iter().enumerate().rev() {
+            if let Some(parent) = joint.parent() {
+                let force = self.forces[i];
+                self.forces[parent] += force;
+            }
+        }
+    }
+
+    /// $\tau_i = S_i \cdot F_i$ with the force `F_i` on the subtree of joint `i`.
+    pub(super) fn read_torques(&self, tau: &mut DVector<S>) {
+        for ((tau, axis), force) in tau.iter_mut().zip(&self.axes).zip(&self.forces) {
+            *tau = axis.dot(force);
+        }
+    }
+
+    /// Adds inertia and Coriolis matrix of the subtree of joint `i` to those of its parent.
+    pub(super) fn add_to_subtree(&mut self, i: usize, parent: usize) {
+        let (inertia, coriolis) = (self.inertias[i], self.coriolis[i]);
+        self.inertias[parent] += inertia;
+        self.coriolis[parent] += coriolis;
+    }
+
+    /// What joint `i` pushes with: inertias, Coriolis matrices and forces are those of the subtree of `i`.
+    #[inline]
+    pub(super) fn push(&self, i: usize) -> Push<S> {
+        let (axis, rate, rate2) = (&self.axes[i], &self.axis_rates[i], &self.accelerations[i]);
+        let (inertia, coriolis, force) = (&self.inertias[i], &self.coriolis[i], &self.forces[i]);
+        let two = S::from_f64(2.0);
+        Push {
+            by_q: coriolis.apply(rate) * two + inertia.apply(rate2) + axis.cross_force(force),
+            by_v: (coriolis.apply(axis) + inertia.apply(rate)) * two,
+            by_a: inertia.apply(axis),
+        }
     }
 }

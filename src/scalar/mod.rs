@@ -9,11 +9,13 @@
 //! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
 
 mod jet;
+mod lanes;
 mod ldlt;
 mod numeric;
 mod prime_field;
 
 pub use jet::Jet;
+pub use lanes::Lanes;
 pub use ldlt::Ldlt;
 pub use prime_field::PrimeField;
 

@@ -1,6 +1,7 @@
 //! What is asked of a motion besides little effort, as an augmented Lagrangian.
 
-use super::{Point, PointCost, PointDerivatives, SquaredControl};
+use super::effort::alone;
+use super::{Point, PointCost, PointDerivatives, Points, PointsDerivatives, SquaredControl};
 use crate::aghf::TorqueLimits;
 use crate::aghf::constraint::{Constraint, Evaluator, Weights};
 use crate::error::{Result, check_length};
@@ -169,53 +170,89 @@ impl<K: Constraint> PointCost<f64> for Augmented<'_, K> {
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
     ) -> Result<f64> {
-        let (n, rho) = (point.q.len(), self.rho);
+        alone(self, point, out)
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
         let Requirements { state, torque } = self.rows.requirements;
+        let (states, count, rho) = (state.rows(), self.h.len(), self.rho);
+        let (multipliers, margins) = (&self.multipliers, &self.margins);
+        let mut charged = vec![0.0; points.count()];
+        let mut charge = |index: usize, u: &[f64], first: &mut [f64], second: &mut [f64]| {
+            let own = index * count + states..(index + 1) * count;
+            let (multipliers, margins) = (&multipliers[own.clone()], &margins[own]);
+            let limited = torque.0.iter().enumerate();
+            let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
+            let mut stiff = false;
+            for (k, (i, limit)) in limited.enumerate() {
+                for (j, sign) in [(2 * k, 1.0), (2 * k + 1, -1.0)] {
+                    let h = (sign * u[i] - limit) / limit + margins[j];
+                    let w = multipliers[j] + rho * h;
+                    if w > 0.0 {
+                        charged[index - points.first] += w * w;
+                        first[i] += sign * w / limit;
+                        second[i] += rho / (limit * limit);
+                        stiff = true;
+                    }
+                }
+            }
+            stiff
+        };
+        let effort = &mut self.rows.effort;
+        effort.derivatives_charging(points, out, &mut charge)?;
+        for (g, charged) in charged.iter_mut().enumerate() {
+            *charged += self.add_state(points.point(g), g, out)?;
+            out.costs[g] += *charged / (2.0 * rho);
+        }
+        Ok(())
+    }
+}
+
+impl<K: Constraint> Augmented<'_, K> {
+    /// Adds the derivatives that the rows of the state have at point `g`; says what the squares of their pulls are together.
+    fn add_state(
+        &mut self,
+        point: Point<'_, f64>,
+        g: usize,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<f64> {
+        let (n, state) = (point.q.len(), &self.rows.requirements.state);
         let states = state.rows();
         self.rows.of_state(point, &mut self.h)?;
-        let (mut charged, mut active) = (0.0, false);
+        let mut charged = 0.0;
         for j in 0..states {
             let (w, scale) = (self.pull(point.index, j, self.h[j]), self.rows.scales[j]);
             charged += w * w;
-            active |= w > 0.0;
             self.w[j] = w * scale;
-            self.c[j] = if w > 0.0 { rho * scale * scale } else { 0.0 };
+            self.c[j] = if w > 0.0 {
+                self.rho * scale * scale
+            } else {
+                0.0
+            };
         }
-        let own = point.index * self.h.len() + states..(point.index + 1) * self.h.len();
-        let (multipliers, margins) = (&self.multipliers[own.clone()], &self.margins[own]);
-        let effort = self
-            .rows
-            .effort
-            .derivatives_charging(point, out, |u, first, second| {
-                let limited = torque.0.iter().enumerate();
-                let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
-                let mut stiff = false;
-                for (k, (i, limit)) in limited.enumerate() {
-                    for (j, sign) in [(2 * k, 1.0), (2 * k + 1, -1.0)] {
-                        let h = (sign * u[i] - limit) / limit + margins[j];
-                        let w = multipliers[j] + rho * h;
-                        if w > 0.0 {
-                            charged += w * w;
-                            first[i] += sign * w / limit;
-                            second[i] += rho / (limit * limit);
-                            stiff = true;
-                        }
-                    }
-                }
-                stiff
-            })?;
-        if active {
+        if charged > 0.0 {
             let weights = Weights {
                 w: &self.w[..states],
                 c: Some(&self.c[..states]),
             };
             let mut placed = self.rows.evaluator.at(&self.rows.x)?;
             let pull = placed.contract(state, weights)?;
-            let mut gradient = out.gradient.rows_mut(0, 2 * n);
-            gradient += pull.gradient();
-            let mut hessian = out.hessian.view_mut((0, 0), (2 * n, 2 * n));
-            hessian += pull.hessian();
+            for (x, part) in [(0, 0), (1, n)] {
+                let mut gradient = out.gradients.column_mut(3 * g + x);
+                gradient += pull.gradient().rows(part, n);
+            }
+            let hessian = pull.hessian();
+            for column in 0..2 * n {
+                for row in 0..2 * n {
+                    let at = out.entry(g, row, column);
+                    out.hessians[at] += hessian[(row, column)];
+                }
+            }
         }
-        Ok(effort + charged / (2.0 * rho))
+        Ok(charged)
     }
 }

@@ -1,12 +1,7 @@
 //! What is integrated along a curve.
 
-use crate::dynamics::{
-    ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_contracted_hessian,
-    rnea_derivatives,
-};
 use crate::error::Result;
-use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
 /// A curve at one quadrature point.
@@ -22,6 +17,39 @@ pub struct Point<'a, S> {
     pub v: &'a [S],
     /// The acceleration.
     pub a: &'a [S],
+}
+
+/// A curve at all quadrature points of a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Points<'a, S: Scalar> {
+    /// Which point the first is, counted along time.
+    pub first: usize,
+    /// Times, s.
+    pub times: &'a [S],
+    /// $q, v, a$ at each point, a column each: `N` by `3 M`.
+    pub states: &'a DMatrix<S>,
+}
+
+impl<'a, S: Scalar> Points<'a, S> {
+    /// How many points there are, `M`.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Point `g` of them.
+    #[must_use]
+    pub fn point(&self, g: usize) -> Point<'a, S> {
+        let n = self.states.nrows();
+        let state = &self.states.as_slice()[3 * g * n..(3 * g + 3) * n];
+        Point {
+            index: self.first + g,
+            time: self.times[g],
+            q: &state[..n],
+            v: &state[n..2 * n],
+            a: &state[2 * n..],
+        }
+    }
 }
 
 /// The derivatives of a running cost in $z = [q; v; a]$.
@@ -47,7 +75,68 @@ impl<S: Scalar> PointDerivatives<S> {
     }
 }
 
+/// A running cost and its derivatives at all points of a piece.
+///
+/// Matrices have a row for each point of each block of the Hessian in $z = [q; v; a]$: entry $(i, j)$ of block $W^{xy}$ of point `g` of `M` is
+/// in row `(3 x + y) M + g` of column `i + N j`.
+#[derive(Clone, Debug)]
+pub struct PointsDerivatives<S: Scalar> {
+    /// The costs, `M` entries.
+    pub costs: Vec<S>,
+    /// $\partial l / \partial q$, $\partial l / \partial v$ and $\partial l / \partial a$ at each point, a column each: `N` by `3 M`.
+    pub gradients: DMatrix<S>,
+    /// The Hessians, `9 M` by `N^2`.
+    pub hessians: DMatrix<S>,
+    /// The metrics, `9 M` by `N^2`; see [`PointDerivatives::metric`].
+    pub metrics: DMatrix<S>,
+    /// Whether anybody reads the metrics.
+    pub with_metrics: bool,
+}
+
+impl<S: Scalar> PointsDerivatives<S> {
+    /// Room for `points` points of a model with `n` joints.
+    #[must_use]
+    pub fn new(n: usize, points: usize) -> Self {
+        Self {
+            costs: vec![S::zero(); points],
+            gradients: DMatrix::zeros(n, 3 * points),
+            hessians: DMatrix::zeros(9 * points, n * n),
+            metrics: DMatrix::zeros(9 * points, n * n),
+            with_metrics: true,
+        }
+    }
+
+    /// Files what there is of point `g`.
+    pub fn set(&mut self, g: usize, cost: S, of: &PointDerivatives<S>) {
+        let n = self.gradients.nrows();
+        self.costs[g] = cost;
+        for x in 0..3 {
+            let part = of.gradient.rows(x * n, n);
+            self.gradients.set_column(3 * g + x, &part);
+        }
+        for column in 0..3 * n {
+            for row in 0..3 * n {
+                let at = self.entry(g, row, column);
+                self.hessians[at] = of.hessian[(row, column)];
+                if self.with_metrics {
+                    self.metrics[at] = of.metric[(row, column)];
+                }
+            }
+        }
+    }
+
+    /// Where entry `(row, column)` of the Hessian of point `g` is.
+    #[must_use]
+    pub fn entry(&self, g: usize, row: usize, column: usize) -> (usize, usize) {
+        let (n, points) = (self.gradients.nrows(), self.costs.len());
+        let block = 3 * (row / n) + column / n;
+        (block * points + g, row % n + n * (column % n))
+    }
+}
+
 /// A running cost $l(q, v, a)$ at the points of a quadrature.
+///
+/// One point at a time is all that has to be there; a cost that is quicker for many at once says how.
 pub trait PointCost<S: Scalar> {
     /// $l$.
     ///
@@ -60,116 +149,33 @@ pub trait PointCost<S: Scalar> {
     /// # Errors
     /// The point or `out` is for another robot.
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S>;
-}
 
-/// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
-///
-/// $$ \frac{\partial l}{\partial z} = 2 J^T u, \qquad \frac{\partial^2 l}{\partial z^2} = 2 J^T J + \Phi(2 u), \qquad
-///    J = \left[ \frac{\partial ID}{\partial q}\ \frac{\partial ID}{\partial v}\ H \right], $$
-///
-/// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$.
-#[derive(Clone, Debug)]
-pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
-    model: &'m Model<C>,
-    data: Data<S>,
-    id: InverseDynamicsDerivatives<S>,
-    second: ContractedHessian<S>,
-    weights: DVector<S>,
-    stiffness: DVector<S>,
-    jacobian: DMatrix<S>,
-    transposed: DMatrix<S>,
-}
-
-impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
-    /// The control effort of `model`.
-    #[must_use]
-    pub fn new(model: &'m Model<C>) -> Self {
-        let n = model.dof();
-        Self {
-            model,
-            data: Data::new(model),
-            id: InverseDynamicsDerivatives::new(n),
-            second: ContractedHessian::new(n),
-            weights: DVector::zeros(n),
-            stiffness: DVector::zeros(n),
-            jacobian: DMatrix::zeros(n, 3 * n),
-            transposed: DMatrix::zeros(3 * n, n),
+    /// $l$ at all points into `costs`, `M` entries.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
+        for (g, cost) in costs.iter_mut().enumerate() {
+            *cost = self.value(points.point(g))?;
         }
+        Ok(())
     }
 
-    /// $u$ at a point.
-    pub(super) fn control(&mut self, point: Point<'_, S>) -> Result<&DVector<S>> {
-        let Point { q, v, a, .. } = point;
-        let u = self.weights.as_mut_slice();
-        rnea(self.model, &mut self.data, q, v, a, u)?;
-        Ok(&self.weights)
-    }
-
-    /// The derivatives of the effort and of another cost of the control alone, and the effort. `charge` is handed `u` and adds
-    /// what the other cost has as first and second derivatives, the latter with their own joint only; it says whether it has
-    /// any of the second. The metric is that of the effort.
-    pub(super) fn derivatives_charging(
+    /// All of `out`, except the metrics where nobody reads them.
+    ///
+    /// # Errors
+    /// As [`derivatives`](Self::derivatives).
+    fn all_derivatives(
         &mut self,
-        point: Point<'_, S>,
-        out: &mut PointDerivatives<S>,
-        charge: impl FnOnce(&[S], &mut [S], &mut [S]) -> bool,
-    ) -> Result<S> {
-        let n = self.model.dof();
-        let Point { q, v, a, .. } = point;
-        rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
-        let InverseDynamicsDerivatives { tau, dq, dv, h } = &self.id;
-        let two = S::from_f64(2.0);
-        for (i, block) in [dq, dv, h].into_iter().enumerate() {
-            self.jacobian.columns_mut(i * n, n).copy_from(block);
+        points: Points<'_, S>,
+        out: &mut PointsDerivatives<S>,
+    ) -> Result<()> {
+        let mut single = PointDerivatives::new(points.states.nrows());
+        for g in 0..points.count() {
+            let cost = self.derivatives(points.point(g), &mut single)?;
+            out.set(g, cost, &single);
         }
-        self.jacobian.transpose_to(&mut self.transposed);
-        self.weights.copy_from(tau);
-        self.weights *= two;
-        self.stiffness.fill(S::zero());
-        let (first, second) = (&mut self.weights, &mut self.stiffness);
-        let stiff = charge(tau.as_slice(), first.as_mut_slice(), second.as_mut_slice());
-        out.gradient
-            .gemv(S::one(), &self.transposed, &self.weights, S::zero());
-        out.metric
-            .gemm(two, &self.transposed, &self.jacobian, S::zero());
-        out.hessian.copy_from(&out.metric);
-        if stiff {
-            for (mut row, c) in self.jacobian.row_iter_mut().zip(self.stiffness.iter()) {
-                row *= *c;
-            }
-            out.hessian
-                .gemm(S::one(), &self.transposed, &self.jacobian, S::one());
-        }
-
-        let w = self.weights.as_slice();
-        rnea_contracted_hessian(self.model, &mut self.data, q, v, a, w, &mut self.second)?;
-        let ContractedHessian { qq, qv, vv, qa } = &self.second;
-        let mut add = |row: usize, column: usize, block: &DMatrix<S>| {
-            let mut target = out.hessian.view_mut((row * n, column * n), (n, n));
-            target += block;
-        };
-        add(0, 0, qq);
-        add(0, 1, qv);
-        add(0, 2, qa);
-        add(1, 1, vv);
-        for i in 0..n {
-            for j in 0..n {
-                out.hessian[(n + j, i)] += qv[(i, j)];
-                out.hessian[(2 * n + j, i)] += qa[(i, j)];
-            }
-        }
-        Ok(tau.dot(tau))
-    }
-}
-
-impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
-    fn value(&mut self, point: Point<'_, S>) -> Result<S> {
-        let u = self.control(point)?;
-        Ok(u.dot(u))
-    }
-
-    fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
-        self.derivatives_charging(point, out, |_, _, _| false)
+        Ok(())
     }
 }
 
@@ -180,5 +186,17 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
         (**self).derivatives(point, out)
+    }
+
+    fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
+        (**self).values(points, costs)
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, S>,
+        out: &mut PointsDerivatives<S>,
+    ) -> Result<()> {
+        (**self).all_derivatives(points, out)
     }
 }

@@ -25,7 +25,8 @@ pub struct Grid<S: Scalar> {
     pub(super) transposed: DMatrix<S>,
     /// Pairs of functions of a piece, the first not before the second, in the order of the columns of `products`.
     pub(super) pairs: Vec<(usize, usize)>,
-    /// Weighted products of the entries of the table that pairs of functions have: nine a point by one a pair.
+    /// Weighted products of the entries of the table that pairs of functions have: a row for each point of each block of the Hessian
+    /// as in [`PointsDerivatives`](super::PointsDerivatives), a column a pair.
     pub(super) products: DMatrix<S>,
 }
 
@@ -77,7 +78,8 @@ impl<S: Scalar> Grid<S> {
             .flat_map(|b| (b..needed.end).map(move |a| (a, b)))
             .collect();
         let products = DMatrix::from_fn(9 * weights.len(), pairs.len(), |row, pair| {
-            let (point, x, y) = (row / 9, row % 9 / 3, row % 3);
+            let (block, point) = (row / weights.len(), row % weights.len());
+            let (x, y) = (block / 3, block % 3);
             let (a, b) = pairs[pair];
             weights[point] * table[(a, 3 * point + x)] * table[(b, 3 * point + y)]
         });

@@ -1,9 +1,9 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::{BlockTridiagonal, Grid, Point, PointCost, PointDerivatives};
+use super::{BlockTridiagonal, Grid, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Dyn};
 
 /// The sum $\sum_g w_g\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
 ///
@@ -20,11 +20,7 @@ pub struct Objective<'g, S: Scalar, P> {
     dof: usize,
     /// $q, v, a$ at the points of a piece, one column each.
     states: DMatrix<S>,
-    gradients: DMatrix<S>,
-    point: PointDerivatives<S>,
-    /// The blocks $W^{xy}$ at the points of a piece, one column each.
-    hessians: DMatrix<S>,
-    metrics: DMatrix<S>,
+    at_points: PointsDerivatives<S>,
     blocks: DMatrix<S>,
     gradient: DMatrix<S>,
 }
@@ -66,10 +62,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             cost,
             dof,
             states: DMatrix::zeros(dof, 3 * points),
-            gradients: DMatrix::zeros(dof, 3 * points),
-            point: PointDerivatives::new(dof),
-            hessians: DMatrix::zeros(dof * dof, 9 * points),
-            metrics: DMatrix::zeros(dof * dof, 9 * points),
+            at_points: PointsDerivatives::new(dof, points),
             blocks: DMatrix::zeros(dof * dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, functions),
         }
@@ -96,9 +89,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let mut sum = S::zero();
         for e in 0..self.grid.pieces {
             self.place(coefficients, e);
-            for g in 0..self.grid.points() {
-                let point = point(self.grid, &self.states, e, g);
-                sum += self.grid.weights[g] * self.cost.value(point)?;
+            let costs = &mut self.at_points.costs;
+            self.cost
+                .values(points(self.grid, &self.states, e), costs)?;
+            for (weight, cost) in self.grid.weights.iter().zip(costs) {
+                sum += *weight * *cost;
             }
         }
         Ok(sum)
@@ -113,29 +108,55 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         coefficients: &DMatrix<S>,
         out: &mut Derivatives<S>,
     ) -> Result<S> {
+        self.integrate(coefficients, true, out)
+    }
+
+    /// As [`derivatives`](Self::derivatives), but the metric is left as it is.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn gradient_and_hessian(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.integrate(coefficients, false, out)
+    }
+
+    fn integrate(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        with_metric: bool,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
         self.check(coefficients)?;
         out.gradient.fill(S::zero());
         out.hessian.fill_zero();
-        out.metric.fill_zero();
+        if with_metric {
+            out.metric.fill_zero();
+        }
+        self.at_points.with_metrics = with_metric;
         let mut sum = S::zero();
         for e in 0..self.grid.pieces {
             self.place(coefficients, e);
-            for g in 0..self.grid.points() {
-                let at = point(self.grid, &self.states, e, g);
-                let weight = self.grid.weights[g];
-                sum += weight * self.cost.derivatives(at, &mut self.point)?;
-                self.keep(g, weight);
+            let here = points(self.grid, &self.states, e);
+            self.cost.all_derivatives(here, &mut self.at_points)?;
+            let at_points = &mut self.at_points;
+            for (g, weight) in self.grid.weights.iter().enumerate() {
+                sum += *weight * at_points.costs[g];
+                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
+                gradients *= *weight;
             }
+            let transposed = &self.grid.transposed;
             self.gradient
-                .gemm(S::one(), &self.gradients, &self.grid.transposed, S::zero());
+                .gemm(S::one(), &at_points.gradients, transposed, S::zero());
             self.add_gradient(e, &mut out.gradient);
-            let products = &self.grid.products;
-            self.blocks
-                .gemm(S::one(), &self.hessians, products, S::zero());
+            blocks_of(&self.at_points.hessians, self.grid, &mut self.blocks);
             self.add_blocks(&self.blocks, e, &mut out.hessian);
-            self.blocks
-                .gemm(S::one(), &self.metrics, products, S::zero());
-            self.add_blocks(&self.blocks, e, &mut out.metric);
+            if with_metric {
+                blocks_of(&self.at_points.metrics, self.grid, &mut self.blocks);
+                self.add_blocks(&self.blocks, e, &mut out.metric);
+            }
         }
         Ok(sum)
     }
@@ -149,7 +170,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * pieces;
         let mut blocks = DMatrix::zeros(n * n, grid.pairs.len());
         for pair in 0..grid.pairs.len() {
-            let velocities = (0..grid.points()).map(|g| grid.products[(9 * g + 4, pair)]);
+            let velocities = 4 * grid.points()..5 * grid.points();
+            let velocities = velocities.map(|row| grid.products[(row, pair)]);
             let entry = scale * velocities.fold(S::zero(), |sum, x| sum + x);
             (0..n).for_each(|j| blocks[(j * (n + 1), pair)] = entry);
         }
@@ -170,29 +192,6 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let own = coefficients.columns(self.grid.first(e), self.grid.table.nrows());
         self.states
             .gemm(S::one(), &own, &self.grid.table, S::zero());
-    }
-
-    /// Files the derivatives at point `g`: the gradient weighted, the others not, as the table of products has the weights.
-    fn keep(&mut self, g: usize, weight: S) {
-        let n = self.dof;
-        for x in 0..3 {
-            let gradient = self.point.gradient.rows(x * n, n) * weight;
-            self.gradients.set_column(3 * g + x, &gradient);
-            for y in 0..3 {
-                let column = (9 * g + 3 * x + y) * n * n;
-                let pairs = [
-                    (&self.point.hessian, &mut self.hessians),
-                    (&self.point.metric, &mut self.metrics),
-                ];
-                for (from, to) in pairs {
-                    let to = &mut to.as_mut_slice()[column..column + n * n];
-                    for (j, to) in to.chunks_exact_mut(n).enumerate() {
-                        let start = (y * n + j) * 3 * n + x * n;
-                        to.copy_from_slice(&from.as_slice()[start..start + n]);
-                    }
-                }
-            }
-        }
     }
 
     fn add_gradient(&self, e: usize, out: &mut DVector<S>) {
@@ -232,21 +231,27 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     }
 }
 
-/// What the running cost reads at point `g` of piece `e`.
-pub(super) fn point<'a, S: Scalar>(
-    grid: &Grid<S>,
+/// The blocks of a matrix of a piece, `N^2` by one a pair of functions, from those at its points.
+fn blocks_of<S: Scalar>(at_points: &DMatrix<S>, grid: &Grid<S>, out: &mut DMatrix<S>) {
+    let (rows, columns) = (Dyn(at_points.ncols()), Dyn(at_points.nrows()));
+    let strides = (Dyn(at_points.nrows()), Dyn(1));
+    let data = at_points.as_slice();
+    let transposed = DMatrixView::<S, Dyn, Dyn>::from_slice_with_strides_generic(
+        data, rows, columns, strides.0, strides.1,
+    );
+    out.gemm(S::one(), &transposed, &grid.products, S::zero());
+}
+
+/// What the running cost reads at the points of piece `e`.
+pub(super) fn points<'a, S: Scalar>(
+    grid: &'a Grid<S>,
     states: &'a DMatrix<S>,
     e: usize,
-    g: usize,
-) -> Point<'a, S> {
-    let n = states.nrows();
-    let index = e * grid.points() + g;
-    let state = &states.as_slice()[3 * g * n..(3 * g + 3) * n];
-    Point {
-        index,
-        time: grid.times[index],
-        q: &state[..n],
-        v: &state[n..2 * n],
-        a: &state[2 * n..],
+) -> Points<'a, S> {
+    let first = e * grid.points();
+    Points {
+        first,
+        times: &grid.times[first..first + grid.points()],
+        states,
     }
 }

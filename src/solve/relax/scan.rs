@@ -1,7 +1,7 @@
 //! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
 
 use super::augmented::Rows;
-use super::objective::point;
+use super::objective::points;
 use super::{Basis, Grid, Point};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
@@ -116,7 +116,7 @@ pub(super) fn rows_on<K: Constraint>(
         let own = coefficients.columns(grid.first(e), grid.table.nrows());
         states.gemm(1.0, &own, &grid.table, 0.0);
         for (g, weight) in grid.weights.iter().enumerate() {
-            let point = point(grid, &states, e, g);
+            let point = points(grid, &states, e).point(g);
             let own = point.index * count..(point.index + 1) * count;
             effort += weight * rows.at(point, &mut h[own])?;
         }

@@ -1,0 +1,105 @@
+//! Several numbers at once.
+
+use super::{Over, Scalar};
+use num_traits::{One, Zero};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// `W` numbers that go through the same arithmetic side by side, such as the same joint at `W` times of a motion.
+///
+/// Over `f64` the compiler makes SIMD instructions of it, as wide as it is allowed to (`-C target-cpu`). Each lane has the value,
+/// to the last bit, that the number alone would have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes<S, const W: usize>(pub [S; W]);
+
+impl<S: Scalar, const W: usize> Lanes<S, W> {
+    /// The same number in all lanes.
+    #[inline]
+    #[must_use]
+    pub fn splat(x: S) -> Self {
+        Self([x; W])
+    }
+}
+
+/// Operators lane by lane, and those that assign.
+macro_rules! lanewise {
+    ($($trait:ident $method:ident $assign:ident $assign_method:ident $op:tt),*) => {$(
+        impl<S: Scalar, const W: usize> $trait for Lanes<S, W> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(std::array::from_fn(|i| self.0[i] $op other.0[i]))
+            }
+        }
+
+        impl<S: Scalar, const W: usize> $assign for Lanes<S, W> {
+            #[inline(always)]
+            fn $assign_method(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )*};
+}
+
+lanewise!(
+    Add add AddAssign add_assign +,
+    Sub sub SubAssign sub_assign -,
+    Mul mul MulAssign mul_assign *,
+    Div div DivAssign div_assign /
+);
+
+impl<S: Scalar, const W: usize> Neg for Lanes<S, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl<S: Scalar, const W: usize> Zero for Lanes<S, W> {
+    #[inline]
+    fn zero() -> Self {
+        Self::splat(S::zero())
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0.iter().all(Zero::is_zero)
+    }
+}
+
+impl<S: Scalar, const W: usize> One for Lanes<S, W> {
+    #[inline]
+    fn one() -> Self {
+        Self::splat(S::one())
+    }
+}
+
+impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        Self::splat(S::from_f64(x))
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let both = self.0.map(S::sin_cos);
+        (Self(both.map(|x| x.0)), Self(both.map(|x| x.1)))
+    }
+
+    #[inline]
+    fn tanh(self) -> Self {
+        Self(self.0.map(S::tanh))
+    }
+}
+
+impl<C: Copy, S: Over<C>, const W: usize> Over<C> for Lanes<S, W> {
+    #[inline]
+    fn lift(c: C) -> Self {
+        Self::splat(S::lift(c))
+    }
+
+    #[inline(always)]
+    fn scale(self, c: C) -> Self {
+        Self(self.0.map(|x| x.scale(c)))
+    }
+}
