@@ -122,6 +122,7 @@ proptest! {
         let momentum = inertia.placed(&moving(&at, &v)).apply(&Motion::new(lift(&m.angular), lift(&m.linear)));
         let rate = Force::new(momentum.angular.map(|x| x.eps), momentum.linear.map(|x| x.eps));
         let coriolis = Coriolis::new(&inertia.placed(&at), &v);
-        close(coriolis.apply(&m) + coriolis.apply_transpose(&m), rate);
+        let transposed = Force::couple(coriolis.apply_transpose(&m));
+        close(coriolis.apply(&m) + transposed, rate);
     }
 }

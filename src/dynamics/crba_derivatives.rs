@@ -4,7 +4,7 @@ use super::{Data, check_square};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::Coriolis;
+use crate::spatial::{Coriolis, Force};
 use nalgebra::DMatrix;
 
 /// The mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\, v_k$ along the velocity `v`; line 1
@@ -36,8 +36,9 @@ pub fn crba_derivatives<C: Scalar, S: Over<C>>(
         let (axis, rate) = (data.axes[i], data.axis_rates[i]);
         let (inertia, coriolis) = (data.inertias[i], data.coriolis[i]);
         let momentum = inertia.apply(&axis);
-        let momentum_rate =
-            inertia.apply(&rate) + coriolis.apply(&axis) + coriolis.apply_transpose(&axis);
+        let momentum_rate = inertia.apply(&rate)
+            + coriolis.apply(&axis)
+            + Force::couple(coriolis.apply_transpose(&axis));
         let mut ancestor = Some(i);
         while let Some(j) = ancestor {
             h[(i, j)] = data.axes[j].dot(&momentum);

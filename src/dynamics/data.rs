@@ -4,7 +4,7 @@ use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::{Ldlt, Scalar};
 use crate::spatial::{Coriolis, Force, Inertia, Motion, Placement};
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Scratch space for the algorithms on one model. It carries nothing from one call to the next.
 #[derive(Clone, Debug)]
@@ -31,8 +31,8 @@ pub struct Data<S: Scalar> {
     pub(super) virtual_momenta: Vec<Force<S>>,
     /// Body Coriolis matrices that go with them, then those of subtrees.
     pub(super) virtual_coriolis: Vec<Coriolis<S>>,
-    /// Transposed Coriolis matrices times virtual velocities, then sums over subtrees.
-    pub(super) virtual_forces: Vec<Force<S>>,
+    /// Couples: transposed Coriolis matrices times virtual velocities, then sums over subtrees.
+    pub(super) virtual_couples: Vec<Vector3<S>>,
     /// What moving a joint adds to the virtual velocities of its subtree.
     pub(super) virtual_axis_rates: Vec<Motion<S>>,
     /// Articulated-body inertias.
@@ -62,7 +62,7 @@ impl<S: Scalar> Data<S> {
             virtual_velocities: vec![Motion::zero(); n],
             virtual_momenta: vec![Force::zero(); n],
             virtual_coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
-            virtual_forces: vec![Force::zero(); n],
+            virtual_couples: vec![Vector3::zeros(); n],
             virtual_axis_rates: vec![Motion::zero(); n],
             articulated: vec![Matrix6::zeros(); n],
             articulated_axes: vec![Vector6::zeros(); n],

@@ -123,14 +123,15 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
         let (force, momentum, p) = (
             data.forces[i],
             data.virtual_momenta[i],
-            data.virtual_forces[i],
+            data.virtual_couples[i],
         );
-        out.q[i] = rate.dot(&p) + rate2.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
-        out.v[i] = axis.dot(&p) + rate.dot(&momentum) * two;
+        out.q[i] =
+            rate.angular.dot(&p) + rate2.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
+        out.v[i] = axis.angular.dot(&p) + rate.dot(&momentum) * two;
         out.a[i] = axis.dot(&momentum);
         if let Some(parent) = joint.parent() {
             data.virtual_momenta[parent] += momentum;
-            data.virtual_forces[parent] += p;
+            data.virtual_couples[parent] += p;
         }
     }
     Ok(())
@@ -192,7 +193,7 @@ impl<S: Scalar> Data<S> {
         let two = S::from_f64(2.0);
         for i in 0..model.dof() {
             let mu = &self.virtual_velocities[i];
-            self.virtual_forces[i] = self.coriolis[i].apply_transpose(mu) * two;
+            self.virtual_couples[i] = self.coriolis[i].apply_transpose(mu) * two;
         }
         Ok(())
     }
@@ -226,22 +227,23 @@ impl<S: Scalar> Data<S> {
                 &self.coriolis[k],
                 &self.virtual_coriolis[k],
             );
-            let (momentum, p) = (&self.virtual_momenta[k], &self.virtual_forces[k]);
+            let (momentum, p) = (&self.virtual_momenta[k], &self.virtual_couples[k]);
             let l_by_q = axis.cross_force(momentum) + inertia.apply(gained);
             let p_by_q =
-                axis.cross_force(p) + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
+                axis.angular.cross(p) + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
             let p_by_v = -d.apply_transpose(axis) * two;
 
             let mut ancestor = Some(k);
             while let Some(j) = ancestor {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
                 let (rate2_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
-                out.qq[(j, k)] = rate_j.dot(&p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
+                out.qq[(j, k)] =
+                    rate_j.angular.dot(&p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
                 out.qq[(k, j)] = out.qq[(j, k)];
-                out.vv[(j, k)] = axis_j.dot(&p_by_v);
+                out.vv[(j, k)] = axis_j.angular.dot(&p_by_v);
                 out.vv[(k, j)] = out.vv[(j, k)];
-                out.qv[(j, k)] = rate_j.dot(&p_by_v) + gained_j.dot(&f.by_v);
-                out.qv[(k, j)] = axis_j.dot(&p_by_q) + rate_j.dot(&l_by_q) * two;
+                out.qv[(j, k)] = rate_j.angular.dot(&p_by_v) + gained_j.dot(&f.by_v);
+                out.qv[(k, j)] = axis_j.angular.dot(&p_by_q) + rate_j.dot(&l_by_q) * two;
                 out.qa[(j, k)] = gained_j.dot(&f.by_a);
                 out.qa[(k, j)] = axis_j.dot(&l_by_q);
                 ancestor = model.joints()[j].parent();
@@ -251,7 +253,7 @@ impl<S: Scalar> Data<S> {
                 self.add_to_subtree(k, parent);
                 self.virtual_coriolis[parent] += d;
                 self.virtual_momenta[parent] += momentum;
-                self.virtual_forces[parent] += p;
+                self.virtual_couples[parent] += p;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! How the momentum of a moving body changes: the matrix `B` of the derivative algorithms.
 
-use super::{Force, Inertia, Motion, cross_matrix};
+use super::{Force, Inertia, Motion, apply, apply_transpose};
 use crate::scalar::Scalar;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, AddAssign};
@@ -31,9 +31,15 @@ impl<S: Scalar> Coriolis<S> {
         let h = &inertia.first_moment;
         let half_trace = inertia.rotational.trace() * S::from_f64(0.5);
         let second = Matrix3::from_diagonal_element(half_trace) - inertia.rotational;
-        let hv = v.linear * h.transpose() - Matrix3::from_diagonal_element(h.dot(&v.linear));
+        let (along, w) = (h.dot(&v.linear), &v.angular);
+        let turned = |j| w.cross(&second.column(j).into_owned());
+        let turned = [turned(0), turned(1), turned(2)];
+        let moment = Matrix3::from_fn(|i, j| {
+            let hv = v.linear[i] * h[j];
+            -turned[j][i] - if i == j { hv - along } else { hv }
+        });
         Self {
-            moment: -hv - cross_matrix(&v.angular) * second,
+            moment,
             momentum: v.linear * inertia.mass + v.angular.cross(h),
         }
     }
@@ -42,17 +48,17 @@ impl<S: Scalar> Coriolis<S> {
     #[inline]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
-        Force::new(self.moment * m.angular, m.angular.cross(&self.momentum))
+        Force::new(
+            apply(&self.moment, &m.angular),
+            m.angular.cross(&self.momentum),
+        )
     }
 
-    /// $B^T m$.
+    /// $B^T m$, a couple: the force it stands for has this moment and no linear part.
     #[inline]
     #[must_use]
-    pub fn apply_transpose(&self, m: &Motion<S>) -> Force<S> {
-        Force::new(
-            self.moment.tr_mul(&m.angular) + self.momentum.cross(&m.linear),
-            Vector3::zeros(),
-        )
+    pub fn apply_transpose(&self, m: &Motion<S>) -> Vector3<S> {
+        apply_transpose(&self.moment, &m.angular) + self.momentum.cross(&m.linear)
     }
 }
 

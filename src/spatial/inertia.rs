@@ -1,6 +1,6 @@
 //! The spatial inertia of a rigid body, or of several that move as one.
 
-use super::{Force, Motion, Placement, apply_to_constant, cross_matrix};
+use super::{Force, Motion, Placement, apply, apply_to_constant, cross_matrix, multiply};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
@@ -44,7 +44,7 @@ impl<S: Scalar> Inertia<S> {
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         let h = &self.first_moment;
         Force::new(
-            self.rotational * m.angular + h.cross(&m.linear),
+            apply(&self.rotational, &m.angular) + h.cross(&m.linear),
             m.linear * self.mass - h.cross(&m.angular),
         )
     }
@@ -60,7 +60,7 @@ impl<S: Scalar> Inertia<S> {
         // [a]x [b]x = b a^T - (a . b) 1, and the moved centre is h + m p.
         let moved = h + p * mass;
         let outer = p * h.transpose() + moved * p.transpose();
-        let rotational = half * r.transpose() - outer;
+        let rotational = multiply(&half, &r.transpose()) - outer;
         Inertia {
             mass,
             first_moment: moved,

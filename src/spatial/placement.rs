@@ -1,6 +1,6 @@
 //! Where one frame is in another.
 
-use super::{Motion, apply_to_constant};
+use super::{Motion, apply, apply_to_constant, multiply};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
@@ -36,8 +36,8 @@ impl<S: Scalar> Placement<S> {
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {
         Self::new(
-            self.rotation * inner.rotation,
-            self.rotation * inner.translation + self.translation,
+            multiply(&self.rotation, &inner.rotation),
+            apply(&self.rotation, &inner.translation) + self.translation,
         )
     }
 
@@ -57,10 +57,10 @@ impl<S: Scalar> Placement<S> {
     /// A motion given in B, in the coordinates of A (2.24 in the book).
     #[must_use]
     pub fn act(&self, m: &Motion<S>) -> Motion<S> {
-        let angular = self.rotation * m.angular;
+        let angular = apply(&self.rotation, &m.angular);
         Motion::new(
             angular,
-            self.rotation * m.linear + self.translation.cross(&angular),
+            apply(&self.rotation, &m.linear) + self.translation.cross(&angular),
         )
     }
 }

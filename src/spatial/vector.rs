@@ -90,6 +90,15 @@ macro_rules! vector_space {
 vector_space!(Motion);
 vector_space!(Force);
 
+impl<S: Scalar> Force<S> {
+    /// A moment without a linear force.
+    #[inline]
+    #[must_use]
+    pub fn couple(moment: Vector3<S>) -> Self {
+        Self::new(moment, Vector3::zeros())
+    }
+}
+
 impl<S: Scalar> Motion<S> {
     /// $v \times m$: how fast `m` changes when it is carried along with velocity `self` (2.31 in the book).
     #[inline]

@@ -245,13 +245,7 @@ impl<K: Constraint> Augmented<'_, K> {
                 let mut gradient = out.gradients.column_mut(3 * g + x);
                 gradient += pull.gradient().rows(part, n);
             }
-            let hessian = pull.hessian();
-            for column in 0..2 * n {
-                for row in 0..2 * n {
-                    let at = out.entry(g, row, column);
-                    out.hessians[at] += hessian[(row, column)];
-                }
-            }
+            out.hessians.add(g, pull.hessian());
         }
         Ok(charged)
     }

@@ -55,6 +55,7 @@ const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 12,
+        precise: false,
     },
     agreement: 0.05,
     last: false,
@@ -105,6 +106,7 @@ pub fn relax_constrained<K: Constraint + Clone>(
         stop: Stop {
             tolerance: settings.tolerance,
             iterations: settings.iterations.min(ITERATIONS),
+            precise: true,
         },
         agreement: settings.agreement,
         last: true,

@@ -1,5 +1,6 @@
 //! What is integrated along a curve.
 
+use super::PointHessians;
 use crate::error::Result;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -76,19 +77,16 @@ impl<S: Scalar> PointDerivatives<S> {
 }
 
 /// A running cost and its derivatives at all points of a piece.
-///
-/// Matrices have a row for each point of each block of the Hessian in $z = [q; v; a]$: entry $(i, j)$ of block $W^{xy}$ of point `g` of `M` is
-/// in row `(3 x + y) M + g` of column `i + N j`.
 #[derive(Clone, Debug)]
 pub struct PointsDerivatives<S: Scalar> {
     /// The costs, `M` entries.
     pub costs: Vec<S>,
     /// $\partial l / \partial q$, $\partial l / \partial v$ and $\partial l / \partial a$ at each point, a column each: `N` by `3 M`.
     pub gradients: DMatrix<S>,
-    /// The Hessians, `9 M` by `N^2`.
-    pub hessians: DMatrix<S>,
-    /// The metrics, `9 M` by `N^2`; see [`PointDerivatives::metric`].
-    pub metrics: DMatrix<S>,
+    /// The Hessians.
+    pub hessians: PointHessians<S>,
+    /// The metrics; see [`PointDerivatives::metric`].
+    pub metrics: PointHessians<S>,
     /// Whether anybody reads the metrics.
     pub with_metrics: bool,
 }
@@ -97,11 +95,12 @@ impl<S: Scalar> PointsDerivatives<S> {
     /// Room for `points` points of a model with `n` joints.
     #[must_use]
     pub fn new(n: usize, points: usize) -> Self {
+        let hessians = PointHessians::new(n, points);
         Self {
             costs: vec![S::zero(); points],
             gradients: DMatrix::zeros(n, 3 * points),
-            hessians: DMatrix::zeros(9 * points, n * n),
-            metrics: DMatrix::zeros(9 * points, n * n),
+            metrics: hessians.clone(),
+            hessians,
             with_metrics: true,
         }
     }
@@ -114,23 +113,10 @@ impl<S: Scalar> PointsDerivatives<S> {
             let part = of.gradient.rows(x * n, n);
             self.gradients.set_column(3 * g + x, &part);
         }
-        for column in 0..3 * n {
-            for row in 0..3 * n {
-                let at = self.entry(g, row, column);
-                self.hessians[at] = of.hessian[(row, column)];
-                if self.with_metrics {
-                    self.metrics[at] = of.metric[(row, column)];
-                }
-            }
+        self.hessians.set(g, &of.hessian);
+        if self.with_metrics {
+            self.metrics.set(g, &of.metric);
         }
-    }
-
-    /// Where entry `(row, column)` of the Hessian of point `g` is.
-    #[must_use]
-    pub fn entry(&self, g: usize, row: usize, column: usize) -> (usize, usize) {
-        let (n, points) = (self.gradients.nrows(), self.costs.len());
-        let block = 3 * (row / n) + column / n;
-        (block * points + g, row % n + n * (column % n))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The control effort as a running cost.
 
+use super::blocks::PointHessians;
 use super::cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use crate::dynamics::{
     ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_second_order,
@@ -30,6 +31,9 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     /// $\partial l / \partial u$, and what else than the effort has as second derivatives.
     weights: DVector<Wide<S>>,
     stiffness: DVector<Wide<S>>,
+    /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
+    squares: DMatrix<Wide<S>>,
+    stiff: DMatrix<Wide<S>>,
     /// For one point alone.
     single: Data<S>,
     u: DVector<S>,
@@ -54,6 +58,8 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             state: [zeros.clone(), zeros.clone(), zeros.clone()],
             weights: DVector::from_vec(zeros.clone()),
             stiffness: DVector::from_vec(zeros),
+            squares: DMatrix::zeros(3 * n, 3 * n),
+            stiff: DMatrix::zeros(3 * n, 3 * n),
             single: Data::new(model),
             u: DVector::zeros(n),
         }
@@ -121,8 +127,8 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
     }
 
     /// Files what the lanes hold: `count` points from `start` on.
-    fn file(&self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
-        let (n, points) = (self.model.dof(), out.costs.len());
+    fn file(&mut self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
+        let n = self.model.dof();
         let InverseDynamicsDerivatives { tau, dq, dv, h } = &self.id;
         let ContractedHessian { qq, qv, vv, qa } = &self.second;
         let two = Wide::from_f64(2.0);
@@ -137,6 +143,12 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
                 }
             }
         }
+        let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
+        let ones = DVector::from_element(n, two);
+        squares(column, &ones, &mut self.squares);
+        if stiff {
+            squares(column, &self.stiffness, &mut self.stiff);
+        }
         for (x, y, phi) in [
             (0, 0, Some(qq)),
             (0, 1, Some(qv)),
@@ -145,33 +157,30 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             (1, 2, None),
             (2, 2, None),
         ] {
+            let entry = |i: usize, j: usize| {
+                let (row, column) = (x * n + i, y * n + j);
+                let at = (row.max(column), row.min(column));
+                let metric = self.squares[at];
+                let phi = phi.map_or(Wide::splat(S::zero()), |phi| phi[(i, j)]);
+                let stiff = if stiff {
+                    self.stiff[at]
+                } else {
+                    Wide::splat(S::zero())
+                };
+                (metric + phi + stiff, metric)
+            };
             for j in 0..n {
-                let right = jacobian[y].column(j);
-                // Blocks on the diagonal are symmetric.
-                for i in if x == y { j } else { 0 }..n {
-                    let left = jacobian[x].column(i);
-                    let metric = left.dot(&right) * two;
-                    let mut hessian = metric;
-                    if let Some(phi) = phi {
-                        hessian += phi[(i, j)];
-                    }
-                    if stiff {
-                        for ((l, c), r) in left.iter().zip(&self.stiffness).zip(&right) {
-                            hessian += *l * *c * *r;
-                        }
-                    }
-                    for (x, y, i, j) in [(x, y, i, j), (y, x, j, i)] {
-                        let row = (3 * x + y) * points + start;
-                        let rows = row..row + count;
-                        let put = |matrix: &mut DMatrix<S>, lanes: &Wide<S>| {
-                            let first = (i + n * j) * 9 * points;
-                            let column = &mut matrix.as_mut_slice()[first..first + 9 * points];
-                            column[rows.clone()].copy_from_slice(&lanes.0[..count]);
-                        };
-                        put(&mut out.hessians, &hessian);
-                        if out.with_metrics {
-                            put(&mut out.metrics, &metric);
-                        }
+                for i in j..n {
+                    let here = entry(i, j);
+                    // Blocks on the diagonal are symmetric.
+                    let mirrored = if x == y { here } else { entry(j, i) };
+                    let put = |to: &mut PointHessians<S>, here: Wide<S>, mirrored: Wide<S>| {
+                        let [here, mirrored] = [&here.0[..count], &mirrored.0[..count]];
+                        to.put(start, [x, y], [i, j], here, mirrored);
+                    };
+                    put(&mut out.hessians, here.0, mirrored.0);
+                    if out.with_metrics {
+                        put(&mut out.metrics, here.1, mirrored.1);
                     }
                 }
             }
@@ -224,13 +233,46 @@ pub(super) fn alone<S: Scalar>(
         states: &states,
     };
     cost.all_derivatives(points, &mut all)?;
-    for column in 0..3 * q.len() {
-        for row in 0..3 * q.len() {
-            let at = all.entry(0, row, column);
-            out.hessian[(row, column)] = all.hessians[at];
-            out.metric[(row, column)] = all.metrics[at];
-        }
-    }
+    out.hessian = all.hessians.get(0);
+    out.metric = all.metrics.get(0);
     out.gradient.copy_from_slice(all.gradients.as_slice());
     Ok(all.costs[0])
+}
+
+/// The lower half of $A^T D A$ for columns of `A` and a diagonal `D`, in tiles that stay in registers.
+fn squares<'a, S: Scalar>(
+    columns: impl Fn(usize) -> &'a [S],
+    diagonal: &DVector<S>,
+    out: &mut DMatrix<S>,
+) {
+    const ROWS: usize = 2;
+    const COLUMNS: usize = 4;
+    let last = out.nrows() - 1;
+    let mut scaled: [Vec<S>; ROWS] = std::array::from_fn(|_| diagonal.as_slice().to_vec());
+    for row in (0..=last).step_by(ROWS) {
+        for (k, scaled) in scaled.iter_mut().enumerate() {
+            let column = columns((row + k).min(last)).iter().zip(diagonal);
+            for (to, (x, d)) in scaled.iter_mut().zip(column) {
+                *to = *x * *d;
+            }
+        }
+        for column in (0..=row + 1).step_by(COLUMNS) {
+            let right: [&[S]; COLUMNS] = std::array::from_fn(|k| columns((column + k).min(last)));
+            let mut sums = [[S::zero(); COLUMNS]; ROWS];
+            for k in 0..diagonal.len() {
+                for (sums, scaled) in sums.iter_mut().zip(&scaled) {
+                    for (sum, right) in sums.iter_mut().zip(&right) {
+                        *sum += scaled[k] * right[k];
+                    }
+                }
+            }
+            for (i, sums) in sums.into_iter().enumerate() {
+                for (j, sum) in sums.into_iter().enumerate() {
+                    if row + i <= last && column + j <= last {
+                        out[(row + i, column + j)] = sum;
+                    }
+                }
+            }
+        }
+    }
 }

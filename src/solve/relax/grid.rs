@@ -1,10 +1,12 @@
 //! The functions of a basis at the points of a quadrature.
 
 use super::Basis;
+use super::blocks::products;
 use crate::pseudospectral::gauss_legendre;
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each piece.
 ///
@@ -23,11 +25,10 @@ pub struct Grid<S: Scalar> {
     pub(super) table: DMatrix<S>,
     /// Its transpose.
     pub(super) transposed: DMatrix<S>,
-    /// Pairs of functions of a piece, the first not before the second, in the order of the columns of `products`.
+    /// Pairs of functions of a piece, the first not before the second, in the order of the columns of the products.
     pub(super) pairs: Vec<(usize, usize)>,
-    /// Weighted products of the entries of the table that pairs of functions have: a row for each point of each block of the Hessian
-    /// as in [`PointsDerivatives`](super::PointsDerivatives), a column a pair.
-    pub(super) products: DMatrix<S>,
+    /// Weighted products of functions; only derivatives need them.
+    products: OnceLock<[DMatrix<S>; 2]>,
 }
 
 impl Grid<f64> {
@@ -77,12 +78,6 @@ impl<S: Scalar> Grid<S> {
             .clone()
             .flat_map(|b| (b..needed.end).map(move |a| (a, b)))
             .collect();
-        let products = DMatrix::from_fn(9 * weights.len(), pairs.len(), |row, pair| {
-            let (block, point) = (row / weights.len(), row % weights.len());
-            let (x, y) = (block / 3, block % 3);
-            let (a, b) = pairs[pair];
-            weights[point] * table[(a, 3 * point + x)] * table[(b, 3 * point + y)]
-        });
         Self {
             pieces,
             free,
@@ -91,7 +86,7 @@ impl<S: Scalar> Grid<S> {
             transposed: table.transpose(),
             table,
             pairs,
-            products,
+            products: OnceLock::new(),
         }
     }
 
@@ -102,6 +97,12 @@ impl<S: Scalar> Grid<S> {
         let (times, weights) = (all(&self.times), all(&self.weights));
         let table = self.table.map(&f);
         Grid::from_table(self.pieces, self.free.clone(), times, weights, table)
+    }
+
+    /// Weighted products of the functions of each pair, for [`PointHessians`](super::PointHessians).
+    pub(super) fn products(&self) -> &[DMatrix<S>; 2] {
+        let new = || products(&self.table, &self.weights, &self.pairs);
+        self.products.get_or_init(new)
     }
 
     /// How many points each piece has.

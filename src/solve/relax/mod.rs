@@ -7,6 +7,7 @@
 mod augmented;
 mod basis;
 mod block_tridiagonal;
+mod blocks;
 mod constrained;
 mod cost;
 mod effort;
@@ -21,6 +22,7 @@ mod trust_region;
 pub use augmented::{Augmented, Requirements};
 pub use basis::Basis;
 pub use block_tridiagonal::BlockTridiagonal;
+pub use blocks::PointHessians;
 pub use constrained::relax_constrained;
 pub use cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 pub use effort::SquaredControl;
@@ -41,6 +43,7 @@ const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 15,
+        precise: false,
     },
     agreement: 0.02,
     last: false,
@@ -117,6 +120,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         stop: Stop {
             tolerance: settings.tolerance,
             iterations: settings.iterations,
+            precise: true,
         },
         agreement: settings.agreement,
         last: true,

@@ -11,6 +11,8 @@ const SUFFICIENT: f64 = 1e-3;
 const ROUNDING: f64 = 1e-13;
 /// How often a step may be refused before the search is given up.
 const REFUSALS: usize = 60;
+/// After so many steps the metric of Gauss and Newton is computed anew: it changes little, and takes as long as the Hessian.
+const FRESH: usize = 3;
 /// How many steps are made between two looks at the quadrature.
 const LOOK: usize = 6;
 /// How well quadratures have to agree where the search has not come to an end.
@@ -25,6 +27,8 @@ pub(super) struct Stop {
     pub tolerance: f64,
     /// Steps.
     pub iterations: usize,
+    /// Whether the gradient norm has to be that in the metric of the last curve.
+    pub precise: bool,
 }
 
 /// One iteration of the minimiser.
@@ -96,6 +100,9 @@ impl<P: PointCost<f64>> Judge<'_, P> {
 pub(super) struct Newton {
     pub derivatives: Derivatives<f64>,
     factor: BlockTridiagonal<f64>,
+    metric_factor: BlockTridiagonal<f64>,
+    /// Whether there is one.
+    definite: bool,
     gram: BlockTridiagonal<f64>,
     norm: BlockTridiagonal<f64>,
 }
@@ -106,6 +113,8 @@ impl Newton {
         let gram = objective.gram();
         Self {
             factor: gram.clone(),
+            metric_factor: gram.clone(),
+            definite: false,
             norm: gram.clone(),
             gram,
             derivatives,
@@ -124,17 +133,24 @@ impl Newton {
         let (mut region, mut steps) = (Region::default(), 0);
         let mut trial = coefficients.clone();
         loop {
-            let cost = objective.derivatives(&coefficients, &mut self.derivatives)?;
+            let mut fresh = steps % FRESH == 0;
+            let mut cost = self.derive(objective, &coefficients, fresh)?;
+            let mut gradient_norm = self.gradient_norm(cost);
+            let ends = |gradient_norm| gradient_norm <= stop.tolerance || steps == stop.iterations;
+            if !fresh && stop.precise && ends(gradient_norm) {
+                fresh = true;
+                cost = self.derive(objective, &coefficients, fresh)?;
+                gradient_norm = self.gradient_norm(cost);
+            }
             let mut iteration = Iteration {
                 degree: objective.grid().table.nrows() - 1,
                 points: objective.grid().points(),
                 cost,
-                gradient_norm: self.gradient_norm(cost),
+                gradient_norm,
                 damping: 0.0,
                 step: 0.0,
-                factorisations: 1,
+                factorisations: usize::from(fresh),
             };
-            let gradient_norm = iteration.gradient_norm;
             let converged = gradient_norm <= stop.tolerance;
             let last = converged || steps == stop.iterations;
             let look = last || steps % LOOK == LOOK - 1;
@@ -145,9 +161,6 @@ impl Newton {
                 false => None,
             };
             if end.is_none() {
-                let scale = 1.0 / cost.max(SMALLEST_COST);
-                self.norm
-                    .set_sum(&self.gram, scale, &self.derivatives.metric);
                 let from = &coefficients;
                 let step = self.step(objective, from, &mut trial, &mut region, &mut iteration)?;
                 if !step {
@@ -168,14 +181,32 @@ impl Newton {
         }
     }
 
+    /// The cost, and its derivatives into `derivatives`; only a `fresh` metric is that of this curve.
+    fn derive<P: PointCost<f64>>(
+        &mut self,
+        objective: &mut Objective<'_, f64, P>,
+        coefficients: &DMatrix<f64>,
+        fresh: bool,
+    ) -> Result<f64> {
+        if !fresh {
+            return objective.gradient_and_hessian(coefficients, &mut self.derivatives);
+        }
+        let cost = objective.derivatives(coefficients, &mut self.derivatives)?;
+        let metric = &self.derivatives.metric;
+        let scale = 1.0 / cost.max(SMALLEST_COST);
+        self.norm.set_sum(&self.gram, scale, metric);
+        self.metric_factor.clone_from(metric);
+        self.definite = self.metric_factor.factorise();
+        Ok(cost)
+    }
+
     /// $\sqrt{g^T G^{-1} g / J}$; infinite if the metric is not positive definite.
-    fn gradient_norm(&mut self, cost: f64) -> f64 {
-        self.factor.clone_from(&self.derivatives.metric);
-        if !self.factor.factorise() {
+    fn gradient_norm(&self, cost: f64) -> f64 {
+        if !self.definite {
             return f64::INFINITY;
         }
         let mut natural = self.derivatives.gradient.clone();
-        self.factor.solve(&mut natural);
+        self.metric_factor.solve(&mut natural);
         (natural.dot(&self.derivatives.gradient) / cost.max(SMALLEST_COST)).sqrt()
     }
 

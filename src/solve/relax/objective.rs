@@ -1,9 +1,9 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::{BlockTridiagonal, Grid, PointCost, Points, PointsDerivatives};
+use super::{BlockTridiagonal, Grid, PointCost, PointHessians, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DMatrixView, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 /// The sum $\sum_g w_g\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
 ///
@@ -12,8 +12,8 @@ use nalgebra::{DMatrix, DMatrixView, DVector, Dyn};
 /// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
 ///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\, W^{xy}. $$
 ///
-/// The products of functions are tabulated, so all blocks of the Hessian of a piece with `p` functions and `M` points are one product of
-/// matrices: $N^2$ by $9 M$ times $9 M$ by $p^2 / 2$.
+/// The products of functions are tabulated, so all blocks of the Hessian of a piece with `p` functions and `M` points are two products of
+/// matrices, see [`PointHessians`]: about $N^2 / 2$ by $9 M$ times $9 M$ by $p^2 / 2$.
 pub struct Objective<'g, S: Scalar, P> {
     grid: &'g Grid<S>,
     cost: P,
@@ -21,7 +21,7 @@ pub struct Objective<'g, S: Scalar, P> {
     /// $q, v, a$ at the points of a piece, one column each.
     states: DMatrix<S>,
     at_points: PointsDerivatives<S>,
-    blocks: DMatrix<S>,
+    sums: [DMatrix<S>; 2],
     gradient: DMatrix<S>,
 }
 
@@ -63,7 +63,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             dof,
             states: DMatrix::zeros(dof, 3 * points),
             at_points: PointsDerivatives::new(dof, points),
-            blocks: DMatrix::zeros(dof * dof, grid.pairs.len()),
+            sums: PointHessians::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, functions),
         }
     }
@@ -151,11 +151,16 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             self.gradient
                 .gemm(S::one(), &at_points.gradients, transposed, S::zero());
             self.add_gradient(e, &mut out.gradient);
-            blocks_of(&self.at_points.hessians, self.grid, &mut self.blocks);
-            self.add_blocks(&self.blocks, e, &mut out.hessian);
+            let (grid, sums) = (self.grid, &mut self.sums);
+            let hessians = &self.at_points.hessians;
+            hessians.integrate(grid, sums, |pair, block| {
+                add_block(grid, block, e, pair, &mut out.hessian);
+            });
             if with_metric {
-                blocks_of(&self.at_points.metrics, self.grid, &mut self.blocks);
-                self.add_blocks(&self.blocks, e, &mut out.metric);
+                let metrics = &self.at_points.metrics;
+                metrics.integrate(grid, sums, |pair, block| {
+                    add_block(grid, block, e, pair, &mut out.metric);
+                });
             }
         }
         Ok(sum)
@@ -168,16 +173,14 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let (n, grid) = (self.dof, self.grid);
         let pieces = S::from_f64(grid.pieces as f64 / std::f64::consts::PI.powi(2));
         let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * pieces;
-        let mut blocks = DMatrix::zeros(n * n, grid.pairs.len());
-        for pair in 0..grid.pairs.len() {
-            let velocities = 4 * grid.points()..5 * grid.points();
-            let velocities = velocities.map(|row| grid.products[(row, pair)]);
-            let entry = scale * velocities.fold(S::zero(), |sum, x| sum + x);
-            (0..n).for_each(|j| blocks[(j * (n + 1), pair)] = entry);
-        }
         let mut gram = Derivatives::new(grid, n).hessian;
-        for e in 0..grid.pieces {
-            self.add_blocks(&blocks, e, &mut gram);
+        let identity = DMatrix::identity(n, n);
+        for pair in 0..grid.pairs.len() {
+            let velocities = grid.products()[0].view((grid.points(), pair), (grid.points(), 1));
+            let block = &identity * (velocities.sum() * scale);
+            for e in 0..grid.pieces {
+                add_block(grid, &block, e, pair, &mut gram);
+            }
         }
         gram
     }
@@ -203,43 +206,31 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             }
         }
     }
-
-    /// Adds the blocks of piece `e` where they belong.
-    fn add_blocks(&self, blocks: &DMatrix<S>, e: usize, out: &mut BlockTridiagonal<S>) {
-        let (n, first, free) = (self.dof, self.grid.first(e), &self.grid.free);
-        for (pair, &(a, b)) in self.grid.pairs.iter().enumerate() {
-            if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
-                continue;
-            }
-            let block = &blocks.as_slice()[pair * n * n..(pair + 1) * n * n];
-            // Functions 0 and 1 of a piece are the last two of the block before.
-            let mut target = match (a < 2, b < 2) {
-                (false, false) => out.diagonal[e].view_mut(((a - 2) * n, (b - 2) * n), (n, n)),
-                (false, true) => out.coupling[e - 1].view_mut(((a - 2) * n, b * n), (n, n)),
-                (true, _) => {
-                    let matrix = &mut out.diagonal[e - 1];
-                    let tail = matrix.nrows() - 2 * n;
-                    matrix.view_mut((tail + a * n, tail + b * n), (n, n))
-                }
-            };
-            for (j, mut column) in target.column_iter_mut().enumerate() {
-                for (x, y) in column.iter_mut().zip(&block[j * n..(j + 1) * n]) {
-                    *x += *y;
-                }
-            }
-        }
-    }
 }
 
-/// The blocks of a matrix of a piece, `N^2` by one a pair of functions, from those at its points.
-fn blocks_of<S: Scalar>(at_points: &DMatrix<S>, grid: &Grid<S>, out: &mut DMatrix<S>) {
-    let (rows, columns) = (Dyn(at_points.ncols()), Dyn(at_points.nrows()));
-    let strides = (Dyn(at_points.nrows()), Dyn(1));
-    let data = at_points.as_slice();
-    let transposed = DMatrixView::<S, Dyn, Dyn>::from_slice_with_strides_generic(
-        data, rows, columns, strides.0, strides.1,
-    );
-    out.gemm(S::one(), &transposed, &grid.products, S::zero());
+/// Adds the block of a pair of functions of piece `e` where it belongs.
+fn add_block<S: Scalar>(
+    grid: &Grid<S>,
+    block: &DMatrix<S>,
+    e: usize,
+    pair: usize,
+    out: &mut BlockTridiagonal<S>,
+) {
+    let (n, first, free, (a, b)) = (block.nrows(), grid.first(e), &grid.free, grid.pairs[pair]);
+    if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
+        return;
+    }
+    // Functions 0 and 1 of a piece are the last two of the block before.
+    let mut target = match (a < 2, b < 2) {
+        (false, false) => out.diagonal[e].view_mut(((a - 2) * n, (b - 2) * n), (n, n)),
+        (false, true) => out.coupling[e - 1].view_mut(((a - 2) * n, b * n), (n, n)),
+        (true, _) => {
+            let matrix = &mut out.diagonal[e - 1];
+            let tail = matrix.nrows() - 2 * n;
+            matrix.view_mut((tail + a * n, tail + b * n), (n, n))
+        }
+    };
+    target += block;
 }
 
 /// What the running cost reads at the points of piece `e`.
