@@ -126,6 +126,9 @@ pub struct ScenarioFile {
     pub q_goal: Vec<f64>,
     /// Velocity at the end.
     pub v_goal: Vec<f64>,
+    /// Of the relaxation: whether the velocity at the end is whatever costs least; `v_goal` is then no more than the first guess.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free_final_velocity: bool,
     /// What to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sphere_obstacles: Vec<SphereObstacle>,

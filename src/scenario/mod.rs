@@ -4,6 +4,7 @@ mod builtin;
 mod feasibility;
 mod file;
 mod generate;
+mod objective;
 mod options;
 mod outcome;
 mod summary;

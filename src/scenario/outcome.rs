@@ -50,7 +50,10 @@ pub fn solve(
 ) -> Result<Outcome> {
     options.check()?;
     match options.method {
-        Method::Flow => solve_by_flow(scenario, options, observe),
+        Method::Flow => {
+            scenario.check_for_flow()?;
+            solve_by_flow(scenario, options, observe)
+        }
         Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(scenario), observe),
     }
 }

@@ -4,9 +4,7 @@ use super::augmented::{Augmented, Requirements, Rows};
 use super::ladder::{Path, line};
 use super::newton::{End, Newton, Stop};
 use super::scan::{Peak, Scan, rows_on};
-use super::{
-    Basis, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
-};
+use super::{Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
 use crate::solve::Problem;
@@ -99,7 +97,7 @@ pub fn relax_constrained<K: Constraint + Clone>(
         observe(&iteration);
         iterations.push(iteration);
     };
-    let basis = |degree| Basis::new(1, degree, false);
+    let basis = |degree| settings.basis(degree);
     let highest = Level {
         rounds: 40,
         stop: Stop {
@@ -110,7 +108,7 @@ pub fn relax_constrained<K: Constraint + Clone>(
         last: true,
     };
     // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
-    let possible = at_ends(problem, &mut rows)? <= FEASIBLE;
+    let possible = at_ends(problem, settings, &mut rows)? <= FEASIBLE;
     let highest = if possible { highest } else { LOWER };
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
     let mut candidates = Vec::new();
@@ -311,12 +309,17 @@ fn hold<'a, K: Constraint + Clone>(
     }
 }
 
-/// By how much the states at the ends break the constraints on the state.
-fn at_ends<K: Constraint>(problem: &Problem<'_>, rows: &mut Rows<'_, K>) -> Result<f64> {
+/// By how much the states at the ends that are given break the constraints on the state.
+fn at_ends<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    rows: &mut Rows<'_, K>,
+) -> Result<f64> {
     let n = problem.model().dof();
     let (mut h, still) = (vec![f64::NEG_INFINITY; rows.count()], vec![0.0; n]);
     let mut worst = 0.0_f64;
-    for state in [problem.start(), problem.goal()] {
+    let goal = (!settings.free_final_velocity).then(|| problem.goal());
+    for state in [problem.start()].into_iter().chain(goal) {
         let (q, v) = state.split_at(n);
         let point = Point {
             index: 0,

@@ -85,7 +85,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         iterations.push(iteration);
     };
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
-    let basis = |degree| Basis::new(1, degree, false);
+    let basis = |degree| settings.basis(degree);
     let path = if let Some(curve) = &settings.start {
         path_of(curve, basis(settings.p))
     } else {
@@ -146,7 +146,15 @@ fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
         x.view_mut((n, node), (n, 1)).copy_from(&(slope / horizon));
     }
     x.column_mut(0).copy_from_slice(problem.start());
-    x.column_mut(p).copy_from_slice(problem.goal());
+    // The velocity at the end may be free, and is then the slope that was found.
+    let given = if path.basis.free_final_velocity() {
+        n
+    } else {
+        2 * n
+    };
+    x.column_mut(p)
+        .rows_mut(0, given)
+        .copy_from_slice(&problem.goal()[..given]);
     Curve::new(chebyshev, x)
 }
 

@@ -22,6 +22,8 @@ pub struct RelaxSettings {
     pub bend: f64,
     /// A curve to start from instead, at once at the degree `p`.
     pub start: Option<Curve>,
+    /// Whether the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
+    pub free_final_velocity: bool,
 }
 
 impl Default for RelaxSettings {
@@ -34,6 +36,7 @@ impl Default for RelaxSettings {
             starts: 8,
             bend: 1.0,
             start: None,
+            free_final_velocity: false,
         }
     }
 }
@@ -51,6 +54,11 @@ impl RelaxSettings {
             tolerance: 1e-6,
             ..Self::default()
         }
+    }
+
+    /// A polynomial of degree `degree` with the boundary conditions that these settings ask for.
+    pub(super) fn basis(&self, degree: usize) -> Basis {
+        Basis::new(1, degree, self.free_final_velocity)
     }
 
     /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 16, 24, 32, 48, ... that are below.
