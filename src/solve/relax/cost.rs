@@ -60,6 +60,15 @@ pub trait PointCost<S: Scalar> {
     /// # Errors
     /// The point or `out` is for another robot.
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S>;
+
+    /// $\partial l / \partial t$ where nothing else moves; zero unless `l` depends on time itself.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
+        let _ = point;
+        Ok(S::zero())
+    }
 }
 
 /// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
@@ -180,5 +189,9 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
         (**self).derivatives(point, out)
+    }
+
+    fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
+        (**self).time_rate(point)
     }
 }

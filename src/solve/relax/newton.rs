@@ -168,11 +168,16 @@ impl Newton {
         }
     }
 
-    /// $\sqrt{g^T G^{-1} g / J}$; infinite if the metric is not positive definite.
+    /// $\sqrt{g^T G^{-1} g / J}$. Where the metric does not see every direction, `J` times the norm of the trust region takes its place.
     fn gradient_norm(&mut self, cost: f64) -> f64 {
         self.factor.clone_from(&self.derivatives.metric);
         if !self.factor.factorise() {
-            return f64::INFINITY;
+            let size = cost.max(SMALLEST_COST);
+            self.factor
+                .set_sum(&self.derivatives.metric, size, &self.gram);
+            if !self.factor.factorise() {
+                return f64::INFINITY;
+            }
         }
         let mut natural = self.derivatives.gradient.clone();
         self.factor.solve(&mut natural);
