@@ -77,6 +77,9 @@ const LOWER: Level = Level {
 /// the next best where it does not end within the constraints. These are kept exactly: each point of the quadrature has
 /// multipliers, and what a row exceeds between the points is added to it at the points beside.
 ///
+/// A free horizon is found by differences of the cost, three solves for each horizon that is tried; one that ends at the shortest
+/// horizon on which there is a motion is found to 1e-3, and takes long.
+///
 /// # Errors
 /// A setting is out of range, or requirements or start are for another robot. A search that ends outside the constraints or before
 /// its tolerance is a solution that says so.

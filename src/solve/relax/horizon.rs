@@ -13,6 +13,8 @@ use nalgebra::DMatrix;
 const REACH: f64 = 0.25;
 /// How many horizons are tried.
 const TRIES: usize = 60;
+/// How exactly, relative, the shortest horizon is found on which there is a motion: what is tried in vain below it takes long.
+const POSSIBLE: f64 = 1e-3;
 
 /// A horizon that is to be found: $\int l\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,7 +219,12 @@ pub(super) fn search<T: Clone>(
     let (mut at_a, mut at_b) = (a.push(), b.push());
     for _ in 0..TRIES {
         let (from, to) = (a.horizon.ln(), b.horizon.ln());
-        let close = (from - to).abs() <= exactness.horizon;
+        let least = if a.sound && b.sound {
+            exactness.horizon
+        } else {
+            POSSIBLE
+        };
+        let close = (from - to).abs() <= least;
         if settled(&b) || close {
             // A jump of the quadrature, or the limit of what is possible.
             let found = if b.sound { b } else { a };
