@@ -135,7 +135,7 @@ fn message(record: &Record) -> String {
         Record::Relax(i) => {
             let Iteration { degree, cost, .. } = i;
             format!(
-                "degree {degree}, effort {cost:.4e}, gradient {:.1e}",
+                "degree {degree}, cost {cost:.4e}, gradient {:.1e}",
                 i.gradient_norm
             )
         }

@@ -116,18 +116,20 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         "{} iterations, {} factorisations, {} points",
         d.iterations, d.factorisations, d.quadrature_points
     );
-    let rows = vec![
+    let mut rows = Vec::new();
+    if let Some(cost) = d.cost {
+        rows.push(("cost that was minimised", short(cost)));
+        rows.push(("horizon", format!("{} s", short(d.horizon_s))));
+    }
+    rows.extend([
         (
             "gradient norm, relative",
             format!("{:.1e}", d.gradient_norm),
         ),
         ("smallest curvature, relative", short(d.smallest_curvature)),
-        (
-            "effort of the starts at the lowest degree",
-            starts.join(", "),
-        ),
+        ("cost of the starts at the lowest degree", starts.join(", ")),
         ("work", work),
-    ];
+    ]);
     (settings, rows)
 }
 

@@ -3,6 +3,7 @@
 use super::Surroundings;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
+use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use crate::aghf::TorqueLimits;
 use crate::aghf::constraint::{Bounds, BuiltIn};
 use crate::error::{Error, Result};
@@ -126,6 +127,15 @@ pub struct ScenarioFile {
     pub q_goal: Vec<f64>,
     /// Velocity at the end.
     pub v_goal: Vec<f64>,
+    /// Of the relaxation: whether the velocity at the end is whatever costs least; `v_goal` is then no more than the first guess.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free_final_velocity: bool,
+    /// Of the relaxation: what is minimised instead of the control effort.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub running_cost: Option<RunningCostWeights>,
+    /// Of the relaxation: between what bounds and at what price the horizon is found; `horizon_s` is then where the search begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free_horizon: Option<HorizonBounds>,
     /// What to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sphere_obstacles: Vec<SphereObstacle>,
@@ -241,6 +251,7 @@ impl Scenario {
         }
         Chebyshev::check_degree(file.flow.p)
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
+        check_objective(&file, model.dof(), path)?;
         let surroundings = Surroundings::new(&model, &file, path)?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {

@@ -4,6 +4,7 @@ mod builtin;
 mod feasibility;
 mod file;
 mod generate;
+mod objective;
 mod options;
 mod outcome;
 mod summary;
@@ -17,6 +18,7 @@ pub use file::{
     SphereObstacle, load_robot, load_robot_with,
 };
 pub use generate::{FAMILIES, Family, generate, generated_scenarios};
+pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
 pub use outcome::{Outcome, Record, solve};
 pub use summary::{Details, FlowDetails, RelaxDetails, Summary};

@@ -83,6 +83,8 @@ impl SolveOptions {
             p: self.p.unwrap_or(default.p),
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
+            free_final_velocity: scenario.file.free_final_velocity,
+            free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
         }
     }

@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
     Effort, Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings,
-    RelaxSolution, Requirements, flow, flow_constrained, measure, relax, relax_constrained, sample,
-    simulate,
+    RelaxSolution, Requirements, RunningCost, flow, flow_constrained, measure, relax,
+    relax_constrained, relax_constrained_with, relax_with, sample, simulate,
 };
 use std::time::Instant;
 
@@ -50,7 +50,10 @@ pub fn solve(
 ) -> Result<Outcome> {
     options.check()?;
     match options.method {
-        Method::Flow => solve_by_flow(scenario, options, observe),
+        Method::Flow => {
+            scenario.check_for_flow()?;
+            solve_by_flow(scenario, options, observe)
+        }
         Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(scenario), observe),
     }
 }
@@ -145,17 +148,31 @@ fn solve_by_relaxation(
         torque: scenario.torque_limits(),
     };
     let observe = &mut |iteration: &Iteration| observe(Record::Relax(*iteration));
-    let solution = if scenario.is_free() {
-        relax(&problem, settings, observe)?
-    } else {
-        relax_constrained(&problem, settings, &requirements, observe)?
+    let (model, kept) = (&scenario.model, &requirements);
+    let solution = match &scenario.file.running_cost {
+        None if scenario.is_free() => relax(&problem, settings, observe)?,
+        None => relax_constrained(&problem, settings, kept, observe)?,
+        Some(weights) => {
+            let cost = RunningCost::of(model, weights.weighted(model.dof())?);
+            if scenario.is_free() {
+                relax_with(&problem, settings, &cost, observe)?
+            } else {
+                relax_constrained_with(&problem, settings, kept, &cost, observe)?
+            }
+        }
     };
     let solve_seconds = started.elapsed().as_secs_f64();
     let failure = failure_of(&solution, settings);
     let RelaxSolution {
         curve, iterations, ..
     } = solution;
+    // What was minimised, where that was not the control effort alone.
+    let horizon = curve.chebyshev().horizon();
+    let time = settings.free_horizon.map(|free| free.weight * horizon);
+    let other = time.is_some() || scenario.file.running_cost.is_some();
     let details = Details::Relax(RelaxDetails {
+        horizon_s: horizon,
+        cost: other.then(|| solution.cost + time.unwrap_or(0.0)),
         tolerance: settings.tolerance,
         gradient_norm: solution.gradient_norm,
         smallest_curvature: solution.smallest_curvature,

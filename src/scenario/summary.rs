@@ -104,6 +104,10 @@ pub struct FlowDetails {
 /// How a relaxation was done and what it cost.
 #[derive(Clone, Debug, Serialize)]
 pub struct RelaxDetails {
+    /// The duration of the motion, s: that of the scenario, or what was found where that is free.
+    pub horizon_s: f64,
+    /// What was minimised, running cost and price of the horizon together; `None` where that is the control effort.
+    pub cost: Option<f64>,
     /// The gradient norm that was asked for, relative to the effort.
     pub tolerance: f64,
     /// The gradient norm that was reached.
@@ -114,7 +118,7 @@ pub struct RelaxDetails {
     pub largest_violation: Option<f64>,
     /// Points of the quadrature.
     pub quadrature_points: usize,
-    /// The efforts that the starts came to at the lowest degree, ascending.
+    /// The efforts, or integrals of another running cost, that the starts came to at the lowest degree, ascending.
     pub efforts_of_starts: Vec<f64>,
     /// Iterations of Newton's method, of all starts and degrees.
     pub iterations: usize,

@@ -64,6 +64,14 @@ impl<'m> Problem<'m> {
         self.horizon
     }
 
+    /// The same in another time.
+    ///
+    /// # Errors
+    /// A horizon that is not positive.
+    pub fn with_horizon(&self, horizon: f64) -> Result<Self> {
+        Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
+    }
+
     /// The states at the nodes before the flow starts, `2 N` by `p + 1`.
     #[must_use]
     pub fn guess(&self, guess: Guess, chebyshev: &Chebyshev) -> DMatrix<f64> {

@@ -13,6 +13,7 @@ mod dynamics;
 mod dynamics_derivatives;
 mod point;
 mod relaxation;
+mod running_cost;
 mod theorem_b3;
 mod theorem_b3_gradient;
 mod theorem_b4;
@@ -128,6 +129,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(algorithm_b2::identities());
     all.extend(algorithm_b3::identities());
     all.extend(relaxation::identities());
+    all.extend(running_cost::identities());
     all
 }
 

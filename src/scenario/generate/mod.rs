@@ -155,6 +155,9 @@ impl Family {
             v_start,
             q_goal: goal,
             v_goal,
+            free_final_velocity: false,
+            running_cost: None,
+            free_horizon: None,
             sphere_obstacles: made.spheres.into_iter().map(sphere).collect(),
             half_spaces: made.half_spaces,
             robot_shape: RobotShape::SweptLinks {

@@ -1,11 +1,18 @@
 //! What is asked of a motion besides little effort, as an augmented Lagrangian.
 
 use super::effort::alone;
-use super::{Point, PointCost, PointDerivatives, Points, PointsDerivatives, SquaredControl};
+use super::scan::Peak;
+use super::{
+    ChargedCost, Grid, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
+    SquaredControl,
+};
 use crate::aghf::TorqueLimits;
 use crate::aghf::constraint::{Constraint, Evaluator, Weights};
 use crate::error::{Result, check_length};
 use crate::model::Model;
+
+/// How far the rows are kept on the safe side, relative to their scale, so that rounding does not put the end outside.
+const RESERVE: f64 = 2e-7;
 
 /// What a motion has to keep at every time.
 #[derive(Clone, Debug)]
@@ -26,9 +33,11 @@ impl<K: Constraint> Requirements<K> {
 
 /// The rows of requirements at single points, in their own units and relative to their scales.
 #[derive(Clone, Debug)]
-pub(super) struct Rows<'a, K> {
+pub(super) struct Rows<'a, K, P> {
     pub requirements: &'a Requirements<K>,
-    pub effort: SquaredControl<'a, f64, f64>,
+    /// The running cost.
+    pub cost: P,
+    u: Vec<f64>,
     evaluator: Evaluator<'a, f64, f64>,
     /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
     scales: Vec<f64>,
@@ -37,8 +46,8 @@ pub(super) struct Rows<'a, K> {
     x: Vec<f64>,
 }
 
-impl<'a, K: Constraint> Rows<'a, K> {
-    pub fn new(model: &'a Model, requirements: &'a Requirements<K>) -> Result<Self> {
+impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
+    pub fn new(model: &'a Model, requirements: &'a Requirements<K>, cost: P) -> Result<Self> {
         let Requirements { state, torque } = requirements;
         if torque.rows() > 0 {
             check_length("torque limits", model.dof(), torque.0.len())?;
@@ -49,7 +58,8 @@ impl<'a, K: Constraint> Rows<'a, K> {
         let units = slopes.iter().map(|_| 1.0).chain(limits.clone());
         Ok(Self {
             requirements,
-            effort: SquaredControl::new(model),
+            cost,
+            u: vec![0.0; model.dof()],
             evaluator: Evaluator::new(model),
             units: units.collect(),
             scales: slopes.into_iter().chain(limits).map(f64::recip).collect(),
@@ -61,22 +71,22 @@ impl<'a, K: Constraint> Rows<'a, K> {
         self.scales.len()
     }
 
-    /// All rows at a point into `h`, and the effort there.
+    /// All rows at a point into `h`, and the running cost there.
     pub fn at(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<f64> {
         self.of_state(point, h)?;
         let states = self.requirements.state.rows();
-        let u = self.effort.control(point)?;
+        let cost = self.cost.value_with_control(point, &mut self.u)?;
         if self.requirements.torque.rows() > 0 {
             let torque = &self.requirements.torque;
-            torque.value(u.as_slice(), &mut h[states..])?;
+            torque.value(&self.u, &mut h[states..])?;
             for (h, scale) in h[states..].iter_mut().zip(&self.scales[states..]) {
                 *h *= scale;
             }
         }
-        Ok(u.dot(u))
+        Ok(cost)
     }
 
-    /// The same without the effort, which costs nothing where only the state has constraints.
+    /// The same without the running cost, which costs nothing where only the state has constraints.
     pub fn of_all(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<()> {
         if self.requirements.torque.rows() > 0 {
             self.at(point, h)?;
@@ -101,16 +111,16 @@ impl<'a, K: Constraint> Rows<'a, K> {
     }
 }
 
-/// The effort and, for the rows $h_j \le 0$ at each point with multipliers $\lambda_j$ of their own,
+/// A running cost $l_0$, the effort unless it is another, and for the rows $h_j \le 0$ at each point with multipliers $\lambda_j$ of their own,
 ///
-/// $$ l = |u|^2 + \frac{1}{2 \rho} \sum_j \max(0, \lambda_j + \rho (h_j + m_j))^2 . $$
+/// $$ l = l_0 + \frac{1}{2 \rho} \sum_j \max(0, \lambda_j + \rho (h_j + m_j))^2 . $$
 ///
 /// This is the augmented Lagrangian of Powell, Hestenes and Rockafellar (Nocedal and Wright, *Numerical Optimization*, 17.4) less the
 /// $\lambda_j^2 / 2 \rho$, which do not depend on the curve. A row $h_j$ is a row of the constraints divided by its
 /// [slope](Constraint::slopes), or a torque above its limit divided by the limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it.
 #[derive(Clone, Debug)]
-pub struct Augmented<'a, K> {
-    pub(super) rows: Rows<'a, K>,
+pub struct Augmented<'a, K, P = SquaredControl<'a, f64, f64>> {
+    pub(super) rows: Rows<'a, K, P>,
     /// $\rho$.
     pub rho: f64,
     /// $\lambda$, row by row for each point.
@@ -123,7 +133,7 @@ pub struct Augmented<'a, K> {
 }
 
 impl<'a, K: Constraint> Augmented<'a, K> {
-    /// Without multipliers at so many points.
+    /// That of the effort, without multipliers at so many points.
     ///
     /// # Errors
     /// The torque limits are those of another robot.
@@ -133,11 +143,14 @@ impl<'a, K: Constraint> Augmented<'a, K> {
         rho: f64,
         points: usize,
     ) -> Result<Self> {
-        Ok(Self::of(Rows::new(model, requirements)?, rho, points))
+        let rows = Rows::new(model, requirements, SquaredControl::new(model))?;
+        Ok(Self::of(rows, rho, points))
     }
+}
 
-    /// The same of rows that are there already.
-    pub(super) fn of(rows: Rows<'a, K>, rho: f64, points: usize) -> Self {
+impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
+    /// That of rows that are there already, without multipliers.
+    pub(super) fn of(rows: Rows<'a, K, P>, rho: f64, points: usize) -> Self {
         let zeros = vec![0.0; rows.count()];
         let all = vec![0.0; rows.count() * points];
         Self {
@@ -158,7 +171,37 @@ impl<'a, K: Constraint> Augmented<'a, K> {
     }
 }
 
-impl<K: Constraint> PointCost<f64> for Augmented<'_, K> {
+impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
+    /// The margins that make the rows at the points beside a peak as high as the peak.
+    pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
+        let count = self.rows.count();
+        self.margins.fill(RESERVE);
+        for peak in peaks {
+            let after = grid.times.partition_point(|t| *t < peak.time);
+            for g in [after.wrapping_sub(1), after] {
+                if g < grid.times.len() {
+                    let at = g * count + peak.row;
+                    self.margins[at] = self.margins[at].max(RESERVE + peak.height - h[at]);
+                }
+            }
+        }
+    }
+
+    /// New margins and multipliers; says how far the latter moved, in units of the rows.
+    pub(super) fn update(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) -> f64 {
+        self.set_margins(grid, peaks, h);
+        let (count, mut moved) = (self.rows.count(), 0.0_f64);
+        for (at, h) in h.iter().enumerate() {
+            let pull = self.pull(at / count, at % count, *h);
+            let by = (pull - self.multipliers[at]).abs() / self.rho;
+            moved = moved.max(by * self.rows.units[at % count]);
+            self.multipliers[at] = pull;
+        }
+        moved
+    }
+}
+
+impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let effort = self.rows.at(point, &mut self.h)?;
         let pulls = (0..self.h.len()).map(|j| self.pull(point.index, j, self.h[j]));
@@ -202,8 +245,8 @@ impl<K: Constraint> PointCost<f64> for Augmented<'_, K> {
             }
             stiff
         };
-        let effort = &mut self.rows.effort;
-        effort.derivatives_charging(points, out, &mut charge)?;
+        let cost = &mut self.rows.cost;
+        cost.derivatives_charging(points, out, &mut charge)?;
         for (g, charged) in charged.iter_mut().enumerate() {
             *charged += self.add_state(points.point(g), g, out)?;
             out.costs[g] += *charged / (2.0 * rho);
@@ -212,7 +255,7 @@ impl<K: Constraint> PointCost<f64> for Augmented<'_, K> {
     }
 }
 
-impl<K: Constraint> Augmented<'_, K> {
+impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
     /// Adds the derivatives that the rows of the state have at point `g`; says what the squares of their pulls are together.
     fn add_state(
         &mut self,

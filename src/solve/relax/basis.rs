@@ -54,6 +54,12 @@ impl Basis {
         self.degree
     }
 
+    /// Whether the slope at the end is unknown.
+    #[must_use]
+    pub fn free_final_velocity(&self) -> bool {
+        self.free_final_velocity
+    }
+
     /// How many functions there are, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -1,11 +1,15 @@
 //! Least effort within constraints: an augmented Lagrangian about Newton's method.
 
 use super::augmented::{Augmented, Requirements, Rows};
-use super::ladder::{Path, line};
-use super::newton::{End, Newton, Stop};
+use super::held::Held;
+use super::horizon::{Exactness, Tried, search};
+use super::ladder::line;
+use super::newton::{End, Newton, SMALLEST_COST, Stop};
+use super::running_cost::check_integral;
 use super::scan::{Peak, Scan, rows_on};
 use super::{
-    Basis, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
+    ChargedCost, FreeHorizon, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution,
+    SquaredControl, curve_of, path_of,
 };
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
@@ -13,8 +17,6 @@ use crate::solve::Problem;
 use nalgebra::DMatrix;
 
 const FEASIBLE: f64 = RelaxSettings::FEASIBLE;
-/// How far the rows are kept on the safe side, relative to their scale, so that rounding does not put the end outside.
-const RESERVE: f64 = 2e-7;
 /// Points to start with for each degree.
 const POINTS: usize = 3;
 /// How many intervals between two points are looked at.
@@ -37,6 +39,14 @@ const TRIED: usize = 3;
 const PATIENCE: usize = 8;
 /// The most iterations in a round.
 const ITERATIONS: usize = 60;
+
+/// The step in the logarithm of a free horizon by which the cost is differentiated.
+const DIFFERENCE: f64 = 0.01;
+/// How exactly it is found.
+const EXACTNESS: Exactness = Exactness {
+    slope: 1e-3,
+    horizon: 1e-5,
+};
 
 /// What is asked of one level of the ladder.
 #[derive(Clone, Copy, Debug)]
@@ -61,28 +71,15 @@ const LOWER: Level = Level {
     last: false,
 };
 
-/// A curve with the multipliers that hold it.
-#[derive(Clone, Debug)]
-struct Held {
-    path: Path,
-    times: Vec<f64>,
-    multipliers: Vec<f64>,
-    rho: f64,
-    effort: f64,
-    violation: f64,
-    gradient_norm: f64,
-    smallest_curvature: f64,
-    points: usize,
-    quadrature_error: f64,
-    converged: bool,
-}
-
 /// Finds a motion of locally least control effort that keeps `requirements` at all times. `observe` is called after each
 /// iteration.
 ///
 /// As [`relax`](super::relax), with starts that bend around obstacles in different ways; the best goes up the ladder of degrees, and
 /// the next best where it does not end within the constraints. These are kept exactly: each point of the quadrature has
 /// multipliers, and what a row exceeds between the points is added to it at the points beside.
+///
+/// A free horizon is found by differences of the cost, three solves for each horizon that is tried; one that ends at the shortest
+/// horizon on which there is a motion is found to 1e-3, and takes long.
 ///
 /// # Errors
 /// A setting is out of range, or requirements or start are for another robot. A search that ends outside the constraints or before
@@ -93,14 +90,29 @@ pub fn relax_constrained<K: Constraint + Clone>(
     requirements: &Requirements<K>,
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
+    let effort = SquaredControl::new(problem.model());
+    relax_constrained_with(problem, settings, requirements, &effort, observe)
+}
+
+/// The same for the integral of another running cost, such as a [`RunningCost`](super::RunningCost).
+///
+/// # Errors
+/// As [`relax_constrained`], or `cost` is for another robot, or the integral is negative somewhere on the way.
+pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    requirements: &Requirements<K>,
+    cost: &P,
+    observe: &mut dyn FnMut(&Iteration),
+) -> Result<RelaxSolution> {
     settings.check(problem)?;
-    let mut rows = Rows::new(problem.model(), requirements)?;
+    let mut rows = Rows::new(problem.model(), requirements, cost.clone())?;
     let mut iterations = Vec::new();
     let mut log = |iteration: Iteration| {
         observe(&iteration);
         iterations.push(iteration);
     };
-    let basis = |degree| Basis::new(1, degree, false);
+    let basis = |degree| settings.basis(degree);
     let highest = Level {
         rounds: 40,
         stop: Stop {
@@ -112,12 +124,14 @@ pub fn relax_constrained<K: Constraint + Clone>(
         last: true,
     };
     // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
-    let possible = at_ends(problem, &mut rows)? <= FEASIBLE;
+    let possible = at_ends(problem, settings, &mut rows)? <= FEASIBLE;
     let highest = if possible { highest } else { LOWER };
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
     let mut candidates = Vec::new();
     match (&settings.start, lower.split_first()) {
-        (Some(curve), _) => candidates.push(Held::free(path_of(curve, basis(settings.p)))),
+        (Some(curve), _) => candidates.push(Held::free(
+            path_of(curve, basis(settings.p)).between_ends_of(problem),
+        )),
         (None, None) => candidates.push(Held::free(line(problem, basis(settings.p)))),
         (None, Some((first, _))) => {
             let line = line(problem, basis(*first));
@@ -147,9 +161,25 @@ pub fn relax_constrained<K: Constraint + Clone>(
         }
     }
     // The settings ask for one start at least.
-    let found = best.unwrap_or_else(|| Held::free(line(problem, basis(settings.p))));
+    let mut found = best.unwrap_or_else(|| Held::free(line(problem, basis(settings.p))));
+    let mut problem = problem.clone();
+    if possible && let Some(free) = settings.free_horizon {
+        let mut on = |horizon: f64, from: &Held, before: f64| {
+            let problem = problem.with_horizon(horizon)?;
+            let from = from.on_horizon(&problem, horizon / before);
+            hold(&problem, &rows, from, highest, &mut log)
+        };
+        let first = by_differences(free, problem.horizon(), found, &mut on)?;
+        let (best, settled) = search(free, EXACTNESS, first, |horizon, from| {
+            let found = on(horizon, &from.found, from.horizon)?;
+            by_differences(free, horizon, found, &mut on)
+        })?;
+        problem = problem.with_horizon(best.horizon)?;
+        found = best.found;
+        found.converged &= settled;
+    }
     Ok(RelaxSolution {
-        curve: curve_of(problem, &found.path)?,
+        curve: curve_of(&problem, &found.path)?,
         cost: found.effort,
         gradient_norm: found.gradient_norm,
         smallest_curvature: found.smallest_curvature,
@@ -162,58 +192,10 @@ pub fn relax_constrained<K: Constraint + Clone>(
     })
 }
 
-impl Held {
-    /// Nothing holds it yet.
-    fn free(path: Path) -> Self {
-        Self {
-            path,
-            times: Vec::new(),
-            multipliers: Vec::new(),
-            rho: 0.0,
-            effort: f64::NAN,
-            violation: f64::NAN,
-            gradient_norm: f64::NAN,
-            smallest_curvature: f64::NAN,
-            points: 0,
-            quadrature_error: f64::NAN,
-            converged: false,
-        }
-    }
-
-    /// The effort, those that are far outside after the others.
-    fn rank(&self) -> f64 {
-        self.effort * (1.0 + 1e3 * (self.violation - 0.01).max(0.0))
-    }
-
-    /// The multipliers at other times, interpolated.
-    fn multipliers_at(&self, times: &[f64], rows: usize) -> Vec<f64> {
-        let mut found = vec![0.0; times.len() * rows];
-        if self.times.is_empty() {
-            return found;
-        }
-        let last = self.times.len() - 1;
-        for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {
-            let after = self.times.partition_point(|t| t < time);
-            let (a, b) = (after.saturating_sub(1), after.min(last));
-            let span = self.times[b] - self.times[a];
-            let share = if span > 0.0 {
-                (time - self.times[a]) / span
-            } else {
-                0.0
-            };
-            for (row, to) in to.iter_mut().enumerate() {
-                let [x, y] = [a, b].map(|i| self.multipliers[i * rows + row]);
-                *to = x + share * (y - x);
-            }
-        }
-        found
-    }
-}
-
 /// Minimises within the constraints from a curve in its basis.
-fn hold<'a, K: Constraint + Clone>(
-    problem: &Problem<'a>,
-    rows: &Rows<'a, K>,
+fn hold<K: Constraint + Clone, P: ChargedCost>(
+    problem: &Problem<'_>,
+    rows: &Rows<'_, K, P>,
     mut held: Held,
     level: Level,
     observe: &mut dyn FnMut(Iteration),
@@ -232,8 +214,8 @@ fn hold<'a, K: Constraint + Clone>(
         cost.multipliers = held.multipliers_at(&grid.times, count);
         held.times = grid.times.clone();
         held.points = points;
-        let mut own = Objective::new(&grid, rows.effort.clone(), n);
-        let mut judge = Objective::new(&finer, rows.effort.clone(), n);
+        let mut own = Objective::new(&grid, rows.cost.clone(), n);
+        let mut judge = Objective::new(&finer, rows.cost.clone(), n);
         let mut h = vec![0.0; count * grid.times.len()];
         let (mut violation_before, mut tolerance) = (f64::INFINITY, 0.1_f64);
         let peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
@@ -261,6 +243,7 @@ fn hold<'a, K: Constraint + Clone>(
             drop(objective);
             held.path.coefficients = found.coefficients;
             (held.effort, held.quadrature_error) = (exact, error);
+            check_integral(exact)?;
             rounds += 1;
 
             let mut peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
@@ -313,12 +296,46 @@ fn hold<'a, K: Constraint + Clone>(
     }
 }
 
-/// By how much the states at the ends break the constraints on the state.
-fn at_ends<K: Constraint>(problem: &Problem<'_>, rows: &mut Rows<'_, K>) -> Result<f64> {
+/// The slope of the cost in the logarithm of the horizon, by differences: multipliers are far less exact than the cost. `on` solves
+/// on a horizon, from what was found on another.
+fn by_differences(
+    free: FreeHorizon,
+    horizon: f64,
+    found: Held,
+    on: &mut dyn FnMut(f64, &Held, f64) -> Result<Held>,
+) -> Result<Tried<Held>> {
+    let of = |held: &Held, horizon: f64| {
+        let cost = held.effort + free.weight * horizon;
+        held.converged.then_some(cost)
+    };
+    let (here, mut slopes) = (of(&found, horizon), Vec::new());
+    if let Some(here) = here {
+        for step in [-DIFFERENCE, DIFFERENCE] {
+            let other = horizon * step.exp();
+            let there = of(&on(other, &found, horizon)?, other);
+            slopes.extend(there.map(|there| (there - here) / step));
+        }
+    }
+    Ok(Tried {
+        horizon,
+        cost: found.effort + free.weight * horizon,
+        slope: slopes.iter().sum::<f64>() / slopes.len() as f64,
+        sound: !slopes.is_empty(),
+        found,
+    })
+}
+
+/// By how much the states at the ends that are given break the constraints on the state.
+fn at_ends<K: Constraint, P: ChargedCost>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    rows: &mut Rows<'_, K, P>,
+) -> Result<f64> {
     let n = problem.model().dof();
     let (mut h, still) = (vec![f64::NEG_INFINITY; rows.count()], vec![0.0; n]);
     let mut worst = 0.0_f64;
-    for state in [problem.start(), problem.goal()] {
+    let goal = (!settings.free_final_velocity).then(|| problem.goal());
+    for state in [problem.start()].into_iter().chain(goal) {
         let (q, v) = state.split_at(n);
         let point = Point {
             index: 0,
@@ -343,41 +360,11 @@ fn first_weight(grid: &Grid<f64>, h: &[f64], count: usize, effort: f64) -> f64 {
     }
     // A violation of that much for the whole time at least.
     let least = DEPTH * DEPTH * grid.weights.iter().sum::<f64>() * grid.pieces as f64;
-    2.0 * effort / sum.max(least)
+    2.0 * effort.max(SMALLEST_COST) / sum.max(least)
 }
 
 /// The largest violation, in the units of the rows.
 fn largest(peaks: &[Peak], units: &[f64]) -> f64 {
     let all = peaks.iter().map(|peak| peak.height * units[peak.row]);
     all.fold(f64::NEG_INFINITY, f64::max)
-}
-
-impl<K: Constraint> Augmented<'_, K> {
-    /// The margins that make the rows at the points beside a peak as high as the peak.
-    fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
-        let count = self.rows.count();
-        self.margins.fill(RESERVE);
-        for peak in peaks {
-            let after = grid.times.partition_point(|t| *t < peak.time);
-            for g in [after.wrapping_sub(1), after] {
-                if g < grid.times.len() {
-                    let at = g * count + peak.row;
-                    self.margins[at] = self.margins[at].max(RESERVE + peak.height - h[at]);
-                }
-            }
-        }
-    }
-
-    /// New margins and multipliers; says how far the latter moved, in units of the rows.
-    fn update(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) -> f64 {
-        self.set_margins(grid, peaks, h);
-        let (count, mut moved) = (self.rows.count(), 0.0_f64);
-        for (at, h) in h.iter().enumerate() {
-            let pull = self.pull(at / count, at % count, *h);
-            let by = (pull - self.multipliers[at]).abs() / self.rho;
-            moved = moved.max(by * self.rows.units[at % count]);
-            self.multipliers[at] = pull;
-        }
-        moved
-    }
 }

@@ -136,6 +136,15 @@ pub trait PointCost<S: Scalar> {
     /// The point or `out` is for another robot.
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S>;
 
+    /// $\partial l / \partial t$ where nothing else moves; zero unless `l` depends on time itself.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
+        let _ = point;
+        Ok(S::zero())
+    }
+
     /// $l$ at all points into `costs`, `M` entries.
     ///
     /// # Errors
@@ -172,6 +181,10 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
         (**self).derivatives(point, out)
+    }
+
+    fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
+        (**self).time_rate(point)
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {

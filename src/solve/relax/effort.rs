@@ -1,5 +1,6 @@
 //! The control effort as a running cost.
 
+use super::Charge;
 use super::blocks::PointHessians;
 use super::cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use crate::dynamics::{
@@ -38,11 +39,6 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     single: Data<S>,
     u: DVector<S>,
 }
-
-/// What another cost of the control alone adds at a point: it is handed `u` and adds its first and second derivatives, the latter
-/// with their own joint only. It says whether it has any of the second.
-pub(super) trait Charge<S>: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool {}
-impl<S, F: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool> Charge<S> for F {}
 
 impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
     /// The control effort of `model`.

@@ -1,6 +1,7 @@
 //! From several starts at a low degree to the best curve at a high one.
 
 use super::newton::{End, Iteration, Judge, Minimum, Newton, SMALLEST_COST, Stop, move_by};
+use super::running_cost::check_integral;
 use super::{Basis, Grid, Objective, PointCost};
 use crate::error::Result;
 use crate::solve::Problem;
@@ -137,6 +138,7 @@ pub(super) fn settle<P: PointCost<f64> + Clone>(
             ..
         } = found;
         coefficients = found.coefficients;
+        check_integral(judge.cost)?;
         if end == End::Coarse {
             points = points * 3 / 2;
             continue;

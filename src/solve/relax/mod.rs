@@ -12,9 +12,13 @@ mod constrained;
 mod cost;
 mod effort;
 mod grid;
+pub mod guide;
+mod held;
+mod horizon;
 mod ladder;
 mod newton;
 mod objective;
+mod running_cost;
 mod scan;
 mod settings;
 mod trust_region;
@@ -23,17 +27,24 @@ pub use augmented::{Augmented, Requirements};
 pub use basis::Basis;
 pub use block_tridiagonal::BlockTridiagonal;
 pub use blocks::PointHessians;
-pub use constrained::relax_constrained;
+pub use constrained::{relax_constrained, relax_constrained_with};
 pub use cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 pub use effort::SquaredControl;
 pub use grid::Grid;
+pub use horizon::FreeHorizon;
+pub(crate) use horizon::horizon_slope;
 pub use newton::Iteration;
 pub use objective::{Derivatives, Objective};
+pub use running_cost::{
+    ByDuals, ChainRule, Charge, ChargedCost, HyperDual64, Moment, MomentDerivatives, Running,
+    RunningCost, Weighted,
+};
 pub use settings::{RelaxSettings, RelaxSolution};
 
 use crate::error::Result;
 use crate::pseudospectral::{Chebyshev, Curve};
 use crate::solve::Problem;
+use horizon::{Exactness, Tried, search};
 use ladder::{Level, Path, Settled, line, settle};
 use nalgebra::{DMatrix, DVector};
 use newton::Stop;
@@ -56,6 +67,12 @@ const HOPELESS: f64 = 0.2;
 /// Costs that differ by less than this, relative, are taken for those of one curve.
 const SAME: f64 = 0.01;
 
+/// How exactly a free horizon is found.
+const EXACTNESS: Exactness = Exactness {
+    slope: 1e-7,
+    horizon: 1e-9,
+};
+
 /// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
 ///
 /// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them are relaxed at
@@ -73,10 +90,10 @@ pub fn relax(
     relax_with(problem, settings, &effort, observe)
 }
 
-/// The same for the integral of any running cost.
+/// The same for the integral of any running cost, such as a [`RunningCost`].
 ///
 /// # Errors
-/// As [`relax`], or `cost` is for another robot.
+/// As [`relax`], or `cost` is for another robot, or the integral is negative somewhere on the way.
 pub fn relax_with<P: PointCost<f64> + Clone>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
@@ -90,9 +107,9 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         iterations.push(iteration);
     };
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
-    let basis = |degree| Basis::new(1, degree, false);
+    let basis = |degree| settings.basis(degree);
     let path = if let Some(curve) = &settings.start {
-        path_of(curve, basis(settings.p))
+        path_of(curve, basis(settings.p)).between_ends_of(problem)
     } else {
         let line = line(problem, basis(lower[0]));
         let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
@@ -125,9 +142,34 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         agreement: settings.agreement,
         last: true,
     };
-    let found = settle(problem, cost, path, highest, &mut log)?;
+    let mut found = settle(problem, cost, path, highest, &mut log)?;
+    let mut problem = problem.clone();
+    if let Some(free) = settings.free_horizon {
+        let tried = |problem: &Problem<'_>, found: Settled| -> Result<Tried<Settled>> {
+            let grid = Grid::new(&found.path.basis, found.points, problem.horizon());
+            let rates = found.path.rates(problem);
+            let (horizon, curve) = (problem.horizon(), &found.path.coefficients);
+            let slope = horizon_slope(&grid, &mut cost.clone(), curve, &rates, horizon)?;
+            Ok(Tried {
+                horizon,
+                cost: found.cost + free.weight * horizon,
+                slope: horizon * (slope + free.weight),
+                sound: found.converged,
+                found,
+            })
+        };
+        let first = tried(&problem, found)?;
+        let (best, settled) = search(free, EXACTNESS, first, |horizon, from| {
+            let problem = problem.with_horizon(horizon)?;
+            let path = from.found.path.clone().between_ends_of(&problem);
+            tried(&problem, settle(&problem, cost, path, highest, &mut log)?)
+        })?;
+        problem = problem.with_horizon(best.horizon)?;
+        found = best.found;
+        found.converged &= settled;
+    }
     Ok(RelaxSolution {
-        curve: curve_of(problem, &found.path)?,
+        curve: curve_of(&problem, &found.path)?,
         cost: found.cost,
         gradient_norm: found.gradient_norm,
         smallest_curvature: found.smallest_curvature,
@@ -152,7 +194,15 @@ fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
         x.view_mut((n, node), (n, 1)).copy_from(&(slope / horizon));
     }
     x.column_mut(0).copy_from_slice(problem.start());
-    x.column_mut(p).copy_from_slice(problem.goal());
+    // The velocity at the end may be free, and is then the slope that was found.
+    let given = if path.basis.free_final_velocity() {
+        n
+    } else {
+        2 * n
+    };
+    x.column_mut(p)
+        .rows_mut(0, given)
+        .copy_from_slice(&problem.goal()[..given]);
     Curve::new(chebyshev, x)
 }
 

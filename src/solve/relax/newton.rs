@@ -192,15 +192,18 @@ impl Newton {
             return objective.gradient_and_hessian(coefficients, &mut self.derivatives);
         }
         let cost = objective.derivatives(coefficients, &mut self.derivatives)?;
-        let metric = &self.derivatives.metric;
-        let scale = 1.0 / cost.max(SMALLEST_COST);
-        self.norm.set_sum(&self.gram, scale, metric);
+        let (metric, size) = (&self.derivatives.metric, cost.max(SMALLEST_COST));
+        self.norm.set_sum(&self.gram, 1.0 / size, metric);
         self.metric_factor.clone_from(metric);
         self.definite = self.metric_factor.factorise();
+        if !self.definite {
+            self.metric_factor.set_sum(metric, size, &self.gram);
+            self.definite = self.metric_factor.factorise();
+        }
         Ok(cost)
     }
 
-    /// $\sqrt{g^T G^{-1} g / J}$; infinite if the metric is not positive definite.
+    /// $\sqrt{g^T G^{-1} g / J}$. Where the metric does not see every direction, `J` times the norm of the trust region takes its place.
     fn gradient_norm(&self, cost: f64) -> f64 {
         if !self.definite {
             return f64::INFINITY;

@@ -2,7 +2,7 @@
 
 use super::augmented::Rows;
 use super::objective::points;
-use super::{Basis, Grid, Point};
+use super::{Basis, ChargedCost, Grid, Point};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
 use nalgebra::DMatrix;
@@ -44,9 +44,9 @@ impl Scan {
     }
 
     /// The local maxima in time of all rows above `floor`, ends of the horizon included, refined by a parabola.
-    pub fn peaks<K: Constraint>(
+    pub fn peaks<K: Constraint, P: ChargedCost>(
         &self,
-        rows: &mut Rows<'_, K>,
+        rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         floor: f64,
     ) -> Result<Vec<Peak>> {
@@ -102,10 +102,10 @@ impl Scan {
     }
 }
 
-/// All rows at all points of a grid, row by row for each point, and the effort.
-pub(super) fn rows_on<K: Constraint>(
+/// All rows at all points of a grid, row by row for each point, and the integral of the running cost.
+pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
     grid: &Grid<f64>,
-    rows: &mut Rows<'_, K>,
+    rows: &mut Rows<'_, K, P>,
     coefficients: &DMatrix<f64>,
     h: &mut [f64],
 ) -> Result<f64> {

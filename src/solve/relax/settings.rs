@@ -1,6 +1,6 @@
 //! What can be asked of the relaxation, and what it says.
 
-use super::{Basis, Iteration};
+use super::{Basis, FreeHorizon, Iteration};
 use crate::error::{Error, Result};
 use crate::pseudospectral::Curve;
 use crate::solve::Problem;
@@ -20,8 +20,12 @@ pub struct RelaxSettings {
     pub starts: usize,
     /// How far the bent ones are bent, rad or m.
     pub bend: f64,
-    /// A curve to start from instead, at once at the degree `p`.
+    /// A curve to start from instead, at once at the degree `p`; its shape, between the states of the problem and on its horizon.
     pub start: Option<Curve>,
+    /// Whether the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
+    pub free_final_velocity: bool,
+    /// Whether the horizon is found as well; that of the problem is then where the search begins.
+    pub free_horizon: Option<FreeHorizon>,
 }
 
 impl Default for RelaxSettings {
@@ -34,6 +38,8 @@ impl Default for RelaxSettings {
             starts: 8,
             bend: 1.0,
             start: None,
+            free_final_velocity: false,
+            free_horizon: None,
         }
     }
 }
@@ -51,6 +57,11 @@ impl RelaxSettings {
             tolerance: 1e-6,
             ..Self::default()
         }
+    }
+
+    /// A polynomial of degree `degree` with the boundary conditions that these settings ask for.
+    pub(super) fn basis(&self, degree: usize) -> Basis {
+        Basis::new(1, degree, self.free_final_velocity)
     }
 
     /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 16, 24, 32, 48, ... that are below.
@@ -86,6 +97,9 @@ impl RelaxSettings {
                 return refuse(what, "it is 0, at least 1 is needed".to_owned());
             }
         }
+        if let Some(free) = &self.free_horizon {
+            free.check(problem.horizon())?;
+        }
         match &self.start {
             Some(curve) => problem.model().check("start", curve.dof()),
             None => Ok(()),
@@ -96,9 +110,10 @@ impl RelaxSettings {
 /// What came of a relaxation.
 #[derive(Clone, Debug)]
 pub struct RelaxSolution {
-    /// The motion, with $v = \dot q$.
+    /// The motion, with $v = \dot q$, on the horizon that was found if that was free.
     pub curve: Curve,
-    /// The integral of the running cost, $\int |u|^2 dt$ unless it is another, by a quadrature finer than the one that was minimised.
+    /// The integral of the running cost, $\int |u|^2 dt$ unless it is another, by a quadrature finer than the one that was minimised. What
+    /// a free horizon costs is not in it.
     pub cost: f64,
     /// The relative gradient norm at the end; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,
@@ -111,7 +126,7 @@ pub struct RelaxSolution {
     pub points: usize,
     /// How far the cost by this quadrature is from that by the finer one, relative.
     pub quadrature_error: f64,
-    /// Whether the gradient norm came below the tolerance, and the quadrature agrees.
+    /// Whether the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
     /// The costs at the lowest degree, from all starts, ascending.
     pub starts: Vec<f64>,

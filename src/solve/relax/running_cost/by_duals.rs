@@ -1,0 +1,59 @@
+//! Derivatives of a closure by dual numbers.
+
+use super::{HyperDual64, Moment, MomentDerivatives, Running};
+use crate::error::Result;
+
+/// A running cost that is a closure over dual numbers; see [`RunningCost::new`](super::RunningCost::new).
+#[derive(Clone, Copy, Debug)]
+pub struct ByDuals<F>(pub(super) F);
+
+impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> ByDuals<F> {
+    fn at(&self, t: HyperDual64, y: &[HyperDual64]) -> HyperDual64 {
+        let n = y.len() / 4;
+        (self.0)(&Moment {
+            t,
+            q: &y[..n],
+            v: &y[n..2 * n],
+            a: &y[2 * n..3 * n],
+            u: &y[3 * n..],
+        })
+    }
+}
+
+/// Time and $y$, not moving.
+fn still(at: &Moment<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
+    let parts = [at.q, at.v, at.a, at.u].into_iter().flatten();
+    let y = parts.map(|x| HyperDual64::from(*x)).collect();
+    (HyperDual64::from(at.t), y)
+}
+
+impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> Running for ByDuals<F> {
+    fn value(&self, at: &Moment<'_, f64>) -> Result<f64> {
+        let (t, y) = still(at);
+        Ok(self.at(t, &y).re)
+    }
+
+    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64> {
+        let (t, mut y) = still(at);
+        let mut value = f64::NAN;
+        for i in 0..y.len() {
+            y[i].eps1 = 1.0;
+            for j in 0..=i {
+                y[j].eps2 = 1.0;
+                let l = self.at(t, &y);
+                y[j].eps2 = 0.0;
+                out.hessian[(i, j)] = l.eps1eps2;
+                out.hessian[(j, i)] = l.eps1eps2;
+                (out.gradient[i], value) = (l.eps1, l.re);
+            }
+            y[i].eps1 = 0.0;
+        }
+        Ok(value)
+    }
+
+    fn time_rate(&self, at: &Moment<'_, f64>) -> Result<f64> {
+        let (mut t, y) = still(at);
+        t.eps1 = 1.0;
+        Ok(self.at(t, &y).eps1)
+    }
+}

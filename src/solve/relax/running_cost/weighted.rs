@@ -1,0 +1,76 @@
+//! Weighted squares.
+
+use super::{Moment, MomentDerivatives, Running};
+use crate::error::{Error, Result, check_length};
+
+/// $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighted {
+    torque: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl Weighted {
+    /// With weights of torques, velocities and accelerations, an entry a joint. Joints without any weight are moved as suits the others.
+    ///
+    /// # Errors
+    /// Another length, a weight that is negative or not finite, or no weight but zero.
+    pub fn new(
+        dof: usize,
+        torque: Vec<f64>,
+        velocity: Vec<f64>,
+        acceleration: Vec<f64>,
+    ) -> Result<Self> {
+        let refuse = |what: &str, condition: String| Err(Error::input("weights", what, condition));
+        let all = [
+            ("torque", &torque),
+            ("velocity", &velocity),
+            ("acceleration", &acceleration),
+        ];
+        for (what, weights) in all {
+            if weights.len() != dof {
+                let found = weights.len();
+                let joints = format!("the robot has {dof} joints, but {found} values are given");
+                return refuse(what, joints);
+            }
+            if let Some(w) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
+                return refuse(what, format!("it is {w}, a weight is not negative"));
+            }
+        }
+        if all.iter().all(|(_, w)| w.iter().all(|w| *w == 0.0)) {
+            return refuse("all", "all are zero, at least one is needed".to_owned());
+        }
+        Ok(Self {
+            torque,
+            velocity,
+            acceleration,
+        })
+    }
+}
+
+impl Weighted {
+    /// Weights and values in the order of $y$ from the velocities on.
+    fn terms<'a>(&'a self, at: &'a Moment<'_, f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let weights = [&self.velocity, &self.acceleration, &self.torque];
+        let weights = weights.into_iter().flatten();
+        let values = [at.v, at.a, at.u].into_iter().flatten();
+        weights.copied().zip(values.copied())
+    }
+}
+
+impl Running for Weighted {
+    fn value(&self, at: &Moment<'_, f64>) -> Result<f64> {
+        check_length("weights", at.u.len(), self.torque.len())?;
+        Ok(self.terms(at).map(|(w, x)| w * x * x).sum())
+    }
+
+    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64> {
+        let n = at.q.len();
+        for (i, (w, x)) in self.terms(at).enumerate() {
+            out.gradient[n + i] = 2.0 * w * x;
+            out.hessian[(n + i, n + i)] = 2.0 * w;
+        }
+        self.value(at)
+    }
+}
