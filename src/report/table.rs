@@ -42,7 +42,11 @@ pub fn summary_table(summary: &Summary) -> String {
         Details::Flow(d) => flow_rows(d),
         Details::Relax(d) => relax_rows(d),
     };
-    let settings = format!("{}, p {}, {settings}", choice(&s.method), s.p);
+    let degree = match s.pieces {
+        1 => format!("p {}", s.p),
+        pieces => format!("{pieces} pieces of p {}", s.p),
+    };
+    let settings = format!("{}, {degree}, {settings}", choice(&s.method));
     let gains = format!(
         "final error with feedback ({}, {})",
         s.feedback.kp, s.feedback.kv

@@ -254,6 +254,7 @@ fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
         robot: scenario.file.robot.clone(),
         method,
         p: curve.chebyshev().degree(),
+        pieces: curve.pieces(),
         success: failure.is_none() && reached && feasible,
         success_threshold,
         final_error_inf,

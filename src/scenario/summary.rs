@@ -14,8 +14,10 @@ pub struct Summary {
     pub robot: String,
     /// How it was solved.
     pub method: Method,
-    /// Degree of the polynomial.
+    /// Degree of the polynomial, or of each piece.
     pub p: usize,
+    /// How many polynomials there are.
+    pub pieces: usize,
     /// Whether the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
     /// hits nothing and keeps the limits that are enforced.
     pub success: bool,

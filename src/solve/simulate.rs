@@ -8,6 +8,7 @@ use crate::model::Model;
 use crate::pseudospectral::Curve;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// Local error of the simulation, relative and absolute.
 const TOLERANCE: Tolerance = Tolerance {
@@ -56,6 +57,7 @@ pub fn simulate(
     let mut robot = ControlledRobot {
         model,
         curve,
+        part: 0,
         feedback,
         data: Data::new(model),
         derivatives: ForwardDynamicsDerivatives::new(model.dof()),
@@ -63,31 +65,51 @@ pub fn simulate(
         error: None,
     };
     let x = curve.x();
-    let (start, goal) = (x.column(0), x.column(x.ncols() - 1));
-    let mut state = start.as_slice().to_vec();
-    let horizon = [curve.chebyshev().horizon()];
-    let outcome = integrate(
-        &mut robot,
-        0.0,
-        start.as_slice(),
-        &horizon,
-        TOLERANCE,
-        &mut |_, y| state.copy_from_slice(y),
-    );
-    if let Some(error) = robot.error {
-        return Err(error);
+    let goal = x.column(x.ncols() - 1);
+    let mut state = x.column(0).as_slice().to_vec();
+    let mut statistics = Statistics::default();
+    // The control may jump where two parts meet, so no step goes across.
+    for (part, ends) in curve.joints().windows(2).enumerate() {
+        robot.part = part;
+        let start = state.clone();
+        let mut keep = |_: f64, y: &[f64]| state.copy_from_slice(y);
+        let to = &ends[1..];
+        let outcome = integrate(&mut robot, ends[0], &start, to, TOLERANCE, &mut keep);
+        if let Some(error) = robot.error.take() {
+            return Err(error);
+        }
+        match outcome {
+            Ok(cost) => statistics += cost,
+            Err(mut failure) => {
+                statistics += failure.statistics;
+                failure.statistics = statistics;
+                return Ok(Err(Box::new(failure)));
+            }
+        }
     }
-    Ok(outcome.map_err(Box::new).map(|statistics| Simulation {
+    Ok(Ok(Simulation {
         error_inf: (state.iter().zip(goal.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs())),
         state,
         statistics,
     }))
 }
 
+impl AddAssign for Statistics {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.rejected_steps += other.rejected_steps;
+        self.rhs_evaluations += other.rhs_evaluations;
+        self.jacobian_evaluations += other.jacobian_evaluations;
+        self.factorisations += other.factorisations;
+    }
+}
+
 /// The robot under its control, as the integrator sees it.
 struct ControlledRobot<'a> {
     model: &'a Model,
     curve: &'a Curve,
+    /// The part of the curve that is on.
+    part: usize,
     feedback: Feedback,
     data: Data<f64>,
     derivatives: ForwardDynamicsDerivatives<f64>,
@@ -99,7 +121,7 @@ impl ControlledRobot<'_> {
     /// The control at time `t` in state `y`.
     fn control(&mut self, t: f64, y: &[f64]) -> Result<()> {
         let n = self.model.dof();
-        let (x, xdot) = self.curve.at(t);
+        let (x, xdot) = self.curve.at_of(self.part, t);
         control_at(self.model, &mut self.data, &x, &xdot, &mut self.u)?;
         let Feedback { kp, kv } = self.feedback;
         for i in 0..n {

@@ -115,8 +115,8 @@ pub fn relax_constrained<K: Constraint + Clone>(
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
     let mut candidates = Vec::new();
     match (&settings.start, lower.split_first()) {
-        (Some(curve), _) => candidates.push(Held::free(path_of(curve, basis(settings.p)))),
-        (None, None) => candidates.push(Held::free(line(problem, basis(settings.p)))),
+        (Some(curve), _) => candidates.push(Held::free(path_of(curve, settings.basis()))),
+        (None, None) => candidates.push(Held::free(line(problem, settings.basis()))),
         (None, Some((first, _))) => {
             let line = line(problem, basis(*first));
             let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
@@ -135,7 +135,7 @@ pub fn relax_constrained<K: Constraint + Clone>(
             held.path = held.path.in_basis(basis(*degree));
             held = hold(problem, &rows, held, LOWER, &mut log)?;
         }
-        held.path = held.path.in_basis(basis(settings.p));
+        held.path = held.path.in_basis(settings.basis());
         let held = hold(problem, &rows, held, highest, &mut log)?;
         if best.as_ref().is_none_or(|b| held.violation < b.violation) {
             best = Some(held);
@@ -145,7 +145,7 @@ pub fn relax_constrained<K: Constraint + Clone>(
         }
     }
     // The settings ask for one start at least.
-    let found = best.unwrap_or_else(|| Held::free(line(problem, basis(settings.p))));
+    let found = best.unwrap_or_else(|| Held::free(line(problem, settings.basis())));
     Ok(RelaxSolution {
         curve: curve_of(problem, &found.path)?,
         cost: found.effort,
@@ -351,14 +351,15 @@ fn largest(peaks: &[Peak], units: &[f64]) -> f64 {
 }
 
 impl<K: Constraint> Augmented<'_, K> {
-    /// The margins that make the rows at the points beside a peak as high as the peak.
+    /// The margins that make the rows at the points of its piece beside a peak as high as the peak.
     fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
         let count = self.rows.count();
         self.margins.fill(RESERVE);
         for peak in peaks {
             let after = grid.times.partition_point(|t| *t < peak.time);
+            let own = peak.piece * grid.points()..(peak.piece + 1) * grid.points();
             for g in [after.wrapping_sub(1), after] {
-                if g < grid.times.len() {
+                if own.contains(&g) {
                     let at = g * count + peak.row;
                     self.margins[at] = self.margins[at].max(RESERVE + peak.height - h[at]);
                 }

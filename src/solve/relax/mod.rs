@@ -87,7 +87,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
     let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
     let basis = |degree| Basis::new(1, degree, false);
     let path = if let Some(curve) = &settings.start {
-        path_of(curve, basis(settings.p))
+        path_of(curve, settings.basis())
     } else {
         let line = line(problem, basis(lower[0]));
         let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
@@ -109,7 +109,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
             settled.truncate(near.clamp(1, most));
             paths = settled.into_iter().map(|s| s.path).collect();
         }
-        paths.swap_remove(0).in_basis(basis(settings.p))
+        paths.swap_remove(0).in_basis(settings.basis())
     };
     let highest = Level {
         stop: Stop {
@@ -134,34 +134,44 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
     })
 }
 
-/// The polynomial through Chebyshev nodes that is the same curve, with $v = \dot q$.
+/// The polynomials through Chebyshev nodes that are the same curve, with $v = \dot q$.
 fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let (n, horizon) = (problem.model().dof(), problem.horizon());
-    let p = path.basis.degree();
-    let chebyshev = Chebyshev::new(p, horizon)?;
-    let mut x = DMatrix::zeros(2 * n, p + 1);
-    for (node, time) in chebyshev.times().iter().enumerate() {
-        let [q, slope, _] = path.basis.evaluate(&path.coefficients, time / horizon);
-        x.view_mut((0, node), (n, 1)).copy_from(&q);
-        x.view_mut((n, node), (n, 1)).copy_from(&(slope / horizon));
+    let (pieces, p) = (path.basis.pieces(), path.basis.degree());
+    let chebyshev = Chebyshev::new(p, 1.0)?;
+    let mut x = DMatrix::zeros(2 * n, pieces * (p + 1));
+    for e in 0..pieces {
+        for (node, time) in chebyshev.times().iter().enumerate() {
+            // Where two pieces meet this is the same number for both, and so is the state.
+            let time = (e as f64 + time) / pieces as f64;
+            let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
+            let column = e * (p + 1) + node;
+            x.view_mut((0, column), (n, 1)).copy_from(&q);
+            x.view_mut((n, column), (n, 1))
+                .copy_from(&(slope / horizon));
+        }
     }
+    let last = x.ncols() - 1;
     x.column_mut(0).copy_from_slice(problem.start());
-    x.column_mut(p).copy_from_slice(problem.goal());
-    Curve::new(chebyshev, x)
+    x.column_mut(last).copy_from_slice(problem.goal());
+    Curve::piecewise(horizon, pieces, x)
 }
 
 /// The configuration of a curve in a basis.
 fn path_of(curve: &Curve, basis: Basis) -> Path {
     let (n, chebyshev) = (curve.dof(), curve.chebyshev());
-    let horizon = chebyshev.horizon();
-    let second = curve.x() * chebyshev.d2().transpose();
+    let horizon = curve.horizon();
+    let d2 = chebyshev.d2().transpose();
+    let second: Vec<_> = (0..curve.pieces()).map(|e| curve.part(e) * &d2).collect();
     let mut weights = DVector::zeros(chebyshev.degree() + 1);
     let coefficients = basis.fit(n, |time| {
-        let (x, xdot) = curve.at(time * horizon);
-        chebyshev.interpolation(time * horizon, &mut weights);
-        let a = second.rows(0, n) * &weights;
-        let part = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
-        [part(&x, 1.0), part(&xdot, horizon), a * horizon * horizon]
+        let time = time * horizon;
+        let part = curve.part_at(time);
+        let (x, xdot) = curve.at_of(part, time);
+        chebyshev.interpolation(time - curve.joints()[part], &mut weights);
+        let a = second[part].rows(0, n) * &weights;
+        let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
+        [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]
     });
     Path {
         basis,

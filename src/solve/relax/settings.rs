@@ -8,8 +8,11 @@ use crate::solve::Problem;
 /// How the relaxation is done.
 #[derive(Clone, Debug)]
 pub struct RelaxSettings {
-    /// The degree of the polynomial.
+    /// The degree of the polynomial, or of each piece.
     pub p: usize,
+    /// Of how many polynomials on equal parts of the horizon the motion is made. Where two meet `q` and `v` are continuous;
+    /// acceleration and control may jump.
+    pub pieces: usize,
     /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
     pub tolerance: f64,
     /// The most iterations at one degree and one quadrature.
@@ -28,6 +31,7 @@ impl Default for RelaxSettings {
     fn default() -> Self {
         Self {
             p: 16,
+            pieces: 1,
             tolerance: 1e-8,
             iterations: 500,
             agreement: 1e-3,
@@ -41,6 +45,8 @@ impl Default for RelaxSettings {
 impl RelaxSettings {
     /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
     pub const LARGEST_DEGREE: usize = 64;
+    /// The largest degree times the number of pieces: beyond it the Hessians of a large robot do not.
+    pub const LARGEST_SIZE: usize = 256;
     /// What a motion may exceed its constraints by, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
 
@@ -61,6 +67,11 @@ impl RelaxSettings {
         std::iter::once(self.p.min(6)).chain(below).collect()
     }
 
+    /// The basis of the motion.
+    pub(super) fn basis(&self) -> Basis {
+        Basis::new(self.pieces, self.p, false)
+    }
+
     /// # Errors
     /// A setting is out of range.
     pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
@@ -69,6 +80,11 @@ impl RelaxSettings {
         if !(smallest..=largest).contains(&self.p) {
             let range = format!("at least {smallest} and at most {largest} is needed");
             return refuse("p", format!("it is {}, {range}", self.p));
+        }
+        if self.pieces == 0 || self.pieces.saturating_mul(self.p) > Self::LARGEST_SIZE {
+            let (most, p) = (Self::LARGEST_SIZE / self.p, self.p);
+            let range = format!("at least 1 and for degree {p} at most {most} are needed");
+            return refuse("pieces", format!("it is {}, {range}", self.pieces));
         }
         for (what, value) in [("tolerance", self.tolerance), ("agreement", self.agreement)] {
             if !(value.is_finite() && value > 0.0) {
