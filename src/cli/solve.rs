@@ -28,6 +28,9 @@ pub(super) struct Solve {
     /// Of relax: of how many polynomials on equal parts of the horizon the motion is made [default: 1].
     #[arg(long)]
     pieces: Option<usize>,
+    /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
+    #[arg(long, allow_negative_numbers = true)]
+    adaptive: Option<f64>,
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -68,6 +71,7 @@ impl Default for Solve {
             method: Method::default(),
             p: None,
             pieces: None,
+            adaptive: None,
             tolerance: None,
             starts: None,
             jacobian: None,
@@ -89,6 +93,7 @@ impl Solve {
             method: self.method,
             p: self.p,
             pieces: self.pieces,
+            adaptive: self.adaptive,
             tolerance: self.tolerance,
             starts: self.starts,
             jacobian: self.jacobian,

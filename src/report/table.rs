@@ -8,6 +8,7 @@ use crate::scenario::{
     Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
     generated_scenarios,
 };
+use crate::solve::Adapted;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// An empty table without lines.
@@ -120,7 +121,9 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         "{} iterations, {} factorisations, {} points",
         d.iterations, d.factorisations, d.quadrature_points
     );
-    let rows = vec![
+    let stopped = || "the simulation stopped".to_owned();
+    let replay = d.replay_error_inf.map_or_else(stopped, short);
+    let mut rows = vec![
         (
             "gradient norm, relative",
             format!("{:.1e}", d.gradient_norm),
@@ -132,7 +135,24 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         ),
         ("work", work),
     ];
+    rows.insert(0, ("error of an interval by nodes alone", replay));
+    if let Some(adapted) = &d.adapted {
+        rows.insert(0, ("effort by degree", efforts_by_degree(adapted)));
+    }
     (settings, rows)
+}
+
+/// How the effort changed with the degree, and whether that is as little as it should be.
+fn efforts_by_degree(adapted: &Adapted) -> String {
+    let efforts = adapted.degrees.iter().zip(&adapted.costs);
+    let efforts: Vec<_> = efforts.map(|(p, x)| format!("{} at {p}", short(*x))).collect();
+    let verdict = if adapted.settled {
+        "settled"
+    } else {
+        "NOT settled"
+    };
+    let tolerance = adapted.tolerance;
+    format!("{}: {verdict} to {tolerance}", efforts.join(", "))
 }
 
 /// What came of proving identities.

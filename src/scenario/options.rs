@@ -28,6 +28,8 @@ pub struct SolveOptions {
     pub p: Option<usize>,
     /// Of the relaxation: of how many polynomials the motion is made.
     pub pieces: Option<usize>,
+    /// Of the relaxation: by how much the effort may change, relative, from one degree to the next; the degree grows until then.
+    pub adaptive: Option<f64>,
     /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
     pub tolerance: Option<f64>,
     /// Of the relaxation: how many starts there are.
@@ -84,6 +86,7 @@ impl SolveOptions {
         RelaxSettings {
             p: self.p.unwrap_or(default.p),
             pieces: self.pieces.unwrap_or(default.pieces),
+            adaptive: self.adaptive,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
             ..default
@@ -96,6 +99,7 @@ impl SolveOptions {
             Method::Flow => {
                 let foreign = [
                     ("pieces", self.pieces.is_some()),
+                    ("adaptive", self.adaptive.is_some()),
                     ("starts", self.starts.is_some()),
                 ];
                 ("flow", foreign.to_vec())

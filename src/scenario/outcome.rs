@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::pseudospectral::Curve;
 use crate::solve::{
     Effort, Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings,
-    RelaxSolution, Requirements, flow, flow_constrained, measure, relax, relax_constrained, sample,
-    simulate,
+    RelaxSolution, Requirements, flow, flow_constrained, measure, relax, relax_constrained,
+    replay_error, sample, simulate,
 };
 use std::time::Instant;
 
@@ -160,6 +160,9 @@ fn solve_by_relaxation(
         gradient_norm: solution.gradient_norm,
         smallest_curvature: solution.smallest_curvature,
         largest_violation: (!scenario.is_free()).then_some(solution.largest_violation),
+        unknowns: solution.unknowns,
+        replay_error_inf: replay_error(&scenario.model, &curve)?,
+        adapted: solution.adapted,
         quadrature_points: solution.points,
         efforts_of_starts: solution.starts,
         iterations: iterations.len(),

@@ -2,7 +2,7 @@
 
 use super::{Feasibility, Method};
 use crate::aghf::jacobian::JacobianKind;
-use crate::solve::{Feedback, Guess};
+use crate::solve::{Adapted, Feedback, Guess};
 use serde::Serialize;
 
 /// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
@@ -114,6 +114,13 @@ pub struct RelaxDetails {
     pub smallest_curvature: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
+    /// How many unknowns there are.
+    pub unknowns: usize,
+    /// How far the control by its values at the nodes alone leads from the curve within one interval, see
+    /// [`replay_error`](crate::solve::replay_error).
+    pub replay_error_inf: Option<f64>,
+    /// How it came to its degree, where that was adaptive.
+    pub adapted: Option<Adapted>,
     /// Points of the quadrature.
     pub quadrature_points: usize,
     /// The efforts that the starts came to at the lowest degree, ascending.

@@ -15,6 +15,6 @@ pub use flow::{
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};
 pub use relax::{
-    Iteration, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained, relax_with,
+    Adapted, Iteration, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained, relax_with,
 };
-pub use simulate::{Feedback, Simulation, simulate};
+pub use simulate::{Feedback, Simulation, replay_error, simulate};

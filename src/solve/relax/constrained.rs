@@ -1,11 +1,12 @@
 //! Least effort within constraints: an augmented Lagrangian about Newton's method.
 
+use super::adaptive::climb;
 use super::augmented::{Augmented, Requirements, Rows};
 use super::ladder::{Path, line};
 use super::newton::{End, Newton, Stop};
 use super::scan::{Peak, Scan, rows_on};
 use super::{
-    Basis, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
+    Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
 };
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
@@ -62,18 +63,18 @@ const LOWER: Level = Level {
 
 /// A curve with the multipliers that hold it.
 #[derive(Clone, Debug)]
-struct Held {
-    path: Path,
+pub(super) struct Held {
+    pub path: Path,
     times: Vec<f64>,
     multipliers: Vec<f64>,
     rho: f64,
-    effort: f64,
+    pub effort: f64,
     violation: f64,
     gradient_norm: f64,
     smallest_curvature: f64,
     points: usize,
     quadrature_error: f64,
-    converged: bool,
+    pub converged: bool,
 }
 
 /// Finds a motion of locally least control effort that keeps `requirements` at all times. `observe` is called after each
@@ -99,7 +100,6 @@ pub fn relax_constrained<K: Constraint + Clone>(
         observe(&iteration);
         iterations.push(iteration);
     };
-    let basis = |degree| Basis::new(1, degree, false);
     let highest = Level {
         rounds: 40,
         stop: Stop {
@@ -112,27 +112,28 @@ pub fn relax_constrained<K: Constraint + Clone>(
     // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
     let possible = at_ends(problem, &mut rows)? <= FEASIBLE;
     let highest = if possible { highest } else { LOWER };
-    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
+    let (lower, mut starts) = (settings.lower_rungs(), Vec::new());
     let mut candidates = Vec::new();
     match (&settings.start, lower.split_first()) {
         (Some(curve), _) => candidates.push(Held::free(path_of(curve, settings.basis()))),
         (None, None) => candidates.push(Held::free(line(problem, settings.basis()))),
         (None, Some((first, _))) => {
-            let line = line(problem, basis(*first));
+            let line = line(problem, first.clone());
             let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
             for path in [line.clone()].into_iter().chain(bent) {
                 candidates.push(hold(problem, &rows, Held::free(path), LOWER, &mut log)?);
             }
             candidates.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
             starts = candidates.iter().map(|c| c.effort).collect();
+            starts.sort_by(f64::total_cmp);
         }
     }
     let rungs = lower.get(1..).unwrap_or_default();
     let mut best: Option<Held> = None;
     let tried = if possible { TRIED } else { 1 };
     for mut held in candidates.into_iter().take(tried) {
-        for degree in rungs {
-            held.path = held.path.in_basis(basis(*degree));
+        for basis in rungs {
+            held.path = held.path.in_basis(basis.clone());
             held = hold(problem, &rows, held, LOWER, &mut log)?;
         }
         held.path = held.path.in_basis(settings.basis());
@@ -146,6 +147,11 @@ pub fn relax_constrained<K: Constraint + Clone>(
     }
     // The settings ask for one start at least.
     let found = best.unwrap_or_else(|| Held::free(line(problem, settings.basis())));
+    let (found, adapted) = climb(settings, found, |from, basis| {
+        let mut held = from.clone();
+        held.path = held.path.in_basis(basis);
+        hold(problem, &rows, held, highest, &mut log)
+    })?;
     Ok(RelaxSolution {
         curve: curve_of(problem, &found.path)?,
         cost: found.effort,
@@ -155,6 +161,8 @@ pub fn relax_constrained<K: Constraint + Clone>(
         points: found.points,
         quadrature_error: found.quadrature_error,
         converged: found.converged,
+        adapted,
+        unknowns: found.path.basis.free().len() * problem.model().dof(),
         starts,
         iterations,
     })

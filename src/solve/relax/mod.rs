@@ -4,6 +4,7 @@
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
 //! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
 
+mod adaptive;
 mod augmented;
 mod basis;
 mod block_tridiagonal;
@@ -17,6 +18,7 @@ mod scan;
 mod settings;
 mod trust_region;
 
+pub use adaptive::Adapted;
 pub use augmented::{Augmented, Requirements};
 pub use basis::Basis;
 pub use block_tridiagonal::BlockTridiagonal;
@@ -30,6 +32,7 @@ pub use settings::{RelaxSettings, RelaxSolution};
 use crate::error::Result;
 use crate::pseudospectral::{Chebyshev, Curve};
 use crate::solve::Problem;
+use adaptive::climb;
 use ladder::{Level, Path, Settled, line, settle};
 use nalgebra::{DMatrix, DVector};
 use newton::Stop;
@@ -44,6 +47,15 @@ const LOWER: Level = Level {
     last: false,
 };
 
+/// The same on fewer pieces, where each has much to gain by the next breakpoint.
+const PIECES: Level = Level {
+    stop: Stop {
+        tolerance: 0.1,
+        iterations: 60,
+    },
+    ..LOWER
+};
+
 /// How many curves go on from the lowest degree: the best there need not be the best at the next.
 const KEPT: usize = 3;
 /// Those that cost more than the best one by more than this, relative, do not.
@@ -54,7 +66,8 @@ const SAME: f64 = 0.01;
 /// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
 ///
 /// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them are relaxed at
-/// the next, from where they ended, and the best one of these goes up to the degree that the settings name.
+/// the next, from where they ended, and the best one of these goes up to the degree and the pieces that the settings name, or beyond
+/// if the degree is adaptive.
 ///
 /// # Errors
 /// A setting is out of range, or the start of the settings is for another robot. A search that ends before its tolerance is
@@ -84,18 +97,18 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         observe(&iteration);
         iterations.push(iteration);
     };
-    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
-    let basis = |degree| Basis::new(1, degree, false);
+    let (lower, mut starts) = (settings.lower_rungs(), Vec::new());
     let path = if let Some(curve) = &settings.start {
         path_of(curve, settings.basis())
     } else {
-        let line = line(problem, basis(lower[0]));
+        let line = line(problem, lower[0].clone());
         let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
         let mut paths: Vec<Path> = [line.clone()].into_iter().chain(bent).collect();
-        for (rung, degree) in lower.iter().enumerate() {
+        for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
-                let path = path.in_basis(basis(*degree));
-                settle(problem, cost, path, LOWER, &mut log)
+                let path = path.in_basis(basis.clone());
+                let level = if basis.degree() < settings.p { LOWER } else { PIECES };
+                settle(problem, cost, path, level, &mut log)
             });
             let mut settled = settled.collect::<Result<Vec<Settled>>>()?;
             settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -120,6 +133,10 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         last: true,
     };
     let found = settle(problem, cost, path, highest, &mut log)?;
+    let (found, adapted) = climb(settings, found, |from, basis| {
+        let path = from.path.in_basis(basis);
+        settle(problem, cost, path, highest, &mut log)
+    })?;
     Ok(RelaxSolution {
         curve: curve_of(problem, &found.path)?,
         cost: found.cost,
@@ -129,6 +146,8 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         points: found.points,
         quadrature_error: found.quadrature_error,
         converged: found.converged,
+        adapted,
+        unknowns: found.path.basis.free().len() * problem.model().dof(),
         starts,
         iterations,
     })

@@ -1,6 +1,6 @@
 //! What can be asked of the relaxation, and what it says.
 
-use super::{Basis, Iteration};
+use super::{Adapted, Basis, Iteration};
 use crate::error::{Error, Result};
 use crate::pseudospectral::Curve;
 use crate::solve::Problem;
@@ -13,6 +13,9 @@ pub struct RelaxSettings {
     /// Of how many polynomials on equal parts of the horizon the motion is made. Where two meet `q` and `v` are continuous;
     /// acceleration and control may jump.
     pub pieces: usize,
+    /// Whether to go on from the degree `p` to 9, 16, 24, 32, 48, 64, each from where the one before ended, until the cost changes by
+    /// less than this from one to the next, relative; see [`Adapted`].
+    pub adaptive: Option<f64>,
     /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
     pub tolerance: f64,
     /// The most iterations at one degree and one quadrature.
@@ -32,6 +35,7 @@ impl Default for RelaxSettings {
         Self {
             p: 16,
             pieces: 1,
+            adaptive: None,
             tolerance: 1e-8,
             iterations: 500,
             agreement: 1e-3,
@@ -59,17 +63,34 @@ impl RelaxSettings {
         }
     }
 
-    /// The degrees of the ladder that are climbed before `p`, at least one: those of 6, 9, 16, 24, 32, 48, ... that are below.
-    pub(super) fn lower_degrees(&self) -> Vec<usize> {
-        let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
-        let rungs = std::iter::once(9).chain(doubling);
-        let below = rungs.take_while(|degree| *degree < self.p);
-        std::iter::once(self.p.min(6)).chain(below).collect()
+    /// The rungs of the ladder that are climbed before the last, at least one: single polynomials of those of the degrees 6, 9, 16,
+    /// 24, 32, 48, ... that are below `p`, then `p` on fewer pieces, of which each rung has all breakpoints of the one before.
+    pub(super) fn lower_rungs(&self) -> Vec<Basis> {
+        let below = degrees().take_while(|degree| *degree < self.p);
+        let degrees = std::iter::once(self.p.min(6)).chain(below);
+        let mut rungs: Vec<_> = degrees.map(|p| Basis::new(1, p, false)).collect();
+        let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
+        let mut pieces: Vec<_> = std::iter::successors(fewer(&self.pieces), fewer).collect();
+        pieces.reverse();
+        rungs.extend(pieces.into_iter().map(|n| Basis::new(n, self.p, false)));
+        rungs
     }
 
     /// The basis of the motion.
     pub(super) fn basis(&self) -> Basis {
-        Basis::new(self.pieces, self.p, false)
+        self.basis_of(self.p)
+    }
+
+    /// The same of another degree.
+    pub(super) fn basis_of(&self, degree: usize) -> Basis {
+        Basis::new(self.pieces, degree, false)
+    }
+
+    /// The degrees after `p` that an adaptive one may have.
+    pub(super) fn higher_degrees(&self) -> impl Iterator<Item = usize> {
+        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / self.pieces);
+        let above = degrees().skip_while(|degree| *degree <= self.p);
+        above.take_while(move |degree| *degree <= largest)
     }
 
     /// # Errors
@@ -86,7 +107,11 @@ impl RelaxSettings {
             let range = format!("at least 1 and for degree {p} at most {most} are needed");
             return refuse("pieces", format!("it is {}, {range}", self.pieces));
         }
-        for (what, value) in [("tolerance", self.tolerance), ("agreement", self.agreement)] {
+        for (what, value) in [
+            ("tolerance", self.tolerance),
+            ("agreement", self.agreement),
+            ("adaptive", self.adaptive.unwrap_or(1.0)),
+        ] {
             if !(value.is_finite() && value > 0.0) {
                 return refuse(what, format!("it is {value}, a positive number is needed"));
             }
@@ -109,6 +134,12 @@ impl RelaxSettings {
     }
 }
 
+/// The degrees of the ladder after its first rung: 9, 16, 24, 32, 48, 64, ...
+fn degrees() -> impl Iterator<Item = usize> {
+    let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
+    std::iter::once(9).chain(doubling)
+}
+
 /// What came of a relaxation.
 #[derive(Clone, Debug)]
 pub struct RelaxSolution {
@@ -129,6 +160,10 @@ pub struct RelaxSolution {
     pub quadrature_error: f64,
     /// Whether the gradient norm came below the tolerance, and the quadrature agrees.
     pub converged: bool,
+    /// How it came to its degree, where that is adaptive.
+    pub adapted: Option<Adapted>,
+    /// How many unknowns there are.
+    pub unknowns: usize,
     /// The costs at the lowest degree, from all starts, ascending.
     pub starts: Vec<f64>,
     /// All iterations, of all starts and degrees.
