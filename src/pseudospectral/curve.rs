@@ -65,8 +65,7 @@ impl Curve {
         let d = chebyshev.d().transpose();
         for part in 0..joints.len() - 1 {
             let own = x.columns(part * nodes, nodes);
-            xdot.columns_mut(part * nodes, nodes)
-                .copy_from(&(own * &d));
+            xdot.columns_mut(part * nodes, nodes).copy_from(&(own * &d));
         }
         Ok(Self {
             chebyshev,

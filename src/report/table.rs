@@ -145,7 +145,9 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
 /// How the effort changed with the degree, and whether that is as little as it should be.
 fn efforts_by_degree(adapted: &Adapted) -> String {
     let efforts = adapted.degrees.iter().zip(&adapted.costs);
-    let efforts: Vec<_> = efforts.map(|(p, x)| format!("{} at {p}", short(*x))).collect();
+    let efforts: Vec<_> = efforts
+        .map(|(p, x)| format!("{} at {p}", short(*x)))
+        .collect();
     let verdict = if adapted.settled {
         "settled"
     } else {

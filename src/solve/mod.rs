@@ -15,6 +15,7 @@ pub use flow::{
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};
 pub use relax::{
-    Adapted, Iteration, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained, relax_with,
+    Adapted, Iteration, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained,
+    relax_with,
 };
 pub use simulate::{Feedback, Simulation, replay_error, simulate};

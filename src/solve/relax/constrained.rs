@@ -5,9 +5,7 @@ use super::augmented::{Augmented, Requirements, Rows};
 use super::ladder::{Path, line};
 use super::newton::{End, Newton, Stop};
 use super::scan::{Peak, Scan, rows_on};
-use super::{
-    Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of,
-};
+use super::{Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution, curve_of, path_of};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
 use crate::solve::Problem;

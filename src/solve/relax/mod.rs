@@ -107,7 +107,11 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
                 let path = path.in_basis(basis.clone());
-                let level = if basis.degree() < settings.p { LOWER } else { PIECES };
+                let level = if basis.degree() < settings.p {
+                    LOWER
+                } else {
+                    PIECES
+                };
                 settle(problem, cost, path, level, &mut log)
             });
             let mut settled = settled.collect::<Result<Vec<Settled>>>()?;

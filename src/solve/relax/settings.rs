@@ -93,20 +93,30 @@ impl RelaxSettings {
         above.take_while(move |degree| *degree <= largest)
     }
 
+    /// Whether so many pieces of degree `p` can be had.
+    ///
+    /// # Errors
+    /// One of the two is out of range.
+    pub fn check_size(p: usize, pieces: usize) -> Result<()> {
+        let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
+        let (smallest, largest) = (Basis::SMALLEST_DEGREE, Self::LARGEST_DEGREE);
+        if !(smallest..=largest).contains(&p) {
+            let range = format!("at least {smallest} and at most {largest} is needed");
+            return refuse("p", format!("it is {p}, {range}"));
+        }
+        let most = Self::LARGEST_SIZE / p;
+        if !(1..=most).contains(&pieces) {
+            let range = format!("at least 1 and for degree {p} at most {most} is needed");
+            return refuse("pieces", format!("it is {pieces}, {range}"));
+        }
+        Ok(())
+    }
+
     /// # Errors
     /// A setting is out of range.
     pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
-        let (smallest, largest) = (Basis::SMALLEST_DEGREE, Self::LARGEST_DEGREE);
-        if !(smallest..=largest).contains(&self.p) {
-            let range = format!("at least {smallest} and at most {largest} is needed");
-            return refuse("p", format!("it is {}, {range}", self.p));
-        }
-        if self.pieces == 0 || self.pieces.saturating_mul(self.p) > Self::LARGEST_SIZE {
-            let (most, p) = (Self::LARGEST_SIZE / self.p, self.p);
-            let range = format!("at least 1 and for degree {p} at most {most} are needed");
-            return refuse("pieces", format!("it is {}, {range}", self.pieces));
-        }
+        Self::check_size(self.p, self.pieces)?;
         for (what, value) in [
             ("tolerance", self.tolerance),
             ("agreement", self.agreement),
