@@ -121,7 +121,7 @@ pub struct RelaxDetails {
     pub replay_error_inf: Option<f64>,
     /// How it came to its degree, where that was adaptive.
     pub adapted: Option<Adapted>,
-    /// Points of the quadrature.
+    /// Points of the quadrature of a piece.
     pub quadrature_points: usize,
     /// The efforts that the starts came to at the lowest degree, ascending.
     pub efforts_of_starts: Vec<f64>,

@@ -10,9 +10,8 @@ use serde::Serialize;
 ///
 /// The cost alone decides. The error of an open loop over the whole motion cannot: where the motion is unstable it grows exponentially in
 /// time whatever the degree, since the control is that of the polynomial exactly. That of one interval with the control through the
-/// nodes, [`replay_error`](crate::solve::replay_error), is told beside, but at
-/// degree 64 it is still tens of rad/s for the arm that is built in, with its light wrist: whoever stores a control to replay it needs more
-/// times than there are nodes.
+/// nodes, [`replay_error`](crate::solve::replay_error), is told beside; it is no condition, because at degree 64 it is still tens of rad/s
+/// for a Kinova with its light wrist. Whoever stores a control to replay it needs more times than there are nodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Adapted {
     /// By how much the cost was to change at most from one degree to the next, relative.

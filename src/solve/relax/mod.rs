@@ -109,11 +109,8 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
                 let path = path.in_basis(basis.clone());
-                let level = if basis.degree() < settings.p {
-                    LOWER
-                } else {
-                    PIECES
-                };
+                let full = rung > 0 && basis.degree() == settings.p;
+                let level = if full { PIECES } else { LOWER };
                 settle(problem, cost, path, level, &mut log)
             });
             let mut settled = settled.collect::<Result<Vec<Settled>>>()?;

@@ -55,14 +55,13 @@ impl Scan {
         let pieces = self.basis.pieces();
         let interval = self.horizon / (pieces * self.intervals) as f64;
         // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two pieces meet, so each
-        // has ends of its own.
+        // has ends of its own: after the last value of one `here` is below all again.
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
         for piece in 0..pieces {
             let own = coefficients.columns(self.basis.first(piece), self.table.nrows());
             states.gemm(1.0, &own, &self.table, 0.0);
-            here.copy_from_slice(&below);
             let first = piece * self.intervals;
             for k in 0..=self.intervals + 1 {
                 if k <= self.intervals {

@@ -73,6 +73,8 @@ impl RelaxSettings {
         let mut pieces: Vec<_> = std::iter::successors(fewer(&self.pieces), fewer).collect();
         pieces.reverse();
         rungs.extend(pieces.into_iter().map(|n| Basis::new(n, self.p, false)));
+        // A low degree on one piece is the first rung already.
+        rungs.dedup();
         rungs
     }
 
@@ -164,7 +166,7 @@ pub struct RelaxSolution {
     pub smallest_curvature: f64,
     /// By how much the worst constraint is broken at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,
-    /// How many points the quadrature has.
+    /// How many points the quadrature of a piece has.
     pub points: usize,
     /// How far the cost by this quadrature is from that by the finer one, relative.
     pub quadrature_error: f64,
