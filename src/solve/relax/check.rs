@@ -16,9 +16,9 @@ const POINTS: usize = 40;
 /// Compares the gradient of the control effort on random curves of two pieces with the right-hand side of the flow there, in the
 /// weak form: for each function $\varphi$ of the basis and each joint of the robot, with $\delta x = (\varphi, \dot \varphi)$,
 ///
-/// $$ \delta \int |u|^2 dt = -\int \delta x^T G\, \Omega\, dt - 2 \dot \varphi^T H\, [u], $$
+/// $$ \delta \int |u|^2 dt = -\int \delta x^T G\, \Omega\, dt - 2 \dot \varphi^T H\, \Delta u, $$
 ///
-/// where $[u]$ is by how much the control jumps from the first piece to the second. So where the effort is least, the flow is at rest
+/// where $\Delta u$ is by how much the control jumps from the first piece to the second. So where the effort is least, the flow is at rest
 /// for all variations that keep $v = \dot q$.
 ///
 /// # Errors
