@@ -7,6 +7,7 @@ use aghf::aghf::jacobian::{ControlForm, ForwardDual, JacobianKind, NodeBlocks, N
 use aghf::aghf::{AlgorithmB1, ControlEffort, Definition};
 use aghf::check::{BOUND, CheckOptions, Finding, LARGEST_BOUND, State, check_all, check_jacobian};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
+use aghf::solve::relax::check_relaxation;
 use aghf::spatial::{Inertia, Placement};
 use common::{robot, robots};
 use nalgebra::{Matrix3, Vector3};
@@ -41,6 +42,19 @@ fn everything_passes_on_every_robot() {
         ] {
             let finding = findings.iter().find(|f| f.quantity == what);
             assert!(finding.is_some(), "{what} is not checked");
+        }
+    }
+}
+
+/// The gradient of the effort is the flow in the weak form, whatever the penalty.
+#[test]
+fn the_relaxation_goes_where_the_flow_goes() {
+    let trees = (0..4).map(|seed| random_tree(6, seed).expect("six joints"));
+    for model in robots().into_iter().chain(trees) {
+        let findings = check_relaxation(&model, &options(2, 5)).expect("a loaded model");
+        assert_eq!(findings.len(), 3);
+        for finding in findings {
+            assert!(finding.passes(), "{}: {finding:?}", model.name());
         }
     }
 }

@@ -184,6 +184,62 @@ fn options_of_the_relaxation_show_in_the_summary() {
 }
 
 #[test]
+fn pieces_and_an_adaptive_degree_show_in_the_summary() {
+    let folder = empty_folder("relax_pieces");
+    let arguments = "solve pendulum_1_swingup --p 7 --pieces 2 --adaptive 0.05";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for words in ["2 pieces of p 9", "effort by degree", "settled to 0.05"] {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    let summary = json_file(&folder.join("out/pendulum_1_swingup/summary.json"));
+    assert_eq!(
+        (&summary["p"], &summary["pieces"], &summary["unknowns"]),
+        (&json!(9), &json!(2), &json!(2 * 8 - 2))
+    );
+    assert_eq!(summary["adapted"]["degrees"], json!([7, 9]));
+    assert_eq!(summary["adapted"]["settled"], json!(true));
+    assert!(
+        summary["replay_error_inf"]
+            .as_f64()
+            .is_some_and(|x| x > 0.0)
+    );
+}
+
+#[test]
+fn degrees_writes_a_row_for_each_size() {
+    let folder = empty_folder("degrees");
+    let arguments = [
+        "degrees",
+        "pendulum_1_swingup",
+        "1x7",
+        "2x5",
+        "3x6",
+        "--starts",
+        "2",
+    ];
+    let run = aghf(&folder, &arguments);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let file = "out/degrees/pendulum_1_swingup/degrees.csv";
+    assert_eq!(files(&folder), [file.to_owned()].into());
+    let mut reader = csv::Reader::from_path(folder.join(file)).expect("it is there");
+    let header = reader.headers().expect("it has one").clone();
+    let column = |name: &str| header.iter().position(|h| h == name).expect("it is there");
+    let names = ["pieces", "p", "unknowns", "success"].map(column);
+    let rows = reader.records().map(|row| {
+        let row = row.expect("as long as the header");
+        assert!(
+            row[column("control_effort")]
+                .parse::<f64>()
+                .is_ok_and(|x| x > 6.0)
+        );
+        names.map(|i| row[i].to_owned()).join(" ")
+    });
+    let rows: Vec<String> = rows.collect();
+    assert_eq!(rows, ["1 7 4 true", "2 5 6 true", "3 6 13 true"]);
+}
+
+#[test]
 fn a_scenario_file_is_solved_under_its_own_name() {
     let folder = empty_folder("file");
     std::fs::create_dir(folder.join("tasks")).expect("writable");
@@ -271,6 +327,7 @@ fn the_help_is_plain_text() {
         &["--help"][..],
         &["solve", "--help"],
         &["sweep", "--help"],
+        &["degrees", "--help"],
         &["robots", "--help"],
         &["scenarios", "--help"],
         &["eval", "--help"],

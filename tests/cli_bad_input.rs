@@ -72,6 +72,10 @@ fn bad_options_exit_with_2() {
         ("--method", "magic", "--method; 'magic'; relax; flow"),
         ("--p", "3", "p: it is 3; at least 4"),
         ("--starts", "0", "starts: it is 0; at least 1"),
+        ("--pieces", "0", "pieces: it is 0; at least 1"),
+        ("--pieces", "17", "pieces: it is 17; at most 16"),
+        ("--adaptive", "0", "adaptive: it is 0; positive"),
+        ("--adaptive", "-1", "adaptive: it is -1; positive"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--k", "1e5", "k: the method 'relax' has no such parameter"),
     ] {
@@ -81,6 +85,34 @@ fn bad_options_exit_with_2() {
             words,
         );
     }
+    for (option, value) in [("--pieces", "2"), ("--adaptive", "0.1")] {
+        let arguments = [
+            "solve",
+            "pendulum_1_swingup",
+            "--method=flow",
+            option,
+            value,
+        ];
+        assert_bad_input(
+            &folder,
+            &arguments,
+            "the method 'flow' has no such parameter",
+        );
+    }
+    for (size, words) in [
+        ("9", "size: '9'; such as 4x9"),
+        ("2x", "size: '2x'"),
+        ("0x9", "pieces: it is 0; at least 1"),
+        ("29x9", "pieces: it is 29; at most 28"),
+        ("1x3", "p: it is 3; at least 4"),
+    ] {
+        assert_bad_input(
+            &folder,
+            &["degrees", "pendulum_1_swingup", "1x9", size],
+            words,
+        );
+    }
+    assert_bad_input(&folder, &["degrees", "nothing"], "nothing; neither");
     assert!(files(&folder).is_empty(), "nothing is written");
 }
 

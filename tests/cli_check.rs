@@ -21,6 +21,7 @@ fn check_passes_and_names_every_jacobian() {
         "dual",
         "difference",
         "inverse dynamics",
+        "Omega on a curve, weak form",
     ] {
         assert!(run.stdout.contains(name), "{name} in {}", run.stdout);
     }

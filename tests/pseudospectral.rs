@@ -126,6 +126,86 @@ fn bad_settings_are_errors() {
     );
 }
 
+/// Three parts of degree 4 on [0, 2]: `q` is a cubic on each, with the same value and slope where two meet, and `v` its slope.
+fn three_parts() -> (Curve, impl Fn(usize, f64) -> [f64; 3]) {
+    let third = HORIZON / 3.0;
+    let cubic = move |e: usize, t: f64| {
+        // Bends of its own on each part, zero with its slope at both of its ends but for a common line.
+        let (bend, s) = ([1.0, -2.0, 0.5][e], t - e as f64 * third);
+        let q = 0.3 + 0.7 * t + bend * (s * (third - s)).powi(2);
+        let slope = 0.7 + 2.0 * bend * s * (third - s) * (third - 2.0 * s);
+        let second = 2.0 * bend * (third * third - 6.0 * s * third + 6.0 * s * s);
+        [q, slope, second]
+    };
+    let nodes = chebyshev(4);
+    let mut x = DMatrix::zeros(2, 15);
+    for column in 0..15 {
+        let (e, node) = (column / 5, column % 5);
+        let [q, v, _] = match node {
+            4 if e < 2 => cubic(e + 1, third * (e + 1) as f64),
+            _ => cubic(e, third * (e as f64 + nodes.times()[node] / HORIZON)),
+        };
+        x.column_mut(column).copy_from_slice(&[q, v]);
+    }
+    let curve = Curve::piecewise(HORIZON, 3, x).expect("valid");
+    (curve, cubic)
+}
+
+#[test]
+fn a_curve_of_parts_is_each_of_its_parts() {
+    let (curve, cubic) = three_parts();
+    assert_eq!((curve.pieces(), curve.dof()), (3, 1));
+    assert_eq!((curve.horizon(), curve.chebyshev().degree()), (HORIZON, 4));
+    assert_eq!(curve.x().column(4), curve.x().column(5));
+    for i in 0..=60 {
+        let t = HORIZON * f64::from(i) / 60.0;
+        let e = curve.part_at(t);
+        let ((x, xdot), [q, v, a]) = (curve.at(t), cubic(e, t));
+        for (ours, exact) in [(x[0], q), (x[1], v), (xdot[0], v), (xdot[1], a)] {
+            assert!((ours - exact).abs() < 1e-12, "{t}: {ours} {exact}");
+        }
+    }
+    // Where two meet the state is that of both, to the last bit, and the acceleration that of the part that is asked.
+    for part in 1..3 {
+        let t = curve.joints()[part];
+        assert_eq!(curve.part_at(t), part);
+        let (before, after) = (curve.at_of(part - 1, t), curve.at_of(part, t));
+        assert_close!(&before.0, &after.0, 1e-14);
+        assert_eq!(curve.at(t), after);
+        for (e, (_, xdot)) in [(part - 1, before), (part, after)] {
+            assert!((xdot[1] - cubic(e, t)[2]).abs() < 1e-12, "{part} {e}");
+        }
+        assert!((cubic(part - 1, t)[2] - cubic(part, t)[2]).abs() > 0.5);
+    }
+    assert_eq!((curve.part_at(0.0), curve.part_at(HORIZON)), (0, 2));
+}
+
+#[test]
+fn one_part_is_the_curve_of_one_polynomial() {
+    let x = DMatrix::from_fn(2, 6, |i, j| (1.0 + (3 * i + j) as f64).sin());
+    let one = Curve::new(chebyshev(5), x.clone()).expect("valid");
+    let same = Curve::piecewise(HORIZON, 1, x).expect("valid");
+    assert_eq!(one.at(0.37), same.at(0.37));
+    assert_eq!(one.at(HORIZON), same.at(HORIZON));
+}
+
+#[test]
+fn bad_parts_are_errors() {
+    let x = |columns| DMatrix::from_fn(2, columns, |_, j| j as f64);
+    for (pieces, x, words) in [
+        (0, x(5), "pieces: it is 0"),
+        (2, x(11), "x: expected 10 entries, found 11"),
+        (2, x(4), "p: it is 1"),
+        (2, x(0), "p: it is 0"),
+        (2, x(10), "the state jumps where part 1 begins"),
+        (1, DMatrix::zeros(3, 4), "odd number of rows"),
+    ] {
+        let error = Curve::piecewise(HORIZON, pieces, x).expect_err(words);
+        assert!(error.to_string().contains(words), "{error}; want {words}");
+    }
+    assert!(Curve::piecewise(-1.0, 2, x(10)).is_err());
+}
+
 proptest! {
     #![proptest_config(config(64))]
 

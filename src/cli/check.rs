@@ -4,11 +4,12 @@ use super::{OFF, Reading, print, print_json};
 use crate::aghf::check::{CheckOptions, check_all};
 use crate::error::{Error, Result};
 use crate::report::check_table;
+use crate::solve::relax::check_relaxation;
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Compare every analytic derivative with dual numbers at random states of a robot.
+/// Compare every analytic derivative with dual numbers at random states of a robot, and the relaxation with the flow.
 ///
 /// Prints the worst relative error of each quantity, the entry where it was and the number of the state that gave it; the same
 /// seed gives the same states. With --json the states are printed too. Exit code 1 when something exceeds its bound.
@@ -44,7 +45,8 @@ impl Check {
             seed: self.seed,
             ..CheckOptions::default()
         };
-        let findings = check_all(&model, &options)?;
+        let mut findings = check_all(&model, &options)?;
+        findings.extend(check_relaxation(&model, &options)?);
         let passed = findings.iter().all(|f| f.passes());
         if self.json {
             let (samples, seed) = (self.samples, self.seed);

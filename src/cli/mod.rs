@@ -1,6 +1,7 @@
 //! The command line: reads arguments, calls the library, prints.
 
 mod check;
+mod degrees;
 mod eval;
 mod prove;
 mod reproduce;
@@ -40,6 +41,7 @@ const EXIT_CODES: &str =
 enum Command {
     Solve(solve::Solve),
     Sweep(sweep::Sweep),
+    Degrees(degrees::Degrees),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Eval(eval::Eval),
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
     let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
         Command::Solve(solve) => solve.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Degrees(degrees) => degrees.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Eval(eval) => eval.run(),

@@ -22,9 +22,15 @@ pub(super) struct Solve {
     /// How to solve it.
     #[arg(long, value_enum, default_value_t)]
     method: Method,
-    /// Degree of the polynomial [default: 16 for relax].
+    /// Degree of the polynomial, or of each piece [default: 16 for relax].
     #[arg(long)]
     p: Option<usize>,
+    /// Of relax: of how many polynomials on equal parts of the horizon the motion is made [default: 1].
+    #[arg(long)]
+    pieces: Option<usize>,
+    /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
+    #[arg(long, allow_negative_numbers = true)]
+    adaptive: Option<f64>,
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -64,6 +70,8 @@ impl Default for Solve {
             scenario: "kinova_free_01".to_owned(),
             method: Method::default(),
             p: None,
+            pieces: None,
+            adaptive: None,
             tolerance: None,
             starts: None,
             jacobian: None,
@@ -84,6 +92,8 @@ impl Solve {
         let options = SolveOptions {
             method: self.method,
             p: self.p,
+            pieces: self.pieces,
+            adaptive: self.adaptive,
             tolerance: self.tolerance,
             starts: self.starts,
             jacobian: self.jacobian,

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// How many intervals of time `trajectory.csv` has.
 const INTERVALS: usize = 200;
 
-/// Writes `trajectory.csv` (t, q, v, a, u at 201 times) and `summary.json` into `folder`, which is made if need be, and
+/// Writes `trajectory.csv` (t, q, v, a, u at 201 times, see [`sample`]) and `summary.json` into `folder`, which is made if need be, and
 /// returns where they are.
 ///
 /// # Errors

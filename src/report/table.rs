@@ -8,6 +8,7 @@ use crate::scenario::{
     Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
     generated_scenarios,
 };
+use crate::solve::Adapted;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// An empty table without lines.
@@ -42,7 +43,11 @@ pub fn summary_table(summary: &Summary) -> String {
         Details::Flow(d) => flow_rows(d),
         Details::Relax(d) => relax_rows(d),
     };
-    let settings = format!("{}, p {}, {settings}", choice(&s.method), s.p);
+    let degree = match s.pieces {
+        1 => format!("p {}", s.p),
+        pieces => format!("{pieces} pieces of p {}", s.p),
+    };
+    let settings = format!("{}, {degree}, {settings}", choice(&s.method));
     let gains = format!(
         "final error with feedback ({}, {})",
         s.feedback.kp, s.feedback.kv
@@ -116,12 +121,18 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         "{} iterations, {} factorisations, {} points",
         d.iterations, d.factorisations, d.quadrature_points
     );
+    let stopped = || "the simulation stopped".to_owned();
+    let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
     if let Some(cost) = d.cost {
         rows.push(("cost that was minimised", short(cost)));
         rows.push(("horizon", format!("{} s", short(d.horizon_s))));
     }
+    if let Some(adapted) = &d.adapted {
+        rows.push(("effort by degree", efforts_by_degree(adapted)));
+    }
     rows.extend([
+        ("error of an interval by nodes alone", replay),
         (
             "gradient norm, relative",
             format!("{:.1e}", d.gradient_norm),
@@ -131,6 +142,21 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         ("work", work),
     ]);
     (settings, rows)
+}
+
+/// How the effort changed with the degree, and whether that is as little as it should be.
+fn efforts_by_degree(adapted: &Adapted) -> String {
+    let efforts = adapted.degrees.iter().zip(&adapted.costs);
+    let efforts: Vec<_> = efforts
+        .map(|(p, x)| format!("{} at {p}", short(*x)))
+        .collect();
+    let verdict = if adapted.settled {
+        "settled"
+    } else {
+        "NOT settled"
+    };
+    let tolerance = adapted.tolerance;
+    format!("{}: {verdict} to {tolerance}", efforts.join(", "))
 }
 
 /// What came of proving identities.

@@ -24,8 +24,12 @@ pub enum Method {
 pub struct SolveOptions {
     /// How to solve it.
     pub method: Method,
-    /// Degree of the polynomial.
+    /// Degree of the polynomial, or of each piece.
     pub p: Option<usize>,
+    /// Of the relaxation: of how many polynomials the motion is made.
+    pub pieces: Option<usize>,
+    /// Of the relaxation: by how much the effort may change, relative, from one degree to the next; the degree grows until then.
+    pub adaptive: Option<f64>,
     /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
     pub tolerance: Option<f64>,
     /// Of the relaxation: how many starts there are.
@@ -81,6 +85,8 @@ impl SolveOptions {
         };
         RelaxSettings {
             p: self.p.unwrap_or(default.p),
+            pieces: self.pieces.unwrap_or(default.pieces),
+            adaptive: self.adaptive,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
             free_final_velocity: scenario.file.free_final_velocity,
@@ -92,7 +98,14 @@ impl SolveOptions {
     /// Refuses options that the method does not have.
     pub(super) fn check(&self) -> Result<()> {
         let (method, foreign) = match self.method {
-            Method::Flow => ("flow", vec![("starts", self.starts.is_some())]),
+            Method::Flow => {
+                let foreign = [
+                    ("pieces", self.pieces.is_some()),
+                    ("adaptive", self.adaptive.is_some()),
+                    ("starts", self.starts.is_some()),
+                ];
+                ("flow", foreign.to_vec())
+            }
             Method::Relax => {
                 let foreign = [
                     ("jacobian", self.jacobian.is_some()),

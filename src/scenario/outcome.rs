@@ -8,7 +8,7 @@ use crate::pseudospectral::Curve;
 use crate::solve::{
     Effort, Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings,
     RelaxSolution, Requirements, RunningCost, flow, flow_constrained, measure, relax,
-    relax_constrained, relax_constrained_with, relax_with, sample, simulate,
+    relax_constrained, relax_constrained_with, relax_with, replay_error, sample, simulate,
 };
 use std::time::Instant;
 
@@ -177,6 +177,9 @@ fn solve_by_relaxation(
         gradient_norm: solution.gradient_norm,
         smallest_curvature: solution.smallest_curvature,
         largest_violation: (!scenario.is_free()).then_some(solution.largest_violation),
+        unknowns: solution.unknowns,
+        replay_error_inf: replay_error(&scenario.model, &curve)?,
+        adapted: solution.adapted,
         quadrature_points: solution.points,
         efforts_of_starts: solution.starts,
         iterations: iterations.len(),
@@ -271,6 +274,7 @@ fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
         robot: scenario.file.robot.clone(),
         method,
         p: curve.chebyshev().degree(),
+        pieces: curve.pieces(),
         success: failure.is_none() && reached && feasible,
         success_threshold,
         final_error_inf,

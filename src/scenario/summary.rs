@@ -2,7 +2,7 @@
 
 use super::{Feasibility, Method};
 use crate::aghf::jacobian::JacobianKind;
-use crate::solve::{Feedback, Guess};
+use crate::solve::{Adapted, Feedback, Guess};
 use serde::Serialize;
 
 /// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
@@ -14,8 +14,10 @@ pub struct Summary {
     pub robot: String,
     /// How it was solved.
     pub method: Method,
-    /// Degree of the polynomial.
+    /// Degree of the polynomial, or of each piece.
     pub p: usize,
+    /// How many polynomials there are.
+    pub pieces: usize,
     /// Whether the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
     /// hits nothing and keeps the limits that are enforced.
     pub success: bool,
@@ -116,7 +118,14 @@ pub struct RelaxDetails {
     pub smallest_curvature: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
-    /// Points of the quadrature.
+    /// How many unknowns there are.
+    pub unknowns: usize,
+    /// How far the control by its values at the nodes alone leads from the curve within one interval, see
+    /// [`replay_error`](crate::solve::replay_error).
+    pub replay_error_inf: Option<f64>,
+    /// How it came to its degree, where that was adaptive.
+    pub adapted: Option<Adapted>,
+    /// Points of the quadrature of a piece.
     pub quadrature_points: usize,
     /// The efforts, or integrals of another running cost, that the starts came to at the lowest degree, ascending.
     pub efforts_of_starts: Vec<f64>,

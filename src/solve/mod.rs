@@ -15,7 +15,7 @@ pub use flow::{
 pub use integrate::{Failure, NonFinite, Ode, STEP_LIMIT, Statistics, Tolerance, integrate};
 pub use problem::{Guess, Problem};
 pub use relax::{
-    FreeHorizon, Iteration, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax,
-    relax_constrained, relax_constrained_with, relax_with,
+    Adapted, FreeHorizon, Iteration, RelaxSettings, RelaxSolution, Requirements, RunningCost,
+    relax, relax_constrained, relax_constrained_with, relax_with,
 };
-pub use simulate::{Feedback, Simulation, simulate};
+pub use simulate::{Feedback, Simulation, replay_error, simulate};

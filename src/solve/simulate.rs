@@ -6,8 +6,9 @@ use crate::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::pseudospectral::Curve;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// Local error of the simulation, relative and absolute.
 const TOLERANCE: Tolerance = Tolerance {
@@ -53,41 +54,100 @@ pub fn simulate(
     feedback: Feedback,
 ) -> Result<std::result::Result<Simulation, Box<Failure>>> {
     model.check("curve", curve.dof())?;
-    let mut robot = ControlledRobot {
-        model,
-        curve,
-        feedback,
-        data: Data::new(model),
-        derivatives: ForwardDynamicsDerivatives::new(model.dof()),
-        u: vec![0.0; model.dof()],
-        error: None,
-    };
+    let mut robot = ControlledRobot::new(model, curve, feedback);
     let x = curve.x();
-    let (start, goal) = (x.column(0), x.column(x.ncols() - 1));
-    let mut state = start.as_slice().to_vec();
-    let horizon = [curve.chebyshev().horizon()];
-    let outcome = integrate(
-        &mut robot,
-        0.0,
-        start.as_slice(),
-        &horizon,
-        TOLERANCE,
-        &mut |_, y| state.copy_from_slice(y),
-    );
-    if let Some(error) = robot.error {
-        return Err(error);
+    let goal = x.column(x.ncols() - 1);
+    let mut state = x.column(0).as_slice().to_vec();
+    let mut statistics = Statistics::default();
+    // The control may jump where two parts meet, so no step goes across.
+    for (part, ends) in curve.joints().windows(2).enumerate() {
+        robot.part = part;
+        let start = state.clone();
+        let mut keep = |_: f64, y: &[f64]| state.copy_from_slice(y);
+        let to = &ends[1..];
+        let outcome = integrate(&mut robot, ends[0], &start, to, TOLERANCE, &mut keep);
+        if let Some(error) = robot.error.take() {
+            return Err(error);
+        }
+        match outcome {
+            Ok(cost) => statistics += cost,
+            Err(mut failure) => {
+                statistics += failure.statistics;
+                failure.statistics = statistics;
+                return Ok(Err(Box::new(failure)));
+            }
+        }
     }
-    Ok(outcome.map_err(Box::new).map(|statistics| Simulation {
+    Ok(Ok(Simulation {
         error_inf: (state.iter().zip(goal.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs())),
         state,
         statistics,
     }))
 }
 
+/// How far the robot is from the curve, at most, at the end of an interval between two nodes that it enters on the curve, when all
+/// that is known of the control is its values at the nodes and it is given the polynomial through them: the largest entry of
+/// the differences, positions and velocities. `None` where an interval could not be followed to its end.
+///
+/// Over a whole motion the error of an open loop grows exponentially where the motion is unstable, whatever the degree; over one
+/// interval it tells whether the degree is enough for the control.
+///
+/// # Errors
+/// The curve is for another robot.
+pub fn replay_error(model: &Model, curve: &Curve) -> Result<Option<f64>> {
+    model.check("curve", curve.dof())?;
+    let mut robot = ControlledRobot::new(model, curve, Feedback::NONE);
+    let chebyshev = curve.chebyshev();
+    let mut worst = 0.0_f64;
+    for (part, begin) in curve.joints()[..curve.pieces()].iter().enumerate() {
+        let times: Vec<f64> = chebyshev.times().iter().map(|t| begin + t).collect();
+        let mut nodes = DMatrix::zeros(model.dof(), times.len());
+        for (i, t) in times.iter().enumerate() {
+            let (x, xdot) = curve.at_of(part, *t);
+            let u = nodes.column_mut(i);
+            control_at(model, &mut robot.data, &x, &xdot, u.data.into_slice_mut())?;
+        }
+        (robot.part, robot.nodes) = (part, Some(nodes));
+        for (i, ends) in times.windows(2).enumerate() {
+            let x = curve.part(part);
+            let next = x.column(i + 1);
+            let mut error = 0.0_f64;
+            let mut compare = |_: f64, y: &[f64]| {
+                error = (y.iter().zip(next.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs()));
+            };
+            let (start, to) = (x.column(i), &ends[1..]);
+            let start = start.as_slice();
+            let end = integrate(&mut robot, ends[0], start, to, TOLERANCE, &mut compare);
+            if let Some(error) = robot.error.take() {
+                return Err(error);
+            }
+            if end.is_err() {
+                return Ok(None);
+            }
+            worst = worst.max(error);
+        }
+    }
+    Ok(Some(worst))
+}
+
+impl AddAssign for Statistics {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.rejected_steps += other.rejected_steps;
+        self.rhs_evaluations += other.rhs_evaluations;
+        self.jacobian_evaluations += other.jacobian_evaluations;
+        self.factorisations += other.factorisations;
+    }
+}
+
 /// The robot under its control, as the integrator sees it.
 struct ControlledRobot<'a> {
     model: &'a Model,
     curve: &'a Curve,
+    /// The part of the curve that is on.
+    part: usize,
+    /// The control at the nodes of that part, `N` by `p + 1`, where nothing else is known of it.
+    nodes: Option<DMatrix<f64>>,
     feedback: Feedback,
     data: Data<f64>,
     derivatives: ForwardDynamicsDerivatives<f64>,
@@ -95,11 +155,32 @@ struct ControlledRobot<'a> {
     error: Option<Error>,
 }
 
-impl ControlledRobot<'_> {
+impl<'a> ControlledRobot<'a> {
+    fn new(model: &'a Model, curve: &'a Curve, feedback: Feedback) -> Self {
+        Self {
+            model,
+            curve,
+            part: 0,
+            nodes: None,
+            feedback,
+            data: Data::new(model),
+            derivatives: ForwardDynamicsDerivatives::new(model.dof()),
+            u: vec![0.0; model.dof()],
+            error: None,
+        }
+    }
+
     /// The control at time `t` in state `y`.
     fn control(&mut self, t: f64, y: &[f64]) -> Result<()> {
         let n = self.model.dof();
-        let (x, xdot) = self.curve.at(t);
+        if let Some(nodes) = &self.nodes {
+            let mut weights = DVector::zeros(nodes.ncols());
+            let own = t - self.curve.joints()[self.part];
+            self.curve.chebyshev().interpolation(own, &mut weights);
+            DVectorViewMut::from(&mut self.u[..]).gemv(1.0, nodes, &weights, 0.0);
+            return Ok(());
+        }
+        let (x, xdot) = self.curve.at_of(self.part, t);
         control_at(self.model, &mut self.data, &x, &xdot, &mut self.u)?;
         let Feedback { kp, kv } = self.feedback;
         for i in 0..n {

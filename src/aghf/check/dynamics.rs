@@ -28,7 +28,7 @@ pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Findi
         contractions(model, at, &mut findings)?;
         second_derivatives(model, at, &mut findings)?;
         for k in &options.penalties {
-            omega(model, *k, At { k: Some(*k), ..at }, &mut findings)?;
+            omega(model, *k, at.under(*k), &mut findings)?;
         }
     }
     Ok(findings.all)

@@ -107,7 +107,7 @@ fn each_pair(
         for k in &options.penalties {
             jacobian.at(state.node(), *k, &mut a)?;
             truth.at(state.node(), *k, &mut b)?;
-            look(At { k: Some(*k), ..at }, &a, &b);
+            look(at.under(*k), &a, &b);
         }
     }
     Ok(())

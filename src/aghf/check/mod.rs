@@ -135,21 +135,21 @@ impl Finding {
 
 /// Collects the worst of each quantity, in the order of first sight.
 #[derive(Default)]
-struct Findings {
+pub(crate) struct Findings {
     place: BTreeMap<(String, u64), usize>,
-    all: Vec<Finding>,
+    pub(crate) all: Vec<Finding>,
 }
 
 /// What an error may be, and how small entries may get before they count as zero.
 #[derive(Clone, Copy)]
-struct Tolerance {
+pub(crate) struct Tolerance {
     bound: f64,
     floor: f64,
 }
 
 /// Where a comparison is made.
 #[derive(Clone, Copy)]
-struct At<'a> {
+pub(crate) struct At<'a> {
     k: Option<f64>,
     sample: usize,
     state: &'a State,
@@ -160,7 +160,7 @@ struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    fn new(model: &Model, sample: usize, state: &'a State) -> Result<Self> {
+    pub(crate) fn new(model: &Model, sample: usize, state: &'a State) -> Result<Self> {
         let n = model.dof();
         let mut h = DMatrix::zeros(n, n);
         crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
@@ -176,6 +176,11 @@ impl<'a> At<'a> {
             eigenvalues: [eigenvalues.min(), eigenvalues.max()],
             inertia: about_base.sum::<f64>().max(eigenvalues.max()),
         })
+    }
+
+    /// The same under a penalty.
+    pub(crate) fn under(self, k: f64) -> Self {
+        Self { k: Some(k), ..self }
     }
 
     /// The condition number of the mass matrix.
@@ -202,7 +207,7 @@ impl<'a> At<'a> {
 
     /// Of what is divided by it twice: rounding grows with the square. Of what double precision could lose, all is allowed
     /// between the two forms and a hundredth elsewhere, since errors do not all add up.
-    fn divided_twice(&self, bound: f64) -> Tolerance {
+    pub(crate) fn divided_twice(&self, bound: f64) -> Tolerance {
         Tolerance {
             bound: (bound * (1.0 + 1e-9 * self.condition().powi(2))).min(LARGEST_BOUND),
             floor: 0.0,
@@ -228,7 +233,7 @@ impl Findings {
     }
 
     /// Compares `a` with `b`, which is right. Of several findings the one that is worst beside its bound is kept.
-    fn compare(
+    pub(crate) fn compare(
         &mut self,
         tolerance: Tolerance,
         quantity: &str,

@@ -172,14 +172,15 @@ impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
 }
 
 impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
-    /// The margins that make the rows at the points beside a peak as high as the peak.
+    /// The margins that make the rows at the points of its piece beside a peak as high as the peak.
     pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
         let count = self.rows.count();
         self.margins.fill(RESERVE);
         for peak in peaks {
             let after = grid.times.partition_point(|t| *t < peak.time);
+            let own = peak.piece * grid.points()..(peak.piece + 1) * grid.points();
             for g in [after.wrapping_sub(1), after] {
-                if g < grid.times.len() {
+                if own.contains(&g) {
                     let at = g * count + peak.row;
                     self.margins[at] = self.margins[at].max(RESERVE + peak.height - h[at]);
                 }

@@ -1,5 +1,6 @@
 //! Least effort within constraints: an augmented Lagrangian about Newton's method.
 
+use super::adaptive::climb;
 use super::augmented::{Augmented, Requirements, Rows};
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
@@ -112,7 +113,6 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         observe(&iteration);
         iterations.push(iteration);
     };
-    let basis = |degree| settings.basis(degree);
     let highest = Level {
         rounds: 40,
         stop: Stop {
@@ -126,32 +126,33 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
     // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
     let possible = at_ends(problem, settings, &mut rows)? <= FEASIBLE;
     let highest = if possible { highest } else { LOWER };
-    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
+    let (lower, mut starts) = (settings.lower_rungs(), Vec::new());
     let mut candidates = Vec::new();
     match (&settings.start, lower.split_first()) {
         (Some(curve), _) => candidates.push(Held::free(
-            path_of(curve, basis(settings.p)).between_ends_of(problem),
+            path_of(curve, settings.basis()).between_ends_of(problem),
         )),
-        (None, None) => candidates.push(Held::free(line(problem, basis(settings.p)))),
+        (None, None) => candidates.push(Held::free(line(problem, settings.basis()))),
         (None, Some((first, _))) => {
-            let line = line(problem, basis(*first));
+            let line = line(problem, first.clone());
             let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
             for path in [line.clone()].into_iter().chain(bent) {
                 candidates.push(hold(problem, &rows, Held::free(path), LOWER, &mut log)?);
             }
             candidates.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
             starts = candidates.iter().map(|c| c.effort).collect();
+            starts.sort_by(f64::total_cmp);
         }
     }
     let rungs = lower.get(1..).unwrap_or_default();
     let mut best: Option<Held> = None;
     let tried = if possible { TRIED } else { 1 };
     for mut held in candidates.into_iter().take(tried) {
-        for degree in rungs {
-            held.path = held.path.in_basis(basis(*degree));
+        for basis in rungs {
+            held.path = held.path.in_basis(basis.clone());
             held = hold(problem, &rows, held, LOWER, &mut log)?;
         }
-        held.path = held.path.in_basis(basis(settings.p));
+        held.path = held.path.in_basis(settings.basis());
         let held = hold(problem, &rows, held, highest, &mut log)?;
         if best.as_ref().is_none_or(|b| held.violation < b.violation) {
             best = Some(held);
@@ -161,7 +162,12 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         }
     }
     // The settings ask for one start at least.
-    let mut found = best.unwrap_or_else(|| Held::free(line(problem, basis(settings.p))));
+    let found = best.unwrap_or_else(|| Held::free(line(problem, settings.basis())));
+    let (mut found, adapted) = climb(settings, found, |from, basis| {
+        let mut held = from.clone();
+        held.path = held.path.in_basis(basis);
+        hold(problem, &rows, held, highest, &mut log)
+    })?;
     let mut problem = problem.clone();
     if possible && let Some(free) = settings.free_horizon {
         let mut on = |horizon: f64, from: &Held, before: f64| {
@@ -187,6 +193,8 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         points: found.points,
         quadrature_error: found.quadrature_error,
         converged: found.converged,
+        adapted,
+        unknowns: found.path.basis.free().len() * problem.model().dof(),
         starts,
         iterations,
     })

@@ -4,10 +4,12 @@
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
 //! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
 
+mod adaptive;
 mod augmented;
 mod basis;
 mod block_tridiagonal;
 mod blocks;
+mod check;
 mod constrained;
 mod cost;
 mod effort;
@@ -23,10 +25,12 @@ mod scan;
 mod settings;
 mod trust_region;
 
+pub use adaptive::Adapted;
 pub use augmented::{Augmented, Requirements};
 pub use basis::Basis;
 pub use block_tridiagonal::BlockTridiagonal;
 pub use blocks::PointHessians;
+pub use check::check_relaxation;
 pub use constrained::{relax_constrained, relax_constrained_with};
 pub use cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 pub use effort::SquaredControl;
@@ -44,6 +48,7 @@ pub use settings::{RelaxSettings, RelaxSolution};
 use crate::error::Result;
 use crate::pseudospectral::{Chebyshev, Curve};
 use crate::solve::Problem;
+use adaptive::climb;
 use horizon::{Exactness, Tried, search};
 use ladder::{Level, Path, Settled, line, settle};
 use nalgebra::{DMatrix, DVector};
@@ -58,6 +63,16 @@ const LOWER: Level = Level {
     },
     agreement: 0.02,
     last: false,
+};
+
+/// The same on fewer pieces, where each has much to gain by the next breakpoint.
+const PIECES: Level = Level {
+    stop: Stop {
+        tolerance: 0.1,
+        iterations: 60,
+        precise: false,
+    },
+    ..LOWER
 };
 
 /// How many curves go on from the lowest degree: the best there need not be the best at the next.
@@ -76,7 +91,8 @@ const EXACTNESS: Exactness = Exactness {
 /// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
 ///
 /// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them are relaxed at
-/// the next, from where they ended, and the best one of these goes up to the degree that the settings name.
+/// the next, from where they ended, and the best one of these goes up to the degree and the pieces that the settings name, or beyond
+/// if the degree is adaptive.
 ///
 /// # Errors
 /// A setting is out of range, or the start of the settings is for another robot. A search that ends before its tolerance is
@@ -106,18 +122,19 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         observe(&iteration);
         iterations.push(iteration);
     };
-    let (lower, mut starts) = (settings.lower_degrees(), Vec::new());
-    let basis = |degree| settings.basis(degree);
+    let (lower, mut starts) = (settings.lower_rungs(), Vec::new());
     let path = if let Some(curve) = &settings.start {
-        path_of(curve, basis(settings.p)).between_ends_of(problem)
+        path_of(curve, settings.basis()).between_ends_of(problem)
     } else {
-        let line = line(problem, basis(lower[0]));
+        let line = line(problem, lower[0].clone());
         let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
         let mut paths: Vec<Path> = [line.clone()].into_iter().chain(bent).collect();
-        for (rung, degree) in lower.iter().enumerate() {
+        for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
-                let path = path.in_basis(basis(*degree));
-                settle(problem, cost, path, LOWER, &mut log)
+                let path = path.in_basis(basis.clone());
+                let full = rung > 0 && basis.degree() == settings.p;
+                let level = if full { PIECES } else { LOWER };
+                settle(problem, cost, path, level, &mut log)
             });
             let mut settled = settled.collect::<Result<Vec<Settled>>>()?;
             settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -131,7 +148,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
             settled.truncate(near.clamp(1, most));
             paths = settled.into_iter().map(|s| s.path).collect();
         }
-        paths.swap_remove(0).in_basis(basis(settings.p))
+        paths.swap_remove(0).in_basis(settings.basis())
     };
     let highest = Level {
         stop: Stop {
@@ -142,7 +159,11 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         agreement: settings.agreement,
         last: true,
     };
-    let mut found = settle(problem, cost, path, highest, &mut log)?;
+    let found = settle(problem, cost, path, highest, &mut log)?;
+    let (mut found, adapted) = climb(settings, found, |from, basis| {
+        let path = from.path.in_basis(basis);
+        settle(problem, cost, path, highest, &mut log)
+    })?;
     let mut problem = problem.clone();
     if let Some(free) = settings.free_horizon {
         let tried = |problem: &Problem<'_>, found: Settled| -> Result<Tried<Settled>> {
@@ -177,22 +198,31 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         points: found.points,
         quadrature_error: found.quadrature_error,
         converged: found.converged,
+        adapted,
+        unknowns: found.path.basis.free().len() * problem.model().dof(),
         starts,
         iterations,
     })
 }
 
-/// The polynomial through Chebyshev nodes that is the same curve, with $v = \dot q$.
+/// The polynomials through Chebyshev nodes that are the same curve, with $v = \dot q$.
 fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let (n, horizon) = (problem.model().dof(), problem.horizon());
-    let p = path.basis.degree();
-    let chebyshev = Chebyshev::new(p, horizon)?;
-    let mut x = DMatrix::zeros(2 * n, p + 1);
-    for (node, time) in chebyshev.times().iter().enumerate() {
-        let [q, slope, _] = path.basis.evaluate(&path.coefficients, time / horizon);
-        x.view_mut((0, node), (n, 1)).copy_from(&q);
-        x.view_mut((n, node), (n, 1)).copy_from(&(slope / horizon));
+    let (pieces, p) = (path.basis.pieces(), path.basis.degree());
+    let chebyshev = Chebyshev::new(p, 1.0)?;
+    let mut x = DMatrix::zeros(2 * n, pieces * (p + 1));
+    for e in 0..pieces {
+        for (node, time) in chebyshev.times().iter().enumerate() {
+            // Where two pieces meet this is the same number for both, and so is the state.
+            let time = (e as f64 + time) / pieces as f64;
+            let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
+            let column = e * (p + 1) + node;
+            x.view_mut((0, column), (n, 1)).copy_from(&q);
+            x.view_mut((n, column), (n, 1))
+                .copy_from(&(slope / horizon));
+        }
     }
+    let last = x.ncols() - 1;
     x.column_mut(0).copy_from_slice(problem.start());
     // The velocity at the end may be free, and is then the slope that was found.
     let given = if path.basis.free_final_velocity() {
@@ -200,24 +230,27 @@ fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     } else {
         2 * n
     };
-    x.column_mut(p)
+    x.column_mut(last)
         .rows_mut(0, given)
         .copy_from_slice(&problem.goal()[..given]);
-    Curve::new(chebyshev, x)
+    Curve::piecewise(horizon, pieces, x)
 }
 
 /// The configuration of a curve in a basis.
 fn path_of(curve: &Curve, basis: Basis) -> Path {
     let (n, chebyshev) = (curve.dof(), curve.chebyshev());
-    let horizon = chebyshev.horizon();
-    let second = curve.x() * chebyshev.d2().transpose();
+    let horizon = curve.horizon();
+    let d2 = chebyshev.d2().transpose();
+    let second: Vec<_> = (0..curve.pieces()).map(|e| curve.part(e) * &d2).collect();
     let mut weights = DVector::zeros(chebyshev.degree() + 1);
     let coefficients = basis.fit(n, |time| {
-        let (x, xdot) = curve.at(time * horizon);
-        chebyshev.interpolation(time * horizon, &mut weights);
-        let a = second.rows(0, n) * &weights;
-        let part = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
-        [part(&x, 1.0), part(&xdot, horizon), a * horizon * horizon]
+        let time = time * horizon;
+        let part = curve.part_at(time);
+        let (x, xdot) = curve.at_of(part, time);
+        chebyshev.interpolation(time - curve.joints()[part], &mut weights);
+        let a = second[part].rows(0, n) * &weights;
+        let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
+        [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]
     });
     Path {
         basis,

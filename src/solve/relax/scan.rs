@@ -20,6 +20,7 @@ pub(super) struct Scan {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peak {
     pub row: usize,
+    pub piece: usize,
     pub time: f64,
     pub height: f64,
 }
@@ -43,7 +44,7 @@ impl Scan {
         }
     }
 
-    /// The local maxima in time of all rows above `floor`, ends of the horizon included, refined by a parabola.
+    /// The local maxima in time of all rows above `floor`, ends of the pieces included, refined by a parabola.
     pub fn peaks<K: Constraint, P: ChargedCost>(
         &self,
         rows: &mut Rows<'_, K, P>,
@@ -53,50 +54,50 @@ impl Scan {
         let (n, count) = (coefficients.nrows(), rows.count());
         let pieces = self.basis.pieces();
         let interval = self.horizon / (pieces * self.intervals) as f64;
-        // Three neighbours in time; a value from beyond the ends is below all.
+        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two pieces meet, so each
+        // has ends of its own: after the last value of one `here` is below all again.
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
-        let last = pieces * self.intervals;
-        for k in 0..=last + 1 {
-            if k <= last {
-                let e = (k / self.intervals).min(pieces - 1);
-                let local = k - e * self.intervals;
-                if local == 0 {
-                    let own = coefficients.columns(self.basis.first(e), self.table.nrows());
-                    states.gemm(1.0, &own, &self.table, 0.0);
+        for piece in 0..pieces {
+            let own = coefficients.columns(self.basis.first(piece), self.table.nrows());
+            states.gemm(1.0, &own, &self.table, 0.0);
+            let first = piece * self.intervals;
+            for k in 0..=self.intervals + 1 {
+                if k <= self.intervals {
+                    let state = &states.as_slice()[3 * k * n..3 * (k + 1) * n];
+                    let point = Point {
+                        index: 0,
+                        time: (first + k) as f64 * interval,
+                        q: &state[..n],
+                        v: &state[n..2 * n],
+                        a: &state[2 * n..],
+                    };
+                    rows.of_all(point, &mut next)?;
+                } else {
+                    next.copy_from_slice(&below);
                 }
-                let state = &states.as_slice()[3 * local * n..3 * (local + 1) * n];
-                let point = Point {
-                    index: 0,
-                    time: k as f64 * interval,
-                    q: &state[..n],
-                    v: &state[n..2 * n],
-                    a: &state[2 * n..],
-                };
-                rows.of_all(point, &mut next)?;
-            } else {
-                next.copy_from_slice(&below);
+                for row in 0..count {
+                    let (a, b, c) = (before[row], here[row], next[row]);
+                    if k == 0 || b <= floor || a > b || c >= b {
+                        continue;
+                    }
+                    let (mut shift, mut height) = (0.0, b);
+                    if a.is_finite() && c.is_finite() {
+                        let (slope, bend) = ((c - a) / 2.0, 2.0 * b - a - c);
+                        shift = (slope / bend).clamp(-0.5, 0.5);
+                        height += 0.5 * slope * shift;
+                    }
+                    found.push(Peak {
+                        row,
+                        piece,
+                        time: ((first + k - 1) as f64 + shift) * interval,
+                        height,
+                    });
+                }
+                std::mem::swap(&mut before, &mut here);
+                std::mem::swap(&mut here, &mut next);
             }
-            for row in 0..count {
-                let (a, b, c) = (before[row], here[row], next[row]);
-                if k == 0 || b <= floor || a > b || c >= b {
-                    continue;
-                }
-                let (mut shift, mut height) = (0.0, b);
-                if a.is_finite() && c.is_finite() {
-                    let (slope, bend) = ((c - a) / 2.0, 2.0 * b - a - c);
-                    shift = (slope / bend).clamp(-0.5, 0.5);
-                    height += 0.5 * slope * shift;
-                }
-                found.push(Peak {
-                    row,
-                    time: ((k - 1) as f64 + shift) * interval,
-                    height,
-                });
-            }
-            std::mem::swap(&mut before, &mut here);
-            std::mem::swap(&mut here, &mut next);
         }
         Ok(found)
     }

@@ -1,0 +1,50 @@
+//! `aghf degrees`.
+
+use super::print;
+use crate::error::{Error, Result};
+use crate::report::{Size, by_size, size_table, write_sizes};
+use crate::scenario::Scenario;
+use clap::Args;
+use indicatif::ProgressBar;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// How much less effort a scenario takes with higher degrees and more pieces.
+///
+/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts.
+#[derive(Debug, Args)]
+pub(super) struct Degrees {
+    /// A scenario that is built in, or the path of a JSON file.
+    scenario: String,
+    /// Pieces and their degree.
+    #[arg(default_values = ["1x9", "1x16", "1x24", "1x32", "2x7", "2x9", "4x7", "4x9", "8x7", "8x9"])]
+    sizes: Vec<String>,
+    /// How many starts to try [default: 8].
+    #[arg(long)]
+    starts: Option<usize>,
+    /// The folder for degrees.csv [default: out/degrees/SCENARIO].
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+impl Degrees {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let scenario = Scenario::load(&self.scenario)?;
+        let sizes = self.sizes.iter().map(|size| size.parse());
+        let sizes = sizes.collect::<Result<Vec<Size>>>()?;
+        let progress = ProgressBar::new(sizes.len() as u64);
+        let rows = by_size(&scenario, &sizes, self.starts, &mut |size| {
+            progress.set_message(size.to_string());
+            progress.inc(1);
+        })?;
+        progress.finish_and_clear();
+        print(&size_table(&rows))?;
+        let folder =
+            (self.out).unwrap_or_else(|| PathBuf::from("out/degrees").join(&scenario.name));
+        std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
+        let file = folder.join("degrees.csv");
+        write_sizes(&rows, &file)?;
+        print(&format!("wrote {}", file.display()))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
