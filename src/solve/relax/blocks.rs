@@ -19,7 +19,8 @@ const fn index(x: usize, y: usize) -> usize {
 /// $$ \sum_{x, y} \phi_a^x \phi_b^y\, W^{xy} = \sum_x \phi_a^x \phi_b^x\, W^{xx} + \sum_{x < y}
 ///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\,T}}{2}. $$
 ///
-/// So the symmetric and the antisymmetric parts are kept, half of each, which takes half of the products that all blocks would.
+/// So twice the symmetric and twice the antisymmetric parts are kept, half of each, which takes half of the products that all blocks
+/// would.
 #[derive(Clone, Debug)]
 pub struct PointHessians<S: Scalar> {
     dof: usize,
@@ -48,50 +49,37 @@ impl<S: Scalar> PointHessians<S> {
         }
     }
 
-    /// The rows where $i \ge j$ are kept, the second for $i > j$.
+    /// The rows where $i \ge j$ is kept, the second for $i > j$.
     fn rows(&self, i: usize, j: usize) -> (usize, usize) {
         let row = before(self.dof, j) + i - j;
         // Each column up to this has one on the diagonal.
         (row, row.wrapping_sub(j + 1))
     }
 
-    /// Puts entries $(i, j)$ and $(j, i)$ of $W^{xy}$, $i \ge j$ and $x \le y$, of the points from `start` on.
-    #[inline]
-    pub(super) fn put(
-        &mut self,
-        start: usize,
-        [x, y]: [usize; 2],
-        [i, j]: [usize; 2],
-        here: &[S],
-        mirrored: &[S],
-    ) {
-        let (symmetric, antisymmetric) = self.rows(i, j);
-        let column = index(x, y) * self.points + start;
-        let half = S::from_f64(0.5);
-        for (g, (a, b)) in here.iter().zip(mirrored).enumerate() {
-            if x == y {
-                self.symmetric[(symmetric, column + g)] = *a;
-                continue;
-            }
-            self.symmetric[(symmetric, column + g)] = (*a + *b) * half;
-            if i > j {
-                let column = column + g - 3 * self.points;
-                self.antisymmetric[(antisymmetric, column)] = (*a - *b) * half;
-            }
+    /// What is kept of $W^{xy}$, $x \le y$, at point `g`: $W_{ij} + W_{ji}$ for $i \ge j$, or $W_{ij}$ where $x = y$, and $W_{ij} - W_{ji}$ for
+    /// $i > j$, column by column.
+    pub(super) fn kept(&mut self, [x, y]: [usize; 2], g: usize) -> (&mut [S], &mut [S]) {
+        let column = index(x, y) * self.points + g;
+        let (rows, below) = (self.symmetric.nrows(), self.antisymmetric.nrows());
+        let symmetric = &mut self.symmetric.as_mut_slice()[column * rows..(column + 1) * rows];
+        if x == y {
+            return (symmetric, &mut []);
         }
+        let column = column - 3 * self.points;
+        let antisymmetric = self.antisymmetric.as_mut_slice();
+        (
+            symmetric,
+            &mut antisymmetric[column * below..(column + 1) * below],
+        )
     }
 
     /// Makes the matrix of point `g` this one.
     pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
         let n = self.dof;
         for (x, y) in BLOCKS {
-            for j in 0..n {
-                for i in j..n {
-                    let [here, mirrored] =
-                        [(i, j), (j, i)].map(|(i, j)| matrix[(x * n + i, y * n + j)]);
-                    self.put(g, [x, y], [i, j], &[here], &[mirrored]);
-                }
-            }
+            let (symmetric, antisymmetric) = self.kept([x, y], g);
+            let entry = |i: usize, j: usize| matrix[(x * n + i, y * n + j)];
+            fold(n, x == y, entry, symmetric, antisymmetric);
         }
     }
 
@@ -116,14 +104,18 @@ impl<S: Scalar> PointHessians<S> {
             let (block, i, j) = (index(row / n, column / n), row % n, column % n);
             let (at, below) = self.rows(i.max(j), i.min(j));
             let symmetric = self.symmetric[(at, block * self.points + g)];
-            if block < 3 || i == j {
+            if block < 3 {
                 return symmetric;
+            }
+            let half = S::from_f64(0.5);
+            if i == j {
+                return symmetric * half;
             }
             let antisymmetric = self.antisymmetric[(below, (block - 3) * self.points + g)];
             if i > j {
-                symmetric + antisymmetric
+                (symmetric + antisymmetric) * half
             } else {
-                symmetric - antisymmetric
+                (symmetric - antisymmetric) * half
             }
         })
     }
@@ -170,6 +162,37 @@ impl<S: Scalar> PointHessians<S> {
     }
 }
 
+/// The sums and differences that [`PointHessians::kept`] speaks of, of the entries of a block.
+#[inline]
+pub(super) fn fold<T: Scalar>(
+    n: usize,
+    is_symmetric: bool,
+    entry: impl Fn(usize, usize) -> T,
+    symmetric: &mut [T],
+    antisymmetric: &mut [T],
+) {
+    let (mut symmetric, mut antisymmetric) = (symmetric.iter_mut(), antisymmetric.iter_mut());
+    for j in 0..n {
+        for i in j..n {
+            let here = entry(i, j);
+            let Some(sum) = symmetric.next() else {
+                return;
+            };
+            if is_symmetric {
+                *sum = here;
+                continue;
+            }
+            let mirrored = entry(j, i);
+            *sum = here + mirrored;
+            if i > j
+                && let Some(difference) = antisymmetric.next()
+            {
+                *difference = here - mirrored;
+            }
+        }
+    }
+}
+
 /// The weighted products of functions that go with the parts that are kept: of the functions at the points of a piece, `table`, for
 /// each of `pairs`.
 pub(super) fn products<S: Scalar>(
@@ -177,7 +200,7 @@ pub(super) fn products<S: Scalar>(
     weights: &[S],
     pairs: &[(usize, usize)],
 ) -> [DMatrix<S>; 2] {
-    let points = weights.len();
+    let (points, half) = (weights.len(), S::from_f64(0.5));
     let mut products = [6, 3].map(|rows| DMatrix::zeros(rows * points, pairs.len()));
     for (pair, &(a, b)) in pairs.iter().enumerate() {
         for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
@@ -187,8 +210,9 @@ pub(super) fn products<S: Scalar>(
                 if x == y {
                     products[0][(row, pair)] = product(x, x);
                 } else {
-                    products[0][(row, pair)] = product(x, y) + product(y, x);
-                    products[1][(row - 3 * points, pair)] = product(x, y) - product(y, x);
+                    let (one, other) = (product(x, y) * half, product(y, x) * half);
+                    products[0][(row, pair)] = one + other;
+                    products[1][(row - 3 * points, pair)] = one - other;
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::adaptive::climb;
 use super::augmented::{Augmented, Requirements, Rows};
+use super::grid::Grids;
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
 use super::ladder::line;
@@ -107,6 +108,7 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
     settings.check(problem)?;
+    let grids = Grids::default();
     let mut rows = Rows::new(problem.model(), requirements, cost.clone())?;
     let mut iterations = Vec::new();
     let mut log = |iteration: Iteration| {
@@ -137,7 +139,14 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
             let line = line(problem, first.clone());
             let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
             for path in [line.clone()].into_iter().chain(bent) {
-                candidates.push(hold(problem, &rows, Held::free(path), LOWER, &mut log)?);
+                candidates.push(hold(
+                    &grids,
+                    problem,
+                    &rows,
+                    Held::free(path),
+                    LOWER,
+                    &mut log,
+                )?);
             }
             candidates.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
             starts = candidates.iter().map(|c| c.effort).collect();
@@ -150,10 +159,10 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
     for mut held in candidates.into_iter().take(tried) {
         for basis in rungs {
             held.path = held.path.in_basis(basis.clone());
-            held = hold(problem, &rows, held, LOWER, &mut log)?;
+            held = hold(&grids, problem, &rows, held, LOWER, &mut log)?;
         }
         held.path = held.path.in_basis(settings.basis());
-        let held = hold(problem, &rows, held, highest, &mut log)?;
+        let held = hold(&grids, problem, &rows, held, highest, &mut log)?;
         if best.as_ref().is_none_or(|b| held.violation < b.violation) {
             best = Some(held);
         }
@@ -166,14 +175,14 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
     let (mut found, adapted) = climb(settings, found, |from, basis| {
         let mut held = from.clone();
         held.path = held.path.in_basis(basis);
-        hold(problem, &rows, held, highest, &mut log)
+        hold(&grids, problem, &rows, held, highest, &mut log)
     })?;
     let mut problem = problem.clone();
     if possible && let Some(free) = settings.free_horizon {
         let mut on = |horizon: f64, from: &Held, before: f64| {
             let problem = problem.with_horizon(horizon)?;
             let from = from.on_horizon(&problem, horizon / before);
-            hold(&problem, &rows, from, highest, &mut log)
+            hold(&grids, &problem, &rows, from, highest, &mut log)
         };
         let first = by_differences(free, problem.horizon(), found, &mut on)?;
         let (best, settled) = search(free, EXACTNESS, first, |horizon, from| {
@@ -202,6 +211,7 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
 
 /// Minimises within the constraints from a curve in its basis.
 fn hold<K: Constraint + Clone, P: ChargedCost>(
+    grids: &Grids,
     problem: &Problem<'_>,
     rows: &Rows<'_, K, P>,
     mut held: Held,
@@ -214,8 +224,8 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
     let mut points = POINTS * basis.degree() + 4;
     let (mut rounds, mut best, mut since) = (0, f64::INFINITY, 0);
     'points: loop {
-        let grid = Grid::new(&basis, points, problem.horizon());
-        let finer = Grid::new(&basis, points * 3 / 2 + 7, problem.horizon());
+        let grid = grids.get(&basis, points, problem.horizon());
+        let finer = grids.get(&basis, points * 3 / 2 + 7, problem.horizon());
         let mut scan = Scan::new(&basis, SCAN * points, problem.horizon());
         let mut fine = false;
         let mut cost = Augmented::of(rows.clone(), held.rho, grid.times.len());

@@ -1,7 +1,7 @@
 //! The control effort as a running cost.
 
 use super::Charge;
-use super::blocks::PointHessians;
+use super::blocks::{PointHessians, fold};
 use super::cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use crate::dynamics::{
     ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_second_order,
@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Lanes, Over, Scalar};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// How many points are computed side by side.
 const LANES: usize = 4;
@@ -35,6 +36,7 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
     stiff: DMatrix<Wide<S>>,
+    folded: Folded<S>,
     /// For one point alone.
     single: Data<S>,
     u: DVector<S>,
@@ -56,6 +58,7 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             stiffness: DVector::from_vec(zeros),
             squares: DMatrix::zeros(3 * n, 3 * n),
             stiff: DMatrix::zeros(3 * n, 3 * n),
+            folded: Folded::new(n),
             single: Data::new(model),
             u: DVector::zeros(n),
         }
@@ -153,31 +156,71 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             (1, 2, None),
             (2, 2, None),
         ] {
-            let entry = |i: usize, j: usize| {
+            let squares = |i: usize, j: usize| {
                 let (row, column) = (x * n + i, y * n + j);
-                let at = (row.max(column), row.min(column));
-                let metric = self.squares[at];
-                let phi = phi.map_or(Wide::splat(S::zero()), |phi| phi[(i, j)]);
-                let stiff = if stiff {
-                    self.stiff[at]
-                } else {
-                    Wide::splat(S::zero())
-                };
-                (metric + phi + stiff, metric)
+                (row.max(column), row.min(column))
             };
-            for j in 0..n {
-                for i in j..n {
-                    let here = entry(i, j);
-                    // Blocks on the diagonal are symmetric.
-                    let mirrored = if x == y { here } else { entry(j, i) };
-                    let put = |to: &mut PointHessians<S>, here: Wide<S>, mirrored: Wide<S>| {
-                        let [here, mirrored] = [&here.0[..count], &mirrored.0[..count]];
-                        to.put(start, [x, y], [i, j], here, mirrored);
+            let metric = |i, j| self.squares[squares(i, j)];
+            let stiffness = |i, j| self.stiff[squares(i, j)];
+            let lanes = start..start + count;
+            let folded = &mut self.folded;
+            let hessians = &mut out.hessians;
+            match (phi, stiff) {
+                (None, false) => folded.put([x, y], metric, lanes.clone(), hessians),
+                (Some(phi), false) => {
+                    let entry = |i, j| metric(i, j) + phi[(i, j)];
+                    folded.put([x, y], entry, lanes.clone(), hessians);
+                }
+                (phi, true) => {
+                    let zero = Wide::splat(S::zero());
+                    let entry = |i, j| {
+                        let phi = phi.map_or(zero, |phi| phi[(i, j)]);
+                        metric(i, j) + stiffness(i, j) + phi
                     };
-                    put(&mut out.hessians, here.0, mirrored.0);
-                    if out.with_metrics {
-                        put(&mut out.metrics, here.1, mirrored.1);
-                    }
+                    folded.put([x, y], entry, lanes.clone(), hessians);
+                }
+            }
+            if out.with_metrics {
+                folded.put([x, y], metric, lanes, &mut out.metrics);
+            }
+        }
+    }
+}
+
+/// What is kept of a block of a Hessian at the points that are side by side.
+#[derive(Clone, Debug)]
+struct Folded<S: Scalar> {
+    dof: usize,
+    symmetric: Vec<Wide<S>>,
+    antisymmetric: Vec<Wide<S>>,
+}
+
+impl<S: Scalar> Folded<S> {
+    fn new(n: usize) -> Self {
+        let zero = Wide::splat(S::zero());
+        Self {
+            dof: n,
+            symmetric: vec![zero; n * (n + 1) / 2],
+            antisymmetric: vec![zero; n * n.saturating_sub(1) / 2],
+        }
+    }
+
+    /// Puts block $W^{xy}$ with these entries where it belongs, the first lanes for `points`.
+    #[inline]
+    fn put(
+        &mut self,
+        [x, y]: [usize; 2],
+        entry: impl Fn(usize, usize) -> Wide<S>,
+        points: Range<usize>,
+        to: &mut PointHessians<S>,
+    ) {
+        let (symmetric, antisymmetric) = (&mut self.symmetric, &mut self.antisymmetric);
+        fold(self.dof, x == y, entry, symmetric, antisymmetric);
+        for (lane, point) in points.enumerate() {
+            let kept = to.kept([x, y], point);
+            for (to, from) in [(kept.0, &*symmetric), (kept.1, &*antisymmetric)] {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = from.0[lane];
                 }
             }
         }

@@ -5,7 +5,9 @@ use super::blocks::products;
 use crate::pseudospectral::gauss_legendre;
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
+use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::OnceLock;
 
 /// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each piece.
@@ -29,6 +31,26 @@ pub struct Grid<S: Scalar> {
     pub(super) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
+}
+
+/// Grids that several searches have in common.
+#[derive(Default)]
+pub(super) struct Grids(RefCell<Vec<(Basis, usize, f64, Rc<Grid<f64>>)>>);
+
+impl Grids {
+    /// As [`Grid::new`].
+    pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Rc<Grid<f64>> {
+        let mut made = self.0.borrow_mut();
+        let known = made
+            .iter()
+            .find(|(b, p, t, _)| (b, *p, *t) == (basis, points, horizon));
+        if let Some((.., grid)) = known {
+            return grid.clone();
+        }
+        let grid = Rc::new(Grid::new(basis, points, horizon));
+        made.push((basis.clone(), points, horizon, grid.clone()));
+        grid
+    }
 }
 
 impl Grid<f64> {

@@ -1,8 +1,9 @@
 //! From several starts at a low degree to the best curve at a high one.
 
+use super::grid::Grids;
 use super::newton::{End, Iteration, Judge, Minimum, Newton, SMALLEST_COST, Stop, move_by};
 use super::running_cost::check_integral;
-use super::{Basis, Grid, Objective, PointCost};
+use super::{Basis, Objective, PointCost};
 use crate::error::Result;
 use crate::solve::Problem;
 use nalgebra::{DMatrix, DVector};
@@ -96,6 +97,7 @@ impl Path {
 
 /// Minimises the integral of `cost` from `path` in its basis, with as many points as it takes.
 pub(super) fn settle<P: PointCost<f64> + Clone>(
+    grids: &Grids,
     problem: &Problem<'_>,
     cost: &P,
     path: Path,
@@ -110,9 +112,9 @@ pub(super) fn settle<P: PointCost<f64> + Clone>(
     let mut points = POINTS * basis.degree() + 4;
     let most = MOST_POINTS * basis.degree();
     loop {
-        let grid = Grid::new(&basis, points, problem.horizon());
+        let grid = grids.get(&basis, points, problem.horizon());
         // Not a multiple, so that it sees between the points.
-        let finer = Grid::new(&basis, points * 3 / 2 + 7, problem.horizon());
+        let finer = grids.get(&basis, points * 3 / 2 + 7, problem.horizon());
         let mut objective = Objective::new(&grid, cost.clone(), n);
         let mut judge = Judge {
             finer: Objective::new(&finer, cost.clone(), n),

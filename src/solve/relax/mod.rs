@@ -49,6 +49,7 @@ use crate::error::Result;
 use crate::pseudospectral::{Chebyshev, Curve};
 use crate::solve::Problem;
 use adaptive::climb;
+use grid::Grids;
 use horizon::{Exactness, Tried, search};
 use ladder::{Level, Path, Settled, line, settle};
 use nalgebra::{DMatrix, DVector};
@@ -117,6 +118,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
     settings.check(problem)?;
+    let grids = Grids::default();
     let mut iterations = Vec::new();
     let mut log = |iteration: Iteration| {
         observe(&iteration);
@@ -134,7 +136,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
                 let path = path.in_basis(basis.clone());
                 let full = rung > 0 && basis.degree() == settings.p;
                 let level = if full { PIECES } else { LOWER };
-                settle(problem, cost, path, level, &mut log)
+                settle(&grids, problem, cost, path, level, &mut log)
             });
             let mut settled = settled.collect::<Result<Vec<Settled>>>()?;
             settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -159,10 +161,10 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         agreement: settings.agreement,
         last: true,
     };
-    let found = settle(problem, cost, path, highest, &mut log)?;
+    let found = settle(&grids, problem, cost, path, highest, &mut log)?;
     let (mut found, adapted) = climb(settings, found, |from, basis| {
         let path = from.path.in_basis(basis);
-        settle(problem, cost, path, highest, &mut log)
+        settle(&grids, problem, cost, path, highest, &mut log)
     })?;
     let mut problem = problem.clone();
     if let Some(free) = settings.free_horizon {
@@ -183,7 +185,10 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         let (best, settled) = search(free, EXACTNESS, first, |horizon, from| {
             let problem = problem.with_horizon(horizon)?;
             let path = from.found.path.clone().between_ends_of(&problem);
-            tried(&problem, settle(&problem, cost, path, highest, &mut log)?)
+            tried(
+                &problem,
+                settle(&grids, &problem, cost, path, highest, &mut log)?,
+            )
         })?;
         problem = problem.with_horizon(best.horizon)?;
         found = best.found;
