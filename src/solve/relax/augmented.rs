@@ -1,5 +1,6 @@
 //! What is asked of a motion besides little effort, as an augmented Lagrangian.
 
+use super::cost::{LANES, Wide};
 use super::effort::alone;
 use super::scan::Peak;
 use super::{
@@ -38,12 +39,16 @@ pub(super) struct Rows<'a, K, P> {
     /// The running cost.
     pub cost: P,
     u: Vec<f64>,
-    evaluator: Evaluator<'a, f64, f64>,
+    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    /// $[q; v; a]$ and the rows of the state at the points that are side by side.
+    z: Vec<Wide<f64>>,
+    wide: Vec<Wide<f64>>,
+    /// For one point alone.
+    single: Evaluator<'a, f64, f64>,
     /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
     scales: Vec<f64>,
     /// One of the multiplied row in rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
-    x: Vec<f64>,
 }
 
 impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
@@ -61,9 +66,11 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
             cost,
             u: vec![0.0; model.dof()],
             evaluator: Evaluator::new(model),
+            z: vec![Wide::splat(0.0); 3 * model.dof()],
+            wide: vec![Wide::splat(0.0); state.rows()],
+            single: Evaluator::new(model),
             units: units.collect(),
             scales: slopes.into_iter().chain(limits).map(f64::recip).collect(),
-            x: vec![0.0; 2 * model.dof()],
         })
     }
 
@@ -71,41 +78,49 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
         self.scales.len()
     }
 
-    /// All rows at a point into `h`, and the running cost there.
-    pub fn at(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<f64> {
-        self.of_state(point, h)?;
-        let states = self.requirements.state.rows();
-        let cost = self.cost.value_with_control(point, &mut self.u)?;
-        if self.requirements.torque.rows() > 0 {
-            let torque = &self.requirements.torque;
-            torque.value(&self.u, &mut h[states..])?;
-            for (h, scale) in h[states..].iter_mut().zip(&self.scales[states..]) {
+    /// All rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
+        self.of_state(points, h)?;
+        let Requirements { state, torque } = self.requirements;
+        if torque.rows() == 0 {
+            return self.cost.values(points, costs);
+        }
+        let (states, count) = (state.rows(), self.count());
+        for (g, h) in h.chunks_exact_mut(count).enumerate() {
+            let h = &mut h[states..];
+            costs[g] = self.cost.value_with_control(points.point(g), &mut self.u)?;
+            torque.value(&self.u, h)?;
+            for (h, scale) in h.iter_mut().zip(&self.scales[states..]) {
                 *h *= scale;
             }
         }
-        Ok(cost)
+        Ok(())
     }
 
-    /// The same without the running cost, which costs nothing where only the state has constraints.
-    pub fn of_all(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<()> {
+    /// The same without the running cost, which is not computed where only the state has constraints.
+    pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
         if self.requirements.torque.rows() > 0 {
-            self.at(point, h)?;
-            Ok(())
+            self.at(points, h, &mut vec![0.0; points.count()])
         } else {
-            self.of_state(point, h)
+            self.of_state(points, h)
         }
     }
 
-    /// The rows of the state alone.
-    pub fn of_state(&mut self, point: Point<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let n = point.q.len();
-        self.x[..n].copy_from_slice(point.q);
-        self.x[n..].copy_from_slice(point.v);
-        let states = self.requirements.state.rows();
-        let placed = self.evaluator.at(&self.x)?;
-        placed.value(&self.requirements.state, &mut h[..states])?;
-        for (h, scale) in h[..states].iter_mut().zip(&self.scales) {
-            *h *= scale;
+    /// The rows of the state alone; those of the control are left as they are.
+    pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        let (states, count) = (self.requirements.state.rows(), self.count());
+        let own = 2 * points.states.nrows();
+        for start in (0..points.count()).step_by(LANES) {
+            let found = points.gather(start, &mut self.z);
+            let placed = self.evaluator.at(&self.z[..own])?;
+            placed.value(&self.requirements.state, &mut self.wide)?;
+            for lane in 0..found {
+                let first = (start + lane) * count;
+                let h = &mut h[first..first + states];
+                for ((h, wide), scale) in h.iter_mut().zip(&self.wide).zip(&self.scales) {
+                    *h = wide.0[lane] * scale;
+                }
+            }
         }
         Ok(())
     }
@@ -127,6 +142,7 @@ pub struct Augmented<'a, K, P = SquaredControl<'a, f64, f64>> {
     pub multipliers: Vec<f64>,
     /// $m$, likewise.
     pub margins: Vec<f64>,
+    /// Rows at the points of a piece.
     h: Vec<f64>,
     w: Vec<f64>,
     c: Vec<f64>,
@@ -158,7 +174,7 @@ impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
             rho,
             multipliers: all.clone(),
             margins: all,
-            h: zeros.clone(),
+            h: Vec::new(),
             w: zeros.clone(),
             c: zeros,
         }
@@ -166,7 +182,7 @@ impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
 
     /// What row `row` of `h` pulls with: the multiplier that it would get at point `index`.
     pub(super) fn pull(&self, index: usize, row: usize, h: f64) -> f64 {
-        let at = index * self.h.len() + row;
+        let at = index * self.rows.count() + row;
         (self.multipliers[at] + self.rho * (h + self.margins[at])).max(0.0)
     }
 }
@@ -204,9 +220,27 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
 
 impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
-        let effort = self.rows.at(point, &mut self.h)?;
-        let pulls = (0..self.h.len()).map(|j| self.pull(point.index, j, self.h[j]));
-        Ok(effort + pulls.map(|w| w * w).sum::<f64>() / (2.0 * self.rho))
+        let states = point.states();
+        let mut cost = [0.0];
+        self.values(point.points(&states), &mut cost)?;
+        Ok(cost[0])
+    }
+
+    fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
+        let mut h = std::mem::take(&mut self.h);
+        h.resize(points.count() * self.rows.count(), 0.0);
+        let known = self.rows.at(points, &mut h, costs);
+        for (g, (h, cost)) in h
+            .chunks_exact(self.rows.count().max(1))
+            .zip(costs)
+            .enumerate()
+        {
+            let pulls = h.iter().enumerate();
+            let pulls = pulls.map(|(j, h)| self.pull(points.first + g, j, *h));
+            *cost += pulls.map(|w| w * w).sum::<f64>() / (2.0 * self.rho);
+        }
+        self.h = h;
+        known
     }
 
     fn derivatives(
@@ -223,7 +257,7 @@ impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
         let Requirements { state, torque } = self.rows.requirements;
-        let (states, count, rho) = (state.rows(), self.h.len(), self.rho);
+        let (states, count, rho) = (state.rows(), self.rows.count(), self.rho);
         let (multipliers, margins) = (&self.multipliers, &self.margins);
         let mut charged = vec![0.0; points.count()];
         let mut charge = |index: usize, u: &[f64], first: &mut [f64], second: &mut [f64]| {
@@ -248,10 +282,15 @@ impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
         };
         let cost = &mut self.rows.cost;
         cost.derivatives_charging(points, out, &mut charge)?;
+        let mut h = std::mem::take(&mut self.h);
+        h.resize(points.count() * count, 0.0);
+        self.rows.of_state(points, &mut h)?;
         for (g, charged) in charged.iter_mut().enumerate() {
-            *charged += self.add_state(points.point(g), g, out)?;
+            let own = &h[g * count..g * count + states];
+            *charged += self.add_state(points.point(g), own, g, out)?;
             out.costs[g] += *charged / (2.0 * rho);
         }
+        self.h = h;
         Ok(())
     }
 }
@@ -261,15 +300,14 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
     fn add_state(
         &mut self,
         point: Point<'_, f64>,
+        h: &[f64],
         g: usize,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<f64> {
-        let (n, state) = (point.q.len(), &self.rows.requirements.state);
-        let states = state.rows();
-        self.rows.of_state(point, &mut self.h)?;
+        let (n, state, states) = (point.q.len(), &self.rows.requirements.state, h.len());
         let mut charged = 0.0;
         for j in 0..states {
-            let (w, scale) = (self.pull(point.index, j, self.h[j]), self.rows.scales[j]);
+            let (w, scale) = (self.pull(point.index, j, h[j]), self.rows.scales[j]);
             charged += w * w;
             self.w[j] = w * scale;
             self.c[j] = if w > 0.0 {
@@ -283,7 +321,8 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
                 w: &self.w[..states],
                 c: Some(&self.c[..states]),
             };
-            let mut placed = self.rows.evaluator.at(&self.rows.x)?;
+            let x = [point.q, point.v].concat();
+            let mut placed = self.rows.single.at(&x)?;
             let pull = placed.contract(state, weights)?;
             for (x, part) in [(0, 0), (1, n)] {
                 let mut gradient = out.gradients.column_mut(3 * g + x);

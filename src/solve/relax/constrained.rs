@@ -10,7 +10,7 @@ use super::newton::{End, Newton, SMALLEST_COST, Stop};
 use super::running_cost::check_integral;
 use super::scan::{Peak, Scan, rows_on};
 use super::{
-    ChargedCost, FreeHorizon, Grid, Iteration, Objective, Point, RelaxSettings, RelaxSolution,
+    ChargedCost, FreeHorizon, Grid, Iteration, Objective, Points, RelaxSettings, RelaxSolution,
     SquaredControl, curve_of, path_of,
 };
 use crate::aghf::constraint::Constraint;
@@ -350,18 +350,17 @@ fn at_ends<K: Constraint, P: ChargedCost>(
     rows: &mut Rows<'_, K, P>,
 ) -> Result<f64> {
     let n = problem.model().dof();
-    let (mut h, still) = (vec![f64::NEG_INFINITY; rows.count()], vec![0.0; n]);
-    let mut worst = 0.0_f64;
     let goal = (!settings.free_final_velocity).then(|| problem.goal());
+    let mut worst = 0.0_f64;
     for state in [problem.start()].into_iter().chain(goal) {
-        let (q, v) = state.split_at(n);
-        let point = Point {
-            index: 0,
-            time: 0.0,
-            q,
-            v,
-            a: &still,
+        let mut states = DMatrix::zeros(n, 3);
+        states.as_mut_slice()[..2 * n].copy_from_slice(state);
+        let point = Points {
+            first: 0,
+            times: &[0.0],
+            states: &states,
         };
+        let mut h = vec![f64::NEG_INFINITY; rows.count()];
         rows.of_state(point, &mut h)?;
         let violations = h.iter().zip(&rows.units).map(|(h, unit)| h * unit);
         worst = violations.fold(worst, f64::max);

@@ -2,7 +2,7 @@
 
 use super::PointHessians;
 use crate::error::Result;
-use crate::scalar::Scalar;
+use crate::scalar::{Lanes, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// A curve at one quadrature point.
@@ -18,6 +18,22 @@ pub struct Point<'a, S> {
     pub v: &'a [S],
     /// The acceleration.
     pub a: &'a [S],
+}
+
+impl<'a, S: Scalar> Point<'a, S> {
+    /// $[q, v, a]$, `N` by 3.
+    pub(super) fn states(&self) -> DMatrix<S> {
+        DMatrix::from_fn(self.q.len(), 3, |i, x| [self.q, self.v, self.a][x][i])
+    }
+
+    /// The point alone, with `states` those of itself.
+    pub(super) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
+        Points {
+            first: self.index,
+            times: std::slice::from_ref(&self.time),
+            states,
+        }
+    }
 }
 
 /// A curve at all quadrature points of a piece.
@@ -50,6 +66,26 @@ impl<'a, S: Scalar> Points<'a, S> {
             v: &state[n..2 * n],
             a: &state[2 * n..],
         }
+    }
+}
+
+/// How many points go through the dynamics side by side.
+pub(super) const LANES: usize = 4;
+/// The same number at that many points.
+pub(super) type Wide<S> = Lanes<S, LANES>;
+
+impl<S: Scalar> Points<'_, S> {
+    /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; says how many there are.
+    pub(super) fn gather(&self, start: usize, state: &mut [Wide<S>]) -> usize {
+        let (size, count) = (state.len(), LANES.min(self.count() - start));
+        for lane in 0..LANES {
+            let point = start + lane.min(count - 1);
+            let from = &self.states.as_slice()[point * size..(point + 1) * size];
+            for (to, from) in state.iter_mut().zip(from) {
+                to.0[lane] = *from;
+            }
+        }
+        count
     }
 }
 

@@ -2,19 +2,15 @@
 
 use super::Charge;
 use super::blocks::{PointHessians, fold};
-use super::cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
+use super::cost::{LANES, Point, PointCost, PointDerivatives, Points, PointsDerivatives, Wide};
 use crate::dynamics::{
     ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_second_order,
 };
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Lanes, Over, Scalar};
+use crate::scalar::{Over, Scalar};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-
-/// How many points are computed side by side.
-const LANES: usize = 4;
-type Wide<S> = Lanes<S, LANES>;
 
 /// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
 ///
@@ -28,8 +24,8 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     data: Data<Wide<S>>,
     id: InverseDynamicsDerivatives<Wide<S>>,
     second: ContractedHessian<Wide<S>>,
-    /// $q, v, a$.
-    state: [Vec<Wide<S>>; 3],
+    /// $[q; v; a]$.
+    state: Vec<Wide<S>>,
     /// $\partial l / \partial u$, and what else than the effort has as second derivatives.
     weights: DVector<Wide<S>>,
     stiffness: DVector<Wide<S>>,
@@ -53,7 +49,7 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
             second: ContractedHessian::new(n),
-            state: [zeros.clone(), zeros.clone(), zeros.clone()],
+            state: vec![Wide::splat(S::zero()); 3 * n],
             weights: DVector::from_vec(zeros.clone()),
             stiffness: DVector::from_vec(zeros),
             squares: DMatrix::zeros(3 * n, 3 * n),
@@ -71,20 +67,6 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
         Ok(&self.u)
     }
 
-    /// Puts the points from `start` on into the lanes, the last of them into those that are left; says how many there are.
-    fn gather(&mut self, points: Points<'_, S>, start: usize) -> usize {
-        let count = LANES.min(points.count() - start);
-        for lane in 0..LANES {
-            let Point { q, v, a, .. } = points.point(start + lane.min(count - 1));
-            for (to, from) in self.state.iter_mut().zip([q, v, a]) {
-                for (to, from) in to.iter_mut().zip(from) {
-                    to.0[lane] = *from;
-                }
-            }
-        }
-        count
-    }
-
     /// The derivatives of the effort and of another cost of the control. The metrics and the costs are those of the effort.
     pub(super) fn derivatives_charging(
         &mut self,
@@ -95,7 +77,7 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
         let n = self.model.dof();
         let two = Wide::from_f64(2.0);
         for start in (0..points.count()).step_by(LANES) {
-            let count = self.gather(points, start);
+            let count = points.gather(start, &mut self.state);
             self.stiffness.fill(Wide::splat(S::zero()));
             let (u, weights, stiffness) = (&mut self.u, &mut self.weights, &mut self.stiffness);
             let (mut first, mut second) = (DVector::zeros(n), DVector::zeros(n));
@@ -117,9 +99,9 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
                 }
                 w.copy_from_slice(weights.as_slice());
             };
-            let [q, v, a] = &self.state;
+            let z = split(&self.state);
             let (id, second) = (&mut self.id, &mut self.second);
-            rnea_second_order(self.model, &mut self.data, [q, v, a], weigh, id, second)?;
+            rnea_second_order(self.model, &mut self.data, z, weigh, id, second)?;
             self.file(start, count, stiff, out);
         }
         Ok(())
@@ -187,6 +169,12 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
     }
 }
 
+/// $q, v, a$ of $[q; v; a]$.
+fn split<T>(z: &[T]) -> [&[T]; 3] {
+    let n = z.len() / 3;
+    [&z[..n], &z[n..2 * n], &z[2 * n..]]
+}
+
 /// What is kept of a block of a Hessian at the points that are side by side.
 #[derive(Clone, Debug)]
 struct Folded<S: Scalar> {
@@ -239,8 +227,8 @@ impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
         for start in (0..points.count()).step_by(LANES) {
-            let count = self.gather(points, start);
-            let ([q, v, a], tau) = (&self.state, &mut self.weights);
+            let count = points.gather(start, &mut self.state);
+            let ([q, v, a], tau) = (split(&self.state), &mut self.weights);
             rnea(self.model, &mut self.data, q, v, a, tau.as_mut_slice())?;
             let cost = tau.dot(tau);
             costs[start..start + count].copy_from_slice(&cost.0[..count]);
@@ -263,15 +251,8 @@ pub(super) fn alone<S: Scalar>(
     point: Point<'_, S>,
     out: &mut PointDerivatives<S>,
 ) -> Result<S> {
-    let Point { q, v, a, .. } = point;
-    let states = DMatrix::from_fn(q.len(), 3, |i, x| [q, v, a][x][i]);
-    let mut all = PointsDerivatives::new(q.len(), 1);
-    let points = Points {
-        first: point.index,
-        times: &[point.time],
-        states: &states,
-    };
-    cost.all_derivatives(points, &mut all)?;
+    let (states, mut all) = (point.states(), PointsDerivatives::new(point.q.len(), 1));
+    cost.all_derivatives(point.points(&states), &mut all)?;
     out.hessian = all.hessians.get(0);
     out.metric = all.metrics.get(0);
     out.gradient.copy_from_slice(all.gradients.as_slice());

@@ -2,7 +2,7 @@
 
 use super::augmented::Rows;
 use super::objective::points;
-use super::{Basis, ChargedCost, Grid, Point};
+use super::{Basis, ChargedCost, Grid, Points};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
 use nalgebra::DMatrix;
@@ -59,21 +59,23 @@ impl Scan {
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
+        let mut h = vec![0.0; count * (self.intervals + 1)];
         for piece in 0..pieces {
             let own = coefficients.columns(self.basis.first(piece), self.table.nrows());
             states.gemm(1.0, &own, &self.table, 0.0);
             let first = piece * self.intervals;
+            let times: Vec<_> = (0..=self.intervals)
+                .map(|k| (first + k) as f64 * interval)
+                .collect();
+            let points = Points {
+                first: 0,
+                times: &times,
+                states: &states,
+            };
+            rows.of_all(points, &mut h)?;
             for k in 0..=self.intervals + 1 {
                 if k <= self.intervals {
-                    let state = &states.as_slice()[3 * k * n..3 * (k + 1) * n];
-                    let point = Point {
-                        index: 0,
-                        time: (first + k) as f64 * interval,
-                        q: &state[..n],
-                        v: &state[n..2 * n],
-                        a: &state[2 * n..],
-                    };
-                    rows.of_all(point, &mut next)?;
+                    next.copy_from_slice(&h[k * count..(k + 1) * count]);
                 } else {
                     next.copy_from_slice(&below);
                 }
@@ -112,15 +114,19 @@ pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
 ) -> Result<f64> {
     let (n, count) = (coefficients.nrows(), rows.count());
     let mut states = DMatrix::zeros(n, grid.table.ncols());
-    let mut effort = 0.0;
+    let (mut effort, mut costs) = (0.0, vec![0.0; grid.points()]);
     for e in 0..grid.pieces {
         let own = coefficients.columns(grid.first(e), grid.table.nrows());
         states.gemm(1.0, &own, &grid.table, 0.0);
-        for (g, weight) in grid.weights.iter().enumerate() {
-            let point = points(grid, &states, e).point(g);
-            let own = point.index * count..(point.index + 1) * count;
-            effort += weight * rows.at(point, &mut h[own])?;
-        }
+        let here = points(grid, &states, e);
+        let own = here.first * count..(here.first + grid.points()) * count;
+        rows.at(here, &mut h[own], &mut costs)?;
+        effort += grid
+            .weights
+            .iter()
+            .zip(&costs)
+            .map(|(w, l)| w * l)
+            .sum::<f64>();
     }
     Ok(effort)
 }
