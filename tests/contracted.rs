@@ -3,12 +3,12 @@
 mod common;
 
 use aghf::dynamics::{
-    ContractedGradient, ContractedHessian, Data, crba, crba_contracted, rnea,
-    rnea_contracted_gradient, rnea_contracted_hessian,
+    ContractedGradient, ContractedHessian, Data, InverseDynamicsDerivatives, crba, crba_contracted,
+    rnea, rnea_contracted_gradient, rnea_contracted_hessian, rnea_derivatives, rnea_second_order,
 };
 use aghf::model::Model;
 use common::{any_model, config, dual_jacobian, numbers};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, HyperDual64};
 use proptest::prelude::*;
 
@@ -45,6 +45,21 @@ fn block(model: &Model, state: &[f64], w: &[f64], row: usize, column: usize) -> 
 
 proptest! {
     #![proptest_config(config(64))]
+
+    #[test]
+    fn both_in_one_are_each_alone((model, state, _) in model_state_weights()) {
+        let n = model.dof();
+        let (q, v, a) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
+        let data = &mut Data::new(&model);
+        let (mut first, mut second) = (InverseDynamicsDerivatives::new(n), ContractedHessian::new(n));
+        let (mut first_alone, mut second_alone) = (first.clone(), second.clone());
+        rnea_derivatives(&model, data, q, v, a, &mut first_alone).expect("lengths");
+        let w: Vec<f64> = first_alone.tau.iter().map(|u| 2.0 * u).collect();
+        rnea_contracted_hessian(&model, data, q, v, a, &w, &mut second_alone).expect("lengths");
+        let weigh = |tau: &DVector<f64>, w: &mut [f64]| w.copy_from_slice((tau * 2.0).as_slice());
+        rnea_second_order(&model, data, [q, v, a], weigh, &mut first, &mut second).expect("lengths");
+        prop_assert_eq!((first, second), (first_alone, second_alone));
+    }
 
     #[test]
     fn the_gradient_matches_duals((model, state, w) in model_state_weights()) {

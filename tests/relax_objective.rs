@@ -4,7 +4,9 @@ mod common;
 
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{Jet, Over};
-use aghf::solve::relax::{Basis, BlockTridiagonal, Derivatives, Grid, Objective, SquaredControl};
+use aghf::solve::relax::{
+    Basis, BlockTridiagonal, Derivatives, Grid, Objective, PointHessians, SquaredControl,
+};
 use common::slider;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
@@ -115,4 +117,24 @@ fn the_factors_of_a_block_tridiagonal_matrix_solve() {
     let mut indefinite = metric.clone();
     indefinite.set_sum(&metric, -2.0, &metric);
     assert!(!indefinite.factorise());
+}
+
+#[test]
+fn hessians_at_points_are_kept_whole() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for n in [1, 2, 3] {
+        let mut kept = PointHessians::new(n, 5);
+        let half = random(&mut rng, 3 * n, 3 * n);
+        let whole = &half + half.transpose();
+        kept.set(2, &whole);
+        assert_close!(&kept.get(2), &whole, 1e-15);
+        let half = random(&mut rng, 2 * n, 2 * n);
+        let part = &half + half.transpose();
+        kept.add(2, &part);
+        let mut sum = whole;
+        let mut corner = sum.view_mut((0, 0), (2 * n, 2 * n));
+        corner += part;
+        assert_close!(&kept.get(2), &sum, 1e-15);
+        assert_eq!(kept.get(1), DMatrix::zeros(3 * n, 3 * n));
+    }
 }

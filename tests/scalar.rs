@@ -4,79 +4,12 @@ mod common;
 
 use aghf::dynamics::{Data, rnea};
 use aghf::model::random_tree;
-use aghf::scalar::{Ldlt, Over, Scalar};
+use aghf::scalar::{Lanes, Ldlt, Over, Scalar};
 use common::{config, numbers};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
 use num_traits::{One, Zero};
 use proptest::prelude::*;
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
-
-/// Four lanes, as SIMD code would have them: the trait must let such a type in, for it has no order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lanes([f64; 4]);
-
-macro_rules! lanewise {
-    ($($trait:ident $method:ident, $assign:ident $assign_method:ident, $op:tt);*) => {$(
-        impl $trait for Lanes {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                Self(std::array::from_fn(|i| self.0[i] $op other.0[i]))
-            }
-        }
-        impl $assign for Lanes {
-            fn $assign_method(&mut self, other: Self) {
-                *self = *self $op other;
-            }
-        }
-    )*};
-}
-
-lanewise!(Add add, AddAssign add_assign, +; Sub sub, SubAssign sub_assign, -;
-          Mul mul, MulAssign mul_assign, *; Div div, DivAssign div_assign, /);
-
-impl Neg for Lanes {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
-    }
-}
-
-impl Zero for Lanes {
-    fn zero() -> Self {
-        Self([0.0; 4])
-    }
-    fn is_zero(&self) -> bool {
-        self.0.iter().all(|x| *x == 0.0)
-    }
-}
-
-impl One for Lanes {
-    fn one() -> Self {
-        Self([1.0; 4])
-    }
-}
-
-impl Scalar for Lanes {
-    fn from_f64(x: f64) -> Self {
-        Self([x; 4])
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        (Self(self.0.map(f64::sin)), Self(self.0.map(f64::cos)))
-    }
-    fn tanh(self) -> Self {
-        Self(self.0.map(f64::tanh))
-    }
-}
-
-impl Over<f64> for Lanes {
-    fn lift(c: f64) -> Self {
-        Self([c; 4])
-    }
-    fn scale(self, c: f64) -> Self {
-        Self(self.0.map(|x| x * c))
-    }
-}
 
 /// `sin x cos x + tanh x` written generically, with its first two derivatives by hand.
 fn mixed<S: Scalar>(x: S) -> S {
@@ -197,7 +130,7 @@ fn dynamics_run_on_lanes_and_on_f32() {
         };
         [wave(0.3), wave(0.7), wave(1.1)]
     };
-    let pack = |part: usize| -> Vec<Lanes> {
+    let pack = |part: usize| -> Vec<Lanes<f64, 4>> {
         (0..8)
             .map(|i| Lanes(std::array::from_fn(|lane| state(lane)[part][i])))
             .collect()

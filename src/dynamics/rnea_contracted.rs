@@ -30,7 +30,7 @@ use super::{Data, InverseDynamicsDerivatives, check_square};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::Coriolis;
+use crate::spatial::{Coriolis, cross, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// The gradient of $w^T ID(q, v, a)$.
@@ -126,8 +126,8 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
             data.virtual_couples[i],
         );
         out.q[i] =
-            rate.angular.dot(&p) + rate2.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
-        out.v[i] = axis.angular.dot(&p) + rate.dot(&momentum) * two;
+            dot(&rate.angular, &p) + rate2.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
+        out.v[i] = dot(&axis.angular, &p) + rate.dot(&momentum) * two;
         out.a[i] = axis.dot(&momentum);
         if let Some(parent) = joint.parent() {
             data.virtual_momenta[parent] += momentum;
@@ -229,8 +229,8 @@ impl<S: Scalar> Data<S> {
             );
             let (momentum, p) = (&self.virtual_momenta[k], &self.virtual_couples[k]);
             let l_by_q = axis.cross_force(momentum) + inertia.apply(gained);
-            let p_by_q =
-                axis.angular.cross(p) + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
+            let p_by_q = cross(&axis.angular, p)
+                + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
             let p_by_v = -d.apply_transpose(axis) * two;
 
             let mut ancestor = Some(k);
@@ -238,12 +238,12 @@ impl<S: Scalar> Data<S> {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
                 let (rate2_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
                 out.qq[(j, k)] =
-                    rate_j.angular.dot(&p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
+                    dot(&rate_j.angular, &p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
                 out.qq[(k, j)] = out.qq[(j, k)];
-                out.vv[(j, k)] = axis_j.angular.dot(&p_by_v);
+                out.vv[(j, k)] = dot(&axis_j.angular, &p_by_v);
                 out.vv[(k, j)] = out.vv[(j, k)];
-                out.qv[(j, k)] = rate_j.angular.dot(&p_by_v) + gained_j.dot(&f.by_v);
-                out.qv[(k, j)] = axis_j.angular.dot(&p_by_q) + rate_j.dot(&l_by_q) * two;
+                out.qv[(j, k)] = dot(&rate_j.angular, &p_by_v) + gained_j.dot(&f.by_v);
+                out.qv[(k, j)] = dot(&axis_j.angular, &p_by_q) + rate_j.dot(&l_by_q) * two;
                 out.qa[(j, k)] = gained_j.dot(&f.by_a);
                 out.qa[(k, j)] = axis_j.dot(&l_by_q);
                 ancestor = model.joints()[j].parent();

@@ -8,7 +8,7 @@ use super::{Data, check_square, kinematics};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
-use crate::spatial::{Coriolis, Force};
+use crate::spatial::{Coriolis, Force, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// Inverse dynamics and its first derivatives.
@@ -102,9 +102,9 @@ impl<S: Scalar> Push<S> {
             out.h[(j, i)] = axis_j.dot(&self.by_a);
             out.h[(i, j)] = out.h[(j, i)];
             out.dv[(j, i)] = axis_j.dot(&self.by_v);
-            out.dv[(i, j)] = axis_j.angular.dot(&felt) + rate_j.dot(&self.by_a) * two;
+            out.dv[(i, j)] = dot(&axis_j.angular, &felt) + rate_j.dot(&self.by_a) * two;
             out.dq[(j, i)] = axis_j.dot(&self.by_q);
-            out.dq[(i, j)] = rate_j.angular.dot(&felt) + data.accelerations[j].dot(&self.by_a);
+            out.dq[(i, j)] = dot(&rate_j.angular, &felt) + data.accelerations[j].dot(&self.by_a);
             ancestor = model.joints()[j].parent();
         }
     }

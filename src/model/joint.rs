@@ -1,7 +1,7 @@
 //! One degree of freedom.
 
 use crate::scalar::{Over, Scalar};
-use crate::spatial::{Motion, Placement, apply_to_constant, cross_matrix};
+use crate::spatial::{Motion, Placement, apply_to_constant, cross, cross_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 /// What a joint does.
@@ -155,7 +155,7 @@ impl<C: Scalar> Joint<C> {
         let axis = apply_to_constant(&placement.rotation, &self.axis);
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {
-                Motion::new(axis, placement.translation.cross(&axis))
+                Motion::new(axis, cross(&placement.translation, &axis))
             }
             JointKind::Prismatic => Motion::new(Vector3::zeros(), axis),
         }

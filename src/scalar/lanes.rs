@@ -14,21 +14,25 @@ pub struct Lanes<S, const W: usize>(pub [S; W]);
 
 impl<S: Scalar, const W: usize> Lanes<S, W> {
     /// The same number in all lanes.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn splat(x: S) -> Self {
         Self([x; W])
     }
 }
 
-/// Operators lane by lane, and those that assign.
+/// Operators lane by lane, and those that assign: loops, as the compiler does not always take `array::map` apart.
 macro_rules! lanewise {
     ($($trait:ident $method:ident $assign:ident $assign_method:ident $op:tt),*) => {$(
         impl<S: Scalar, const W: usize> $trait for Lanes<S, W> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self(std::array::from_fn(|i| self.0[i] $op other.0[i]))
+                let mut out = self;
+                for i in 0..W {
+                    out.0[i] = out.0[i] $op other.0[i];
+                }
+                out
             }
         }
 
@@ -51,13 +55,16 @@ lanewise!(
 impl<S: Scalar, const W: usize> Neg for Lanes<S, W> {
     type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
+    fn neg(mut self) -> Self {
+        for x in &mut self.0 {
+            *x = -*x;
+        }
+        self
     }
 }
 
 impl<S: Scalar, const W: usize> Zero for Lanes<S, W> {
-    #[inline]
+    #[inline(always)]
     fn zero() -> Self {
         Self::splat(S::zero())
     }
@@ -68,38 +75,44 @@ impl<S: Scalar, const W: usize> Zero for Lanes<S, W> {
 }
 
 impl<S: Scalar, const W: usize> One for Lanes<S, W> {
-    #[inline]
+    #[inline(always)]
     fn one() -> Self {
         Self::splat(S::one())
     }
 }
 
 impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
-    #[inline]
+    #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self::splat(S::from_f64(x))
     }
 
-    #[inline]
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let both = self.0.map(S::sin_cos);
-        (Self(both.map(|x| x.0)), Self(both.map(|x| x.1)))
+        let (mut sin, mut cos) = (self, self);
+        for i in 0..W {
+            (sin.0[i], cos.0[i]) = self.0[i].sin_cos();
+        }
+        (sin, cos)
     }
 
-    #[inline]
+    #[inline(always)]
     fn tanh(self) -> Self {
         Self(self.0.map(S::tanh))
     }
 }
 
 impl<C: Copy, S: Over<C>, const W: usize> Over<C> for Lanes<S, W> {
-    #[inline]
+    #[inline(always)]
     fn lift(c: C) -> Self {
         Self::splat(S::lift(c))
     }
 
     #[inline(always)]
-    fn scale(self, c: C) -> Self {
-        Self(self.0.map(|x| x.scale(c)))
+    fn scale(mut self, c: C) -> Self {
+        for x in &mut self.0 {
+            *x = x.scale(c);
+        }
+        self
     }
 }

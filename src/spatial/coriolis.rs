@@ -1,6 +1,6 @@
 //! How the momentum of a moving body changes: the matrix `B` of the derivative algorithms.
 
-use super::{Force, Inertia, Motion, apply, apply_transpose};
+use super::{Force, Inertia, Motion, apply, apply_transpose, cross, dot, matrix};
 use crate::scalar::Scalar;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, AddAssign};
@@ -29,18 +29,24 @@ impl<S: Scalar> Coriolis<S> {
     pub fn new(inertia: &Inertia<S>, v: &Motion<S>) -> Self {
         // With r' = v_O + w x r the sum is -[h]x [v_O]x - [w]x S, where S = 1/2 tr(I) 1 - I holds the second moments.
         let h = &inertia.first_moment;
-        let half_trace = inertia.rotational.trace() * S::from_f64(0.5);
-        let second = Matrix3::from_diagonal_element(half_trace) - inertia.rotational;
-        let (along, w) = (h.dot(&v.linear), &v.angular);
-        let turned = |j| w.cross(&second.column(j).into_owned());
+        let bar = &inertia.rotational;
+        let half_trace = (bar[(0, 0)] + bar[(1, 1)] + bar[(2, 2)]) * S::from_f64(0.5);
+        let second = matrix(|i, j| if i == j { half_trace } else { S::zero() } - bar[(i, j)]);
+        let (along, w) = (dot(h, &v.linear), &v.angular);
+        let turned = |j| {
+            cross(
+                w,
+                &Vector3::new(second[(0, j)], second[(1, j)], second[(2, j)]),
+            )
+        };
         let turned = [turned(0), turned(1), turned(2)];
-        let moment = Matrix3::from_fn(|i, j| {
+        let moment = matrix(|i, j| {
             let hv = v.linear[i] * h[j];
             -turned[j][i] - if i == j { hv - along } else { hv }
         });
         Self {
             moment,
-            momentum: v.linear * inertia.mass + v.angular.cross(h),
+            momentum: v.linear * inertia.mass + cross(w, h),
         }
     }
 
@@ -50,7 +56,7 @@ impl<S: Scalar> Coriolis<S> {
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         Force::new(
             apply(&self.moment, &m.angular),
-            m.angular.cross(&self.momentum),
+            cross(&m.angular, &self.momentum),
         )
     }
 
@@ -58,7 +64,7 @@ impl<S: Scalar> Coriolis<S> {
     #[inline]
     #[must_use]
     pub fn apply_transpose(&self, m: &Motion<S>) -> Vector3<S> {
-        apply_transpose(&self.moment, &m.angular) + self.momentum.cross(&m.linear)
+        apply_transpose(&self.moment, &m.angular) + cross(&self.momentum, &m.linear)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The spatial inertia of a rigid body, or of several that move as one.
 
-use super::{Force, Motion, Placement, apply, apply_to_constant, cross_matrix, multiply};
+use super::{Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, matrix};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
@@ -44,8 +44,8 @@ impl<S: Scalar> Inertia<S> {
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         let h = &self.first_moment;
         Force::new(
-            apply(&self.rotational, &m.angular) + h.cross(&m.linear),
-            m.linear * self.mass - h.cross(&m.angular),
+            apply(&self.rotational, &m.angular) + cross(h, &m.linear),
+            m.linear * self.mass - cross(h, &m.angular),
         )
     }
 
@@ -56,15 +56,19 @@ impl<S: Scalar> Inertia<S> {
         let mass = T::lift(self.mass);
         let h = apply_to_constant(r, &self.first_moment);
         let column = |j| apply_to_constant(r, &self.rotational.column(j).into_owned());
-        let half = Matrix3::from_columns(&[column(0), column(1), column(2)]);
+        let half = [column(0), column(1), column(2)];
         // [a]x [b]x = b a^T - (a . b) 1, and the moved centre is h + m p.
         let moved = h + p * mass;
-        let outer = p * h.transpose() + moved * p.transpose();
-        let rotational = multiply(&half, &r.transpose()) - outer;
+        let trace = dot(p, &h) + dot(&moved, p);
+        let rotational = matrix(|i, j| {
+            let turned = half[0][i] * r[(j, 0)] + half[1][i] * r[(j, 1)] + half[2][i] * r[(j, 2)];
+            let outer = p[i] * h[j] + moved[i] * p[j];
+            turned + if i == j { trace - outer } else { -outer }
+        });
         Inertia {
             mass,
             first_moment: moved,
-            rotational: rotational + Matrix3::from_diagonal_element(outer.trace()),
+            rotational,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Where one frame is in another.
 
-use super::{Motion, apply, apply_to_constant, multiply};
+use super::{Motion, apply, apply_to_constant, cross, matrix, multiply};
 use crate::scalar::{Over, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
@@ -48,8 +48,9 @@ impl<S: Scalar> Placement<S> {
         S: Over<C>,
     {
         let column = |j| apply_to_constant(&self.rotation, &inner.rotation.column(j).into_owned());
+        let columns = [column(0), column(1), column(2)];
         Self::new(
-            Matrix3::from_columns(&[column(0), column(1), column(2)]),
+            matrix(|i, j| columns[j][i]),
             apply_to_constant(&self.rotation, &inner.translation) + self.translation,
         )
     }
@@ -60,7 +61,7 @@ impl<S: Scalar> Placement<S> {
         let angular = apply(&self.rotation, &m.angular);
         Motion::new(
             angular,
-            apply(&self.rotation, &m.linear) + self.translation.cross(&angular),
+            apply(&self.rotation, &m.linear) + cross(&self.translation, &angular),
         )
     }
 }

@@ -1,5 +1,6 @@
 //! Motion and force vectors and their products.
 
+use super::{cross, dot};
 use crate::scalar::Scalar;
 use nalgebra::Vector3;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
@@ -105,8 +106,8 @@ impl<S: Scalar> Motion<S> {
     #[must_use]
     pub fn cross(&self, m: &Self) -> Self {
         Self::new(
-            self.angular.cross(&m.angular),
-            self.angular.cross(&m.linear) + self.linear.cross(&m.angular),
+            cross(&self.angular, &m.angular),
+            cross(&self.angular, &m.linear) + cross(&self.linear, &m.angular),
         )
     }
 
@@ -115,8 +116,8 @@ impl<S: Scalar> Motion<S> {
     #[must_use]
     pub fn cross_force(&self, f: &Force<S>) -> Force<S> {
         Force::new(
-            self.angular.cross(&f.angular) + self.linear.cross(&f.linear),
-            self.angular.cross(&f.linear),
+            cross(&self.angular, &f.angular) + cross(&self.linear, &f.linear),
+            cross(&self.angular, &f.linear),
         )
     }
 
@@ -124,6 +125,6 @@ impl<S: Scalar> Motion<S> {
     #[inline]
     #[must_use]
     pub fn dot(&self, f: &Force<S>) -> S {
-        self.angular.dot(&f.angular) + self.linear.dot(&f.linear)
+        dot(&self.angular, &f.angular) + dot(&self.linear, &f.linear)
     }
 }

@@ -247,6 +247,7 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
             let mut newton = Newton::new(&objective);
             let stop = Stop {
                 tolerance: tolerance.max(level.stop.tolerance),
+                precise: level.stop.precise && tolerance <= level.stop.tolerance,
                 ..level.stop
             };
             let (mut exact, mut error) = (f64::NAN, f64::NAN);
