@@ -8,7 +8,7 @@ use aghf::scalar::{Lanes, Ldlt, Over, Scalar};
 use common::{config, numbers};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
-use num_traits::{One, Zero};
+use num_traits::Zero;
 use proptest::prelude::*;
 
 /// `sin x cos x + tanh x` written generically, with its first two derivatives by hand.

@@ -27,29 +27,28 @@ macro_rules! lanewise {
         impl<S: Scalar, const W: usize> $trait for Lanes<S, W> {
             type Output = Self;
             #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                let mut out = self;
-                for i in 0..W {
-                    out.0[i] = out.0[i] $op other.0[i];
-                }
-                out
+            fn $method(mut self, other: Self) -> Self {
+                self $op other;
+                self
             }
         }
 
         impl<S: Scalar, const W: usize> $assign for Lanes<S, W> {
             #[inline(always)]
             fn $assign_method(&mut self, other: Self) {
-                *self = *self $op other;
+                for i in 0..W {
+                    self.0[i] $op other.0[i];
+                }
             }
         }
     )*};
 }
 
 lanewise!(
-    Add add AddAssign add_assign +,
-    Sub sub SubAssign sub_assign -,
-    Mul mul MulAssign mul_assign *,
-    Div div DivAssign div_assign /
+    Add add AddAssign add_assign +=,
+    Sub sub SubAssign sub_assign -=,
+    Mul mul MulAssign mul_assign *=,
+    Div div DivAssign div_assign /=
 );
 
 impl<S: Scalar, const W: usize> Neg for Lanes<S, W> {

@@ -39,6 +39,8 @@ const NEAR: f64 = 1e-4;
 const TRIED: usize = 3;
 /// After so many rounds in which nothing became better the constraints are taken to exclude each other.
 const PATIENCE: usize = 8;
+/// Rounds begin near where the last one ended, where the metric changes little.
+const FRESH: usize = 3;
 /// The most iterations in a round.
 const ITERATIONS: usize = 60;
 
@@ -67,6 +69,7 @@ const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 12,
+        fresh: FRESH,
         precise: false,
     },
     agreement: 0.05,
@@ -120,6 +123,7 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         stop: Stop {
             tolerance: settings.tolerance,
             iterations: settings.iterations.min(ITERATIONS),
+            fresh: FRESH,
             precise: true,
         },
         agreement: settings.agreement,

@@ -35,7 +35,10 @@ pub struct Grid<S: Scalar> {
 
 /// Grids that several searches have in common.
 #[derive(Default)]
-pub(super) struct Grids(RefCell<Vec<(Basis, usize, f64, Rc<Grid<f64>>)>>);
+pub(super) struct Grids(RefCell<Vec<Made>>);
+
+/// A grid and what it was made of.
+type Made = (Basis, usize, f64, Rc<Grid<f64>>);
 
 impl Grids {
     /// As [`Grid::new`].

@@ -60,6 +60,7 @@ const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 15,
+        fresh: 1,
         precise: false,
     },
     agreement: 0.02,
@@ -71,6 +72,7 @@ const PIECES: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 60,
+        fresh: 1,
         precise: false,
     },
     ..LOWER
@@ -156,6 +158,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         stop: Stop {
             tolerance: settings.tolerance,
             iterations: settings.iterations,
+            fresh: 1,
             precise: true,
         },
         agreement: settings.agreement,

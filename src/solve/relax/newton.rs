@@ -11,8 +11,6 @@ const SUFFICIENT: f64 = 1e-3;
 const ROUNDING: f64 = 1e-13;
 /// How often a step may be refused before the search is given up.
 const REFUSALS: usize = 60;
-/// After so many steps the metric of Gauss and Newton is computed anew: it changes little, and takes as long as the Hessian.
-const FRESH: usize = 3;
 /// How many steps are made between two looks at the quadrature.
 const LOOK: usize = 6;
 /// How well quadratures have to agree where the search has not come to an end.
@@ -27,6 +25,8 @@ pub(super) struct Stop {
     pub tolerance: f64,
     /// Steps.
     pub iterations: usize,
+    /// After so many steps the metric of Gauss and Newton is computed anew, which takes as long as the Hessian.
+    pub fresh: usize,
     /// Whether the gradient norm has to be that in the metric of the last curve.
     pub precise: bool,
 }
@@ -130,10 +130,10 @@ impl Newton {
         coarse: &mut LookAtQuadrature<'_>,
         observe: &mut dyn FnMut(Iteration),
     ) -> Result<Minimum> {
-        let (mut region, mut steps) = (Region::default(), 0);
+        let (mut region, mut steps) = (Region::default(), 0_usize);
         let mut trial = coefficients.clone();
         loop {
-            let mut fresh = steps % FRESH == 0;
+            let mut fresh = steps.is_multiple_of(stop.fresh);
             let mut cost = self.derive(objective, &coefficients, fresh)?;
             let mut gradient_norm = self.gradient_norm(cost);
             let ends = |gradient_norm| gradient_norm <= stop.tolerance || steps == stop.iterations;

@@ -9,7 +9,7 @@ const LONG: f64 = 1.3;
 /// How many multipliers are tried for one step.
 const TRIES: usize = 40;
 /// How many are tried before a step shorter than the region allows is good enough.
-const PATIENCE: usize = 1;
+const PATIENCE: usize = 6;
 
 /// A region about the present curve, and the multiplier with which the last step kept within it.
 #[derive(Clone, Copy, Debug)]
@@ -95,9 +95,9 @@ impl Region {
     /// Adapts the radius to what a step of this length gained of what was predicted.
     pub fn learn(&mut self, gain: f64, length: f64) {
         if gain > 0.75 && self.damping > 0.0 {
-            self.radius = self.radius.max(2.5 * length);
+            self.radius = self.radius.max(2.0 * length);
         } else if gain < 0.25 || gain.is_nan() {
-            self.radius = 0.25 * length;
+            self.radius = 0.3 * length;
         }
     }
 }
