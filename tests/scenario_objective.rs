@@ -48,6 +48,22 @@ fn solved(name: &str, keys: Value) -> (Outcome, RelaxDetails) {
 }
 
 #[test]
+fn the_horizon_is_that_of_all_pieces() {
+    let scenario = load("pieces", &plain()).expect("it is good");
+    let options = SolveOptions {
+        p: Some(6),
+        pieces: Some(2),
+        starts: Some(1),
+        ..Default::default()
+    };
+    let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
+    let Details::Relax(details) = outcome.summary.details else {
+        panic!("it is a relaxation");
+    };
+    assert_eq!(details.horizon_s, 1.5);
+}
+
+#[test]
 fn what_a_file_says_is_kept() {
     let keys = json!({
         "free_final_velocity": true,

@@ -167,7 +167,7 @@ fn solve_by_relaxation(
         curve, iterations, ..
     } = solution;
     // What was minimised, where that was not the control effort alone.
-    let horizon = curve.chebyshev().horizon();
+    let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
     let other = time.is_some() || scenario.file.running_cost.is_some();
     let details = Details::Relax(RelaxDetails {

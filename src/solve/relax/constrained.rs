@@ -5,7 +5,7 @@ use super::augmented::{Augmented, Requirements, Rows};
 use super::grid::Grids;
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
-use super::ladder::line;
+use super::ladder::{self, line};
 use super::newton::{End, Newton, SMALLEST_COST, Stop};
 use super::running_cost::check_integral;
 use super::scan::{Peak, Scan, rows_on};
@@ -140,17 +140,9 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         )),
         (None, None) => candidates.push(Held::free(line(problem, settings.basis()))),
         (None, Some((first, _))) => {
-            let line = line(problem, first.clone());
-            let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
-            for path in [line.clone()].into_iter().chain(bent) {
-                candidates.push(hold(
-                    &grids,
-                    problem,
-                    &rows,
-                    Held::free(path),
-                    LOWER,
-                    &mut log,
-                )?);
+            for path in ladder::starts(problem, settings, first.clone()) {
+                let start = Held::free(path);
+                candidates.push(hold(&grids, problem, &rows, start, LOWER, &mut log)?);
             }
             candidates.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
             starts = candidates.iter().map(|c| c.effort).collect();

@@ -125,8 +125,8 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             }
         }
         let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
-        let ones = DVector::from_element(n, two);
-        squares(column, &ones, &mut self.squares);
+        let twos = DVector::from_element(n, two);
+        squares(column, &twos, &mut self.squares);
         if stiff {
             squares(column, &self.stiffness, &mut self.stiff);
         }

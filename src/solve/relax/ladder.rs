@@ -3,7 +3,7 @@
 use super::grid::Grids;
 use super::newton::{End, Iteration, Judge, Minimum, Newton, SMALLEST_COST, Stop, move_by};
 use super::running_cost::check_integral;
-use super::{Basis, Objective, PointCost};
+use super::{Basis, Objective, PointCost, RelaxSettings};
 use crate::error::Result;
 use crate::solve::Problem;
 use nalgebra::{DMatrix, DVector};
@@ -66,6 +66,13 @@ pub(super) fn line(problem: &Problem<'_>, basis: Basis) -> Path {
         coefficients,
     };
     cubic.in_basis(basis)
+}
+
+/// What a search starts from: the line, and the same with bends as far as the settings say.
+pub(super) fn starts(problem: &Problem<'_>, settings: &RelaxSettings, basis: Basis) -> Vec<Path> {
+    let line = line(problem, basis);
+    let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
+    std::iter::once(line.clone()).chain(bent).collect()
 }
 
 impl Path {

@@ -51,7 +51,7 @@ use crate::solve::Problem;
 use adaptive::climb;
 use grid::Grids;
 use horizon::{Exactness, Tried, search};
-use ladder::{Level, Path, Settled, line, settle};
+use ladder::{Level, Path, Settled, settle};
 use nalgebra::{DMatrix, DVector};
 use newton::Stop;
 
@@ -130,9 +130,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
     let path = if let Some(curve) = &settings.start {
         path_of(curve, settings.basis()).between_ends_of(problem)
     } else {
-        let line = line(problem, lower[0].clone());
-        let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
-        let mut paths: Vec<Path> = [line.clone()].into_iter().chain(bent).collect();
+        let mut paths = ladder::starts(problem, settings, lower[0].clone());
         for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
                 let path = path.in_basis(basis.clone());
@@ -172,7 +170,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
     let mut problem = problem.clone();
     if let Some(free) = settings.free_horizon {
         let tried = |problem: &Problem<'_>, found: Settled| -> Result<Tried<Settled>> {
-            let grid = Grid::new(&found.path.basis, found.points, problem.horizon());
+            let grid = grids.get(&found.path.basis, found.points, problem.horizon());
             let rates = found.path.rates(problem);
             let (horizon, curve) = (problem.horizon(), &found.path.coefficients);
             let slope = horizon_slope(&grid, &mut cost.clone(), curve, &rates, horizon)?;
