@@ -20,17 +20,28 @@ pub(crate) fn legendre(x: f64, out: &mut [f64]) {
 /// `2 m - 1`. Newton's method from the asymptotic zeros (Press et al., *Numerical Recipes*, 4.6). Cost O(m^2).
 #[must_use]
 pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
-    let (mut nodes, mut weights) = (vec![0.0; m], vec![0.0; m]);
-    let mut values = vec![0.0; m + 1];
-    for i in 0..m.div_ceil(2) {
-        let mut x = (PI * (i as f64 + 0.75) / (m as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        // Quadratic convergence: from two digits to all of them in four steps; one more does no harm.
-        for _ in 0..5 {
-            legendre(x, &mut values);
-            slope = m as f64 * (x * values[m] - values[m - 1]) / (x * x - 1.0);
-            x -= values[m] / slope;
+    let half = m.div_ceil(2);
+    let zero = |i| (PI * (i as f64 + 0.75) / (m as f64 + 0.5)).cos();
+    let mut x: Vec<f64> = (0..half).map(zero).collect();
+    let mut slopes = vec![1.0; half];
+    // Quadratic convergence: from two digits to all of them in four steps; one more does no harm.
+    for _ in 0..5 {
+        // P_{k - 1} and P_k, at all nodes at once: a division for each k is what takes long.
+        let (mut below, mut here) = (vec![1.0; half], x.clone());
+        for k in 2..=m {
+            let share = 1.0 - 1.0 / k as f64;
+            for i in 0..half {
+                let next = (1.0 + share) * x[i] * here[i] - share * below[i];
+                (below[i], here[i]) = (here[i], next);
+            }
         }
+        for i in 0..half {
+            slopes[i] = m as f64 * (x[i] * here[i] - below[i]) / (x[i] * x[i] - 1.0);
+            x[i] -= here[i] / slopes[i];
+        }
+    }
+    let (mut nodes, mut weights) = (vec![0.0; m], vec![0.0; m]);
+    for (i, (x, slope)) in x.into_iter().zip(slopes).enumerate() {
         let weight = 2.0 / ((1.0 - x * x) * slope * slope);
         (nodes[i], nodes[m - 1 - i]) = (-x, x);
         (weights[i], weights[m - 1 - i]) = (weight, weight);

@@ -9,7 +9,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 /// Over `f64` the compiler makes SIMD instructions of it, as wide as it is allowed to (`-C target-cpu`). Each lane has the value,
 /// to the last bit, that the number alone would have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(64))]
+#[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);
 
 impl<S: Scalar, const W: usize> Lanes<S, W> {

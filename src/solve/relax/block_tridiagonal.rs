@@ -1,10 +1,10 @@
 //! The Hessian of a curve of pieces: each has to do with its neighbours alone.
 
 use crate::scalar::Scalar;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
+use faer::{MatMut, Par};
 use nalgebra::{DMatrix, DVector};
-
-/// How many columns the Cholesky factorisation takes at once.
-const PANEL: usize = 48;
 
 /// A symmetric matrix of diagonal blocks, each coupled with the next by its last few columns alone. Lower halves are kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,11 +40,6 @@ impl<S: Scalar> BlockTridiagonal<S> {
     /// All blocks.
     fn blocks_mut(&mut self) -> impl Iterator<Item = &mut DMatrix<S>> {
         self.diagonal.iter_mut().chain(&mut self.coupling)
-    }
-
-    /// Makes it zero.
-    pub fn fill_zero(&mut self) {
-        self.blocks_mut().for_each(|block| block.fill(S::zero()));
     }
 
     /// Makes it `a + factor b`.
@@ -153,39 +148,20 @@ impl BlockTridiagonal<f64> {
     }
 }
 
-/// Replaces the lower half of a symmetric matrix by its Cholesky factor, a panel of columns at a time so that most of the
-/// work is products of matrices (Golub and Van Loan, *Matrix Computations*, 4.2.6). Says whether it is positive definite.
+/// Replaces the lower half of a symmetric matrix by its Cholesky factor. Says whether it is positive definite.
 fn cholesky(a: &mut DMatrix<f64>) -> bool {
     let n = a.nrows();
-    for k in (0..n).step_by(PANEL) {
-        let width = PANEL.min(n - k);
-        if k > 0 {
-            let (done, mut panel) = a.columns_range_pair_mut(0..k, k..k + width);
-            let across = done.rows(k, width).transpose();
-            let mut below = panel.rows_mut(k, n - k);
-            below.gemm(-1.0, &done.rows(k, n - k), &across, 1.0);
-        }
-        // Within the panel: each column, once scaled, is taken off those to its right.
-        let columns = &mut a.as_mut_slice()[k * n..(k + width) * n];
-        for j in 0..width {
-            let (done, right) = columns.split_at_mut((j + 1) * n);
-            let column = &mut done[j * n + k + j..];
-            let pivot = column[0];
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return false;
-            }
-            let inverse = 1.0 / pivot.sqrt();
-            column.iter_mut().for_each(|x| *x *= inverse);
-            for (c, target) in right.chunks_exact_mut(n).enumerate() {
-                let below = &column[1 + c..];
-                let factor = below[0];
-                for (x, l) in target[k + j + 1 + c..].iter_mut().zip(below) {
-                    *x -= *l * factor;
-                }
-            }
-        }
-    }
-    true
+    let scratch = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
+    let columns = MatMut::from_column_major_slice_mut(a.as_mut_slice(), n, n);
+    let factored = factor::cholesky_in_place(
+        columns,
+        LltRegularization::default(),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    );
+    // An infinite pivot leaves numbers that are not finite.
+    factored.is_ok() && a.diagonal().iter().all(|pivot| pivot.is_finite())
 }
 
 /// Replaces `x` by $x L^{-T}$ for a lower triangular `l`.

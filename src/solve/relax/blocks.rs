@@ -1,7 +1,8 @@
 //! Hessians at the points of a quadrature, and what pairs of functions make of them.
 
 use super::Grid;
-use crate::scalar::Scalar;
+use super::cost::LANES;
+use crate::scalar::{Lanes, Scalar, multiply};
 use nalgebra::DMatrix;
 
 /// The blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$ that have to be there, $x \le y$: the symmetric ones first.
@@ -24,11 +25,16 @@ const fn index(x: usize, y: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct PointHessians<S: Scalar> {
     dof: usize,
-    points: usize,
-    /// A row for each $i \ge j$; a column for each point of each block.
+    room: usize,
+    /// A column for each $i \ge j$; a row for each point of each block.
     symmetric: DMatrix<S>,
-    /// A row for each $i > j$; a column for each point of the blocks with $x < y$.
+    /// A column for each $i > j$; a row for each point of the blocks with $x < y$.
     antisymmetric: DMatrix<S>,
+}
+
+/// For how many points there is room, so that lanes need not be taken apart at the end.
+fn room(points: usize) -> usize {
+    points.next_multiple_of(LANES)
 }
 
 /// How many entries below the diagonal columns before `j` have, the diagonal with them.
@@ -43,43 +49,60 @@ impl<S: Scalar> PointHessians<S> {
         let half = dof * dof.saturating_sub(1) / 2;
         Self {
             dof,
-            points,
-            symmetric: DMatrix::zeros(half + dof, 6 * points),
-            antisymmetric: DMatrix::zeros(half, 3 * points),
+            room: room(points),
+            symmetric: DMatrix::zeros(6 * room(points), half + dof),
+            antisymmetric: DMatrix::zeros(3 * room(points), half),
         }
     }
 
-    /// The rows where $i \ge j$ is kept, the second for $i > j$.
-    fn rows(&self, i: usize, j: usize) -> (usize, usize) {
-        let row = before(self.dof, j) + i - j;
-        // Each column up to this has one on the diagonal.
-        (row, row.wrapping_sub(j + 1))
+    /// The columns where $i \ge j$ is kept, the second for $i > j$.
+    fn columns(&self, i: usize, j: usize) -> (usize, usize) {
+        let column = before(self.dof, j) + i - j;
+        // Each column of the block up to this has one on the diagonal.
+        (column, column.wrapping_sub(j + 1))
     }
 
-    /// What is kept of $W^{xy}$, $x \le y$, at point `g`: $W_{ij} + W_{ji}$ for $i \ge j$, or $W_{ij}$ where $x = y$, and $W_{ij} - W_{ji}$ for
-    /// $i > j$, column by column.
-    pub(super) fn kept(&mut self, [x, y]: [usize; 2], g: usize) -> (&mut [S], &mut [S]) {
-        let column = index(x, y) * self.points + g;
-        let (rows, below) = (self.symmetric.nrows(), self.antisymmetric.nrows());
-        let symmetric = &mut self.symmetric.as_mut_slice()[column * rows..(column + 1) * rows];
-        if x == y {
-            return (symmetric, &mut []);
+    /// Makes $W^{xy}$, $x \le y$, that with these entries at `W` points from `start` on. Kept are $W_{ij} + W_{ji}$ for $i \ge j$, or
+    /// $W_{ij}$ where $x = y$, and $W_{ij} - W_{ji}$ for $i > j$.
+    #[inline]
+    pub(super) fn put<const W: usize>(
+        &mut self,
+        [x, y]: [usize; 2],
+        start: usize,
+        entry: impl Fn(usize, usize) -> Lanes<S, W>,
+    ) {
+        let row = index(x, y) * self.room + start;
+        let columns = self.symmetric.as_mut_slice();
+        let mut sums = columns.chunks_exact_mut(6 * self.room);
+        let columns = self.antisymmetric.as_mut_slice();
+        let mut differences = columns.chunks_exact_mut(3 * self.room);
+        for j in 0..self.dof {
+            for i in j..self.dof {
+                let Some(sum) = sums.next() else {
+                    return;
+                };
+                let here = entry(i, j);
+                if x == y {
+                    sum[row..row + W].copy_from_slice(&here.0);
+                    continue;
+                }
+                let mirrored = entry(j, i);
+                sum[row..row + W].copy_from_slice(&(here + mirrored).0);
+                if i > j
+                    && let Some(difference) = differences.next()
+                {
+                    let row = row - 3 * self.room;
+                    difference[row..row + W].copy_from_slice(&(here - mirrored).0);
+                }
+            }
         }
-        let column = column - 3 * self.points;
-        let antisymmetric = self.antisymmetric.as_mut_slice();
-        (
-            symmetric,
-            &mut antisymmetric[column * below..(column + 1) * below],
-        )
     }
 
     /// Makes the matrix of point `g` this one.
     pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
         let n = self.dof;
         for (x, y) in BLOCKS {
-            let (symmetric, antisymmetric) = self.kept([x, y], g);
-            let entry = |i: usize, j: usize| matrix[(x * n + i, y * n + j)];
-            fold(n, x == y, entry, symmetric, antisymmetric);
+            self.put([x, y], g, |i, j| Lanes([matrix[(x * n + i, y * n + j)]]));
         }
     }
 
@@ -102,8 +125,8 @@ impl<S: Scalar> PointHessians<S> {
                 (column, row)
             };
             let (block, i, j) = (index(row / n, column / n), row % n, column % n);
-            let (at, below) = self.rows(i.max(j), i.min(j));
-            let symmetric = self.symmetric[(at, block * self.points + g)];
+            let (at, below) = self.columns(i.max(j), i.min(j));
+            let symmetric = self.symmetric[(block * self.room + g, at)];
             if block < 3 {
                 return symmetric;
             }
@@ -111,7 +134,7 @@ impl<S: Scalar> PointHessians<S> {
             if i == j {
                 return symmetric * half;
             }
-            let antisymmetric = self.antisymmetric[(below, (block - 3) * self.points + g)];
+            let antisymmetric = self.antisymmetric[((block - 3) * self.room + g, below)];
             if i > j {
                 (symmetric + antisymmetric) * half
             } else {
@@ -130,21 +153,19 @@ impl<S: Scalar> PointHessians<S> {
         let n = self.dof;
         let [symmetric, antisymmetric] = sums;
         let products = grid.products();
-        symmetric.gemm(S::one(), &self.symmetric, &products[0], S::zero());
-        if n > 1 {
-            antisymmetric.gemm(S::one(), &self.antisymmetric, &products[1], S::zero());
-        }
+        multiply(&products[0], &self.symmetric, symmetric);
+        multiply(&products[1], &self.antisymmetric, antisymmetric);
         let mut block = DMatrix::zeros(n, n);
-        for pair in 0..symmetric.ncols() {
+        for pair in 0..symmetric.nrows() {
             let (mut at, mut below) = (0, 0);
             for j in 0..n {
                 for i in j..n {
-                    let sum = symmetric[(at, pair)];
+                    let sum = symmetric[(pair, at)];
                     at += 1;
                     if i == j {
                         block[(i, j)] = sum;
                     } else {
-                        let turned = antisymmetric[(below, pair)];
+                        let turned = antisymmetric[(pair, below)];
                         below += 1;
                         block[(i, j)] = sum + turned;
                         block[(j, i)] = sum - turned;
@@ -158,61 +179,30 @@ impl<S: Scalar> PointHessians<S> {
     /// Room for the sums that [`integrate`](Self::integrate) makes of so many pairs.
     pub(super) fn sums(dof: usize, pairs: usize) -> [DMatrix<S>; 2] {
         let half = dof * dof.saturating_sub(1) / 2;
-        [half + dof, half].map(|rows| DMatrix::zeros(rows, pairs))
-    }
-}
-
-/// The sums and differences that [`PointHessians::kept`] speaks of, of the entries of a block.
-#[inline]
-pub(super) fn fold<T: Scalar>(
-    n: usize,
-    is_symmetric: bool,
-    entry: impl Fn(usize, usize) -> T,
-    symmetric: &mut [T],
-    antisymmetric: &mut [T],
-) {
-    let (mut symmetric, mut antisymmetric) = (symmetric.iter_mut(), antisymmetric.iter_mut());
-    for j in 0..n {
-        for i in j..n {
-            let here = entry(i, j);
-            let Some(sum) = symmetric.next() else {
-                return;
-            };
-            if is_symmetric {
-                *sum = here;
-                continue;
-            }
-            let mirrored = entry(j, i);
-            *sum = here + mirrored;
-            if i > j
-                && let Some(difference) = antisymmetric.next()
-            {
-                *difference = here - mirrored;
-            }
-        }
+        [half + dof, half].map(|columns| DMatrix::zeros(pairs, columns))
     }
 }
 
 /// The weighted products of functions that go with the parts that are kept: of the functions at the points of a piece, `table`, for
-/// each of `pairs`.
+/// each of `pairs`, a row each.
 pub(super) fn products<S: Scalar>(
     table: &DMatrix<S>,
     weights: &[S],
     pairs: &[(usize, usize)],
 ) -> [DMatrix<S>; 2] {
-    let (points, half) = (weights.len(), S::from_f64(0.5));
-    let mut products = [6, 3].map(|rows| DMatrix::zeros(rows * points, pairs.len()));
+    let (room, half) = (room(weights.len()), S::from_f64(0.5));
+    let mut products = [6, 3].map(|blocks| DMatrix::zeros(pairs.len(), blocks * room));
     for (pair, &(a, b)) in pairs.iter().enumerate() {
         for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
             for (g, weight) in weights.iter().enumerate() {
                 let product = |x, y| *weight * table[(a, 3 * g + x)] * table[(b, 3 * g + y)];
-                let row = block * points + g;
+                let column = block * room + g;
                 if x == y {
-                    products[0][(row, pair)] = product(x, x);
+                    products[0][(pair, column)] = product(x, x);
                 } else {
                     let (one, other) = (product(x, y) * half, product(y, x) * half);
-                    products[0][(row, pair)] = one + other;
-                    products[1][(row - 3 * points, pair)] = one - other;
+                    products[0][(pair, column)] = one + other;
+                    products[1][(pair, column - 3 * room)] = one - other;
                 }
             }
         }

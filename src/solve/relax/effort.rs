@@ -1,7 +1,6 @@
 //! The control effort as a running cost.
 
 use super::Charge;
-use super::blocks::{PointHessians, fold};
 use super::cost::{LANES, Point, PointCost, PointDerivatives, Points, PointsDerivatives, Wide};
 use crate::dynamics::{
     ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_second_order,
@@ -10,7 +9,6 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
 use nalgebra::{DMatrix, DVector};
-use std::ops::Range;
 
 /// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
 ///
@@ -32,7 +30,6 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
     stiff: DMatrix<Wide<S>>,
-    folded: Folded<S>,
     /// For one point alone.
     single: Data<S>,
     u: DVector<S>,
@@ -54,7 +51,6 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             stiffness: DVector::from_vec(zeros),
             squares: DMatrix::zeros(3 * n, 3 * n),
             stiff: DMatrix::zeros(3 * n, 3 * n),
-            folded: Folded::new(n),
             single: Data::new(model),
             u: DVector::zeros(n),
         }
@@ -144,14 +140,12 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             };
             let metric = |i, j| self.squares[squares(i, j)];
             let stiffness = |i, j| self.stiff[squares(i, j)];
-            let lanes = start..start + count;
-            let folded = &mut self.folded;
             let hessians = &mut out.hessians;
             match (phi, stiff) {
-                (None, false) => folded.put([x, y], metric, lanes.clone(), hessians),
+                (None, false) => hessians.put([x, y], start, metric),
                 (Some(phi), false) => {
                     let entry = |i, j| metric(i, j) + phi[(i, j)];
-                    folded.put([x, y], entry, lanes.clone(), hessians);
+                    hessians.put([x, y], start, entry);
                 }
                 (phi, true) => {
                     let zero = Wide::splat(S::zero());
@@ -159,11 +153,11 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
                         let phi = phi.map_or(zero, |phi| phi[(i, j)]);
                         metric(i, j) + stiffness(i, j) + phi
                     };
-                    folded.put([x, y], entry, lanes.clone(), hessians);
+                    hessians.put([x, y], start, entry);
                 }
             }
             if out.with_metrics {
-                folded.put([x, y], metric, lanes, &mut out.metrics);
+                out.metrics.put([x, y], start, metric);
             }
         }
     }
@@ -173,46 +167,6 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
 fn split<T>(z: &[T]) -> [&[T]; 3] {
     let n = z.len() / 3;
     [&z[..n], &z[n..2 * n], &z[2 * n..]]
-}
-
-/// What is kept of a block of a Hessian at the points that are side by side.
-#[derive(Clone, Debug)]
-struct Folded<S: Scalar> {
-    dof: usize,
-    symmetric: Vec<Wide<S>>,
-    antisymmetric: Vec<Wide<S>>,
-}
-
-impl<S: Scalar> Folded<S> {
-    fn new(n: usize) -> Self {
-        let zero = Wide::splat(S::zero());
-        Self {
-            dof: n,
-            symmetric: vec![zero; n * (n + 1) / 2],
-            antisymmetric: vec![zero; n * n.saturating_sub(1) / 2],
-        }
-    }
-
-    /// Puts block $W^{xy}$ with these entries where it belongs, the first lanes for `points`.
-    #[inline]
-    fn put(
-        &mut self,
-        [x, y]: [usize; 2],
-        entry: impl Fn(usize, usize) -> Wide<S>,
-        points: Range<usize>,
-        to: &mut PointHessians<S>,
-    ) {
-        let (symmetric, antisymmetric) = (&mut self.symmetric, &mut self.antisymmetric);
-        fold(self.dof, x == y, entry, symmetric, antisymmetric);
-        for (lane, point) in points.enumerate() {
-            let kept = to.kept([x, y], point);
-            for (to, from) in [(kept.0, &*symmetric), (kept.1, &*antisymmetric)] {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = from.0[lane];
-                }
-            }
-        }
-    }
 }
 
 impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {

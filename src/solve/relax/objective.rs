@@ -2,7 +2,7 @@
 
 use super::{BlockTridiagonal, Grid, PointCost, PointHessians, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, multiply};
 use nalgebra::{DMatrix, DVector};
 
 /// The sum $\sum_g w_g\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
@@ -20,6 +20,13 @@ pub struct Objective<'g, S: Scalar, P> {
     dof: usize,
     /// $q, v, a$ at the points of a piece, one column each.
     states: DMatrix<S>,
+    costs: Vec<S>,
+    /// Once derivatives are asked for.
+    room: Option<Room<S>>,
+}
+
+/// What derivatives are made of.
+struct Room<S: Scalar> {
     at_points: PointsDerivatives<S>,
     sums: [DMatrix<S>; 2],
     gradient: DMatrix<S>,
@@ -56,15 +63,14 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// The integral of `cost` for a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &'g Grid<S>, cost: P, dof: usize) -> Self {
-        let (points, functions) = (grid.points(), grid.table.nrows());
+        let points = grid.points();
         Self {
             grid,
             cost,
             dof,
             states: DMatrix::zeros(dof, 3 * points),
-            at_points: PointsDerivatives::new(dof, points),
-            sums: PointHessians::sums(dof, grid.pairs.len()),
-            gradient: DMatrix::zeros(dof, functions),
+            costs: vec![S::zero(); points],
+            room: None,
         }
     }
 
@@ -89,10 +95,9 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let mut sum = S::zero();
         for e in 0..self.grid.pieces {
             self.place(coefficients, e);
-            let costs = &mut self.at_points.costs;
-            self.cost
-                .values(points(self.grid, &self.states, e), costs)?;
-            for (weight, cost) in self.grid.weights.iter().zip(costs) {
+            let here = points(self.grid, &self.states, e);
+            self.cost.values(here, &mut self.costs)?;
+            for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
             }
         }
@@ -131,35 +136,31 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     ) -> Result<S> {
         self.check(coefficients)?;
         out.gradient.fill(S::zero());
-        out.hessian.fill_zero();
-        if with_metric {
-            out.metric.fill_zero();
-        }
-        self.at_points.with_metrics = with_metric;
+        let (grid, dof) = (self.grid, self.dof);
         let mut sum = S::zero();
-        for e in 0..self.grid.pieces {
+        for e in 0..grid.pieces {
             self.place(coefficients, e);
-            let here = points(self.grid, &self.states, e);
-            self.cost.all_derivatives(here, &mut self.at_points)?;
-            let at_points = &mut self.at_points;
-            for (g, weight) in self.grid.weights.iter().enumerate() {
+            let here = points(grid, &self.states, e);
+            let Room {
+                at_points,
+                sums,
+                gradient,
+            } = self.room.get_or_insert_with(|| Room::new(grid, dof));
+            at_points.with_metrics = with_metric;
+            self.cost.all_derivatives(here, at_points)?;
+            for (g, weight) in grid.weights.iter().enumerate() {
                 sum += *weight * at_points.costs[g];
                 let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
                 gradients *= *weight;
             }
-            let transposed = &self.grid.transposed;
-            self.gradient
-                .gemm(S::one(), &at_points.gradients, transposed, S::zero());
-            self.add_gradient(e, &mut out.gradient);
-            let (grid, sums) = (self.grid, &mut self.sums);
-            let hessians = &self.at_points.hessians;
-            hessians.integrate(grid, sums, |pair, block| {
-                add_block(grid, block, e, pair, &mut out.hessian);
+            multiply(&at_points.gradients, &grid.transposed, gradient);
+            add_gradient(grid, gradient, e, &mut out.gradient);
+            at_points.hessians.integrate(grid, sums, |pair, block| {
+                put_block(grid, block, e, pair, &mut out.hessian);
             });
             if with_metric {
-                let metrics = &self.at_points.metrics;
-                metrics.integrate(grid, sums, |pair, block| {
-                    add_block(grid, block, e, pair, &mut out.metric);
+                at_points.metrics.integrate(grid, sums, |pair, block| {
+                    put_block(grid, block, e, pair, &mut out.metric);
                 });
             }
         }
@@ -175,11 +176,17 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * pieces;
         let mut gram = Derivatives::new(grid, n).hessian;
         let identity = DMatrix::identity(n, n);
-        for pair in 0..grid.pairs.len() {
-            let velocities = grid.products()[0].view((grid.points(), pair), (grid.points(), 1));
-            let block = &identity * (velocities.sum() * scale);
-            for e in 0..grid.pieces {
-                add_block(grid, &block, e, pair, &mut gram);
+        let velocity = |m, g| grid.table[(m, 3 * g + 1)];
+        let squares = grid.pairs.iter().map(|&(a, b)| {
+            let at_points = grid.weights.iter().enumerate();
+            at_points.fold(S::zero(), |sum, (g, w)| {
+                sum + *w * velocity(a, g) * velocity(b, g)
+            })
+        });
+        let squares: Vec<S> = squares.collect();
+        for e in 0..grid.pieces {
+            for (pair, square) in squares.iter().enumerate() {
+                put_block(grid, &(&identity * (*square * scale)), e, pair, &mut gram);
             }
         }
         gram
@@ -193,23 +200,34 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// The curve at the points of piece `e`.
     fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
         let own = coefficients.columns(self.grid.first(e), self.grid.table.nrows());
-        self.states
-            .gemm(S::one(), &own, &self.grid.table, S::zero());
+        multiply(&own.into_owned(), &self.grid.table, &mut self.states);
     }
+}
 
-    fn add_gradient(&self, e: usize, out: &mut DVector<S>) {
-        let (n, first, free) = (self.dof, self.grid.first(e), &self.grid.free);
-        for (m, column) in self.gradient.column_iter().enumerate() {
-            if free.contains(&(first + m)) {
-                let mut target = out.rows_mut((first + m - free.start) * n, n);
-                target += column;
-            }
+impl<S: Scalar> Room<S> {
+    fn new(grid: &Grid<S>, dof: usize) -> Self {
+        Self {
+            at_points: PointsDerivatives::new(dof, grid.points()),
+            sums: PointHessians::sums(dof, grid.pairs.len()),
+            gradient: DMatrix::zeros(dof, grid.table.nrows()),
         }
     }
 }
 
-/// Adds the block of a pair of functions of piece `e` where it belongs.
-fn add_block<S: Scalar>(
+/// Adds the gradient in the functions of piece `e`, a column each, where it belongs.
+fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
+    let (n, first, free) = (gradient.nrows(), grid.first(e), &grid.free);
+    for (m, column) in gradient.column_iter().enumerate() {
+        if free.contains(&(first + m)) {
+            let mut target = out.rows_mut((first + m - free.start) * n, n);
+            target += column;
+        }
+    }
+}
+
+/// Puts the block of a pair of functions of piece `e` where it belongs, and adds it to what the piece before, which has to come first,
+/// put there.
+fn put_block<S: Scalar>(
     grid: &Grid<S>,
     block: &DMatrix<S>,
     e: usize,
@@ -221,16 +239,18 @@ fn add_block<S: Scalar>(
         return;
     }
     // Functions 0 and 1 of a piece are the last two of the block before.
-    let mut target = match (a < 2, b < 2) {
-        (false, false) => out.diagonal[e].view_mut(((a - 2) * n, (b - 2) * n), (n, n)),
-        (false, true) => out.coupling[e - 1].view_mut(((a - 2) * n, b * n), (n, n)),
+    let (target, (row, column)) = match (a < 2, b < 2) {
+        (false, false) => (&mut out.diagonal[e], ((a - 2) * n, (b - 2) * n)),
+        (false, true) => (&mut out.coupling[e - 1], ((a - 2) * n, b * n)),
         (true, _) => {
             let matrix = &mut out.diagonal[e - 1];
             let tail = matrix.nrows() - 2 * n;
-            matrix.view_mut((tail + a * n, tail + b * n), (n, n))
+            let mut target = matrix.view_mut((tail + a * n, tail + b * n), (n, n));
+            target += block;
+            return;
         }
     };
-    target += block;
+    target.view_mut((row, column), (n, n)).copy_from(block);
 }
 
 /// What the running cost reads at the points of piece `e`.
