@@ -2,12 +2,13 @@
 
 use super::{Over, Scalar};
 use num_traits::{One, Zero};
+use std::any::Any;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `W` numbers that go through the same arithmetic side by side, such as the same joint at `W` times of a motion.
 ///
 /// Over `f64` the compiler makes SIMD instructions of it, as wide as it is allowed to (`-C target-cpu`). Each lane has the value,
-/// to the last bit, that the number alone would have.
+/// to the last bit, that the number alone would have; sines and cosines of four `f64` may differ in that bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);
@@ -80,6 +81,22 @@ impl<S: Scalar, const W: usize> One for Lanes<S, W> {
     }
 }
 
+/// Beyond this angle, in rad, the short way to sines and cosines loses digits.
+const LARGE: f64 = 1e9;
+
+/// Sines and cosines of four `f64` in a sixth of the time that one after the other take.
+#[inline(always)]
+fn at_once<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
+    let angles: &Lanes<f64, 4> = (&angles as &dyn Any).downcast_ref()?;
+    if !angles.0.iter().all(|angle| angle.abs() < LARGE) {
+        return None;
+    }
+    let (sin, cos) = wide::f64x4::from(angles.0).sin_cos();
+    let [sin, cos] = [sin, cos].map(|x| Lanes(x.to_array()));
+    let back = |x: &dyn Any| x.downcast_ref().copied();
+    Some((back(&sin)?, back(&cos)?))
+}
+
 impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
@@ -88,6 +105,9 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
+        if let Some(found) = at_once(self) {
+            return found;
+        }
         let (mut sin, mut cos) = (self, self);
         for i in 0..W {
             (sin.0[i], cos.0[i]) = self.0[i].sin_cos();

@@ -8,10 +8,10 @@ use super::horizon::{Exactness, Tried, search};
 use super::ladder::{self, line};
 use super::newton::{End, Newton, SMALLEST_COST, Stop};
 use super::running_cost::check_integral;
-use super::scan::{Peak, Scan, rows_on};
+use super::scan::{Peak, rows_on};
 use super::{
-    ChargedCost, FreeHorizon, Grid, Iteration, Objective, Points, RelaxSettings, RelaxSolution,
-    SquaredControl, curve_of, path_of,
+    ChargedCost, FRESH, FreeHorizon, Grid, Iteration, Objective, Points, RelaxSettings,
+    RelaxSolution, SquaredControl, curve_of, path_of,
 };
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
@@ -19,8 +19,9 @@ use crate::solve::Problem;
 use nalgebra::DMatrix;
 
 const FEASIBLE: f64 = RelaxSettings::FEASIBLE;
-/// Points to start with for each degree.
-const POINTS: usize = 3;
+/// Points to start with for each degree, and at the highest level, where with fewer most searches have to go on with more.
+const POINTS: f64 = 3.0;
+const POINTS_LAST: f64 = 3.5;
 /// How many intervals between two points are looked at.
 const SCAN: usize = 6;
 /// The last look is at so many intervals at least.
@@ -39,8 +40,6 @@ const NEAR: f64 = 1e-4;
 const TRIED: usize = 3;
 /// After so many rounds in which nothing became better the constraints are taken to exclude each other.
 const PATIENCE: usize = 8;
-/// Rounds begin near where the last one ended, where the metric changes little.
-const FRESH: usize = 3;
 /// The most iterations in a round.
 const ITERATIONS: usize = 60;
 
@@ -159,7 +158,11 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         }
         held.path = held.path.in_basis(settings.basis());
         let held = hold(&grids, problem, &rows, held, highest, &mut log)?;
-        if best.as_ref().is_none_or(|b| held.violation < b.violation) {
+        // None before it was right at the end.
+        if best
+            .as_ref()
+            .is_none_or(|b| held.converged || held.violation < b.violation)
+        {
             best = Some(held);
         }
         if best.as_ref().is_some_and(|b| b.converged) {
@@ -217,12 +220,13 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
     let n = problem.model().dof();
     let count = rows.count();
     let basis = held.path.basis.clone();
-    let mut points = POINTS * basis.degree() + 4;
+    let each = if level.last { POINTS_LAST } else { POINTS };
+    let mut points = (each * basis.degree() as f64) as usize + 4;
     let (mut rounds, mut best, mut since) = (0, f64::INFINITY, 0);
     'points: loop {
         let grid = grids.get(&basis, points, problem.horizon());
         let finer = grids.get(&basis, points * 3 / 2 + 7, problem.horizon());
-        let mut scan = Scan::new(&basis, SCAN * points, problem.horizon());
+        let mut scan = grids.scan(&basis, SCAN * points, problem.horizon());
         let mut fine = false;
         let mut cost = Augmented::of(rows.clone(), held.rho, grid.times.len());
         cost.multipliers = held.multipliers_at(&grid.times, count);
@@ -238,9 +242,9 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
         if cost.rho == 0.0 {
             cost.rho = first_weight(&grid, &h, count, effort);
         }
+        let mut objective = Objective::new(&grid, cost, n);
+        let mut newton = Newton::new(&objective);
         loop {
-            let mut objective = Objective::new(&grid, &mut cost, n);
-            let mut newton = Newton::new(&objective);
             let stop = Stop {
                 tolerance: tolerance.max(level.stop.tolerance),
                 precise: level.stop.precise && tolerance <= level.stop.tolerance,
@@ -255,7 +259,7 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
             };
             let from = held.path.coefficients.clone();
             let found = newton.minimise(&mut objective, from, stop, &mut coarse, observe)?;
-            drop(objective);
+            let cost = objective.cost_mut();
             held.path.coefficients = found.coefficients;
             (held.effort, held.quadrature_error) = (exact, error);
             check_integral(exact)?;
@@ -272,7 +276,7 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
             if violation <= NEAR && level.last && !fine {
                 fine = true;
                 let intervals = (FINE / basis.pieces()).max(SCAN * points);
-                scan = Scan::new(&basis, intervals, problem.horizon());
+                scan = grids.scan(&basis, intervals, problem.horizon());
                 peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
                 violation = largest(&peaks, &cost.rows.units);
             }

@@ -2,6 +2,7 @@
 
 use super::Basis;
 use super::blocks::products;
+use super::scan::Scan;
 use crate::pseudospectral::gauss_legendre;
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
@@ -33,27 +34,46 @@ pub struct Grid<S: Scalar> {
     products: OnceLock<[DMatrix<S>; 2]>,
 }
 
-/// Grids that several searches have in common.
+/// Tables that several searches have in common.
 #[derive(Default)]
-pub(super) struct Grids(RefCell<Vec<Made>>);
+pub(super) struct Grids {
+    grids: RefCell<Vec<Made<Grid<f64>>>>,
+    scans: RefCell<Vec<Made<Scan>>>,
+}
 
-/// A grid and what it was made of.
-type Made = (Basis, usize, f64, Rc<Grid<f64>>);
+/// A table and what it was made of.
+type Made<T> = (Basis, usize, f64, Rc<T>);
 
 impl Grids {
     /// As [`Grid::new`].
     pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Rc<Grid<f64>> {
-        let mut made = self.0.borrow_mut();
-        let known = made
-            .iter()
-            .find(|(b, p, t, _)| (b, *p, *t) == (basis, points, horizon));
-        if let Some((.., grid)) = known {
-            return grid.clone();
-        }
-        let grid = Rc::new(Grid::new(basis, points, horizon));
-        made.push((basis.clone(), points, horizon, grid.clone()));
-        grid
+        get(&self.grids, basis, points, horizon, Grid::new)
     }
+
+    /// As [`Scan::new`].
+    pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Rc<Scan> {
+        get(&self.scans, basis, intervals, horizon, Scan::new)
+    }
+}
+
+/// What is there already, or else a `new` one.
+fn get<T>(
+    made: &RefCell<Vec<Made<T>>>,
+    basis: &Basis,
+    count: usize,
+    horizon: f64,
+    new: impl Fn(&Basis, usize, f64) -> T,
+) -> Rc<T> {
+    let mut made = made.borrow_mut();
+    let known = made
+        .iter()
+        .find(|(b, c, t, _)| (b, *c, *t) == (basis, count, horizon));
+    if let Some((.., table)) = known {
+        return table.clone();
+    }
+    let table = Rc::new(new(basis, count, horizon));
+    made.push((basis.clone(), count, horizon, table.clone()));
+    table
 }
 
 impl Grid<f64> {

@@ -55,6 +55,10 @@ use ladder::{Level, Path, Settled, settle};
 use nalgebra::{DMatrix, DVector};
 use newton::Stop;
 
+/// At the highest degree the metric is computed anew after so many steps. Below, where a search has far to go, it is that of every
+/// curve: the minima that are found are better.
+const FRESH: usize = 3;
+
 /// What is asked below the highest degree, where a curve is no more than the start of the next.
 const LOWER: Level = Level {
     stop: Stop {
@@ -156,7 +160,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         stop: Stop {
             tolerance: settings.tolerance,
             iterations: settings.iterations,
-            fresh: 1,
+            fresh: FRESH,
             precise: true,
         },
         agreement: settings.agreement,

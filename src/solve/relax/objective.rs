@@ -80,6 +80,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         self.grid
     }
 
+    /// The running cost.
+    pub fn cost_mut(&mut self) -> &mut P {
+        &mut self.cost
+    }
+
     /// `N`.
     #[must_use]
     pub fn dof(&self) -> usize {

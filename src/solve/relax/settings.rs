@@ -44,7 +44,7 @@ impl Default for RelaxSettings {
             iterations: 500,
             agreement: 1e-3,
             starts: 8,
-            bend: 1.0,
+            bend: 1.5,
             start: None,
             free_final_velocity: false,
             free_horizon: None,
