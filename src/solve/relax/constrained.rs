@@ -68,7 +68,7 @@ const LOWER: Level = Level {
     stop: Stop {
         tolerance: 0.1,
         iterations: 12,
-        fresh: FRESH,
+        fresh: 3,
         precise: false,
     },
     agreement: 0.05,

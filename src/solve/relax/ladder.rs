@@ -90,8 +90,10 @@ impl Path {
     pub fn bent(&self, size: f64, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut bent = self.clone();
+        let times = (0..=64).map(|i| i as f64 / 32.0 - 1.0);
+        let tables: Vec<_> = times.map(|s| self.basis.local(s)).collect();
         for k in 2..self.basis.degree() - 1 {
-            let heights = (0..=64).map(|i| self.basis.local(i as f64 / 32.0 - 1.0)[(0, k)].abs());
+            let heights = tables.iter().map(|table| table[(0, k)].abs());
             let height = heights.fold(0.0, f64::max);
             for j in 0..bent.coefficients.nrows() {
                 let share: f64 = rng.random_range(-1.0..1.0);

@@ -55,9 +55,9 @@ use ladder::{Level, Path, Settled, settle};
 use nalgebra::{DMatrix, DVector};
 use newton::Stop;
 
-/// At the highest degree the metric is computed anew after so many steps. Below, where a search has far to go, it is that of every
-/// curve: the minima that are found are better.
-const FRESH: usize = 3;
+/// At the highest degree the metric is computed anew after so many steps. Below, where a search has far to go, that is more often: the
+/// minima that are found are better.
+const FRESH: usize = 60;
 
 /// What is asked below the highest degree, where a curve is no more than the start of the next.
 const LOWER: Level = Level {
