@@ -312,6 +312,23 @@ fn an_arm_among_spheres_keeps_clear() {
     assert!(clearance.is_some_and(|m| m >= -1e-6), "{clearance:?}");
 }
 
+/// With these bends the first candidate stalls within the constraints, and the next one ends at a minimum.
+#[test]
+fn what_converged_is_told_of_rather_than_what_stalled() {
+    let scenario = Scenario::load("kinova_obstacles_04").expect("built in");
+    let requirements = Requirements {
+        state: scenario.state_constraints().expect("valid"),
+        torque: scenario.torque_limits(),
+    };
+    let settings = RelaxSettings {
+        bend: 1.25,
+        ..SolveOptions::default().relax_settings(&scenario)
+    };
+    let problem = scenario.problem().expect("valid");
+    let solution = relax_constrained(&problem, &settings, &requirements, &mut |_| {});
+    assert!(solution.expect("valid").converged);
+}
+
 /// An end that is in a sphere cannot be helped, and it is said how deep it is.
 #[test]
 fn an_end_in_an_obstacle_is_a_failure() {

@@ -52,7 +52,31 @@ proptest! {
         let nested = mixed(Dual::new(Dual64::new(x, 1.0), Dual64::new(1.0, 0.0)));
         near(nested.eps.eps, second);
         prop_assert!((f64::from(mixed(x as f32)) - value).abs() < 1e-5);
-        prop_assert_eq!(mixed(Lanes([x, 0.0, 1.0, -x])).0[3], -mixed(x));
+        near(mixed(Lanes([x, 0.0, 1.0, -x])).0[3], -mixed(x));
+        prop_assert_eq!(mixed(Lanes([x, 0.0, -x])).0[2], -mixed(x));
+    }
+
+    /// In the first lanes angles as they come, in the last ones far beyond what the short way is for.
+    #[test]
+    fn sines_in_lanes_are_those_of_numbers(x in -1e9..1e9_f64, y in -7.0..7.0_f64, z in 1e9..1e300_f64) {
+        let same = |angles: [f64; 4], digits: f64| {
+            let (sin, cos) = Scalar::sin_cos(Lanes(angles));
+            for lane in 0..4 {
+                let (s, c) = angles[lane].sin_cos();
+                assert!((sin.0[lane] - s).abs() <= digits * s.abs(), "{angles:?} {sin:?}");
+                assert!((cos.0[lane] - c).abs() <= digits * c.abs(), "{angles:?} {cos:?}");
+            }
+        };
+        // One unit in the last place, and cancellation in what is left of a large angle.
+        same([y, -y, 0.0, y / 8.0], f64::EPSILON);
+        let (sin, cos) = Scalar::sin_cos(Lanes([x, y, -x, 0.1 * x]));
+        for (lane, angle) in [x, y, -x, 0.1 * x].into_iter().enumerate() {
+            prop_assert!((sin.0[lane] - angle.sin()).abs() <= 2.0 * f64::EPSILON);
+            prop_assert!((cos.0[lane] - angle.cos()).abs() <= 2.0 * f64::EPSILON);
+        }
+        same([y, z, x, -z], 0.0);
+        let (sin, cos) = Scalar::sin_cos(Lanes([f64::NAN, y, f64::INFINITY, x]));
+        prop_assert!([sin.0[0], cos.0[0], sin.0[2], cos.0[2]].iter().all(|x| x.is_nan()));
     }
 
     #[test]
