@@ -28,7 +28,7 @@ pub struct Grid<S: Scalar> {
     pub(super) table: DMatrix<S>,
     /// Its transpose.
     pub(super) transposed: DMatrix<S>,
-    /// Pairs of functions of a piece, the first not before the second, in the order of the columns of the products.
+    /// Pairs of functions of a piece, the first not before the second, in the order of the rows of the products.
     pub(super) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,

@@ -2,7 +2,7 @@
 
 use super::ladder::Path;
 use super::newton::SMALLEST_COST;
-use super::objective::points;
+use super::objective::{place, points};
 use super::{Grid, PointCost, PointDerivatives};
 use crate::error::{Error, Result};
 use crate::scalar::Scalar;
@@ -93,14 +93,8 @@ pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
     let (rate, two) = (S::one() / horizon, S::from_f64(2.0));
     let mut slope = S::zero();
     for e in 0..grid.pieces {
-        let own = (grid.first(e), grid.table.nrows());
         for (from, to) in [(coefficients, &mut states), (rates, &mut moving)] {
-            to.gemm(
-                S::one(),
-                &from.columns(own.0, own.1),
-                &grid.table,
-                S::zero(),
-            );
+            place(from, grid.first(e), &grid.table, to);
         }
         for (g, weight) in grid.weights.iter().enumerate() {
             let at = points(grid, &states, e).point(g);

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 ///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\, W^{xy}. $$
 ///
 /// The products of functions are tabulated, so all blocks of the Hessian of a piece with `p` functions and `M` points are two products of
-/// matrices, see [`PointHessians`]: about $N^2 / 2$ by $9 M$ times $9 M$ by $p^2 / 2$.
+/// matrices, see [`PointHessians`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
 pub struct Objective<'g, S: Scalar, P> {
     grid: &'g Grid<S>,
     cost: P,
@@ -99,7 +99,12 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         self.check(coefficients)?;
         let mut sum = S::zero();
         for e in 0..self.grid.pieces {
-            self.place(coefficients, e);
+            place(
+                coefficients,
+                self.grid.first(e),
+                &self.grid.table,
+                &mut self.states,
+            );
             let here = points(self.grid, &self.states, e);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
@@ -144,7 +149,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let (grid, dof) = (self.grid, self.dof);
         let mut sum = S::zero();
         for e in 0..grid.pieces {
-            self.place(coefficients, e);
+            place(coefficients, grid.first(e), &grid.table, &mut self.states);
             let here = points(grid, &self.states, e);
             let Room {
                 at_points,
@@ -201,12 +206,6 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         check_length("coefficients", self.dof, coefficients.nrows())?;
         check_length("coefficients", self.grid.count(), coefficients.ncols())
     }
-
-    /// The curve at the points of piece `e`.
-    fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
-        let own = coefficients.columns(self.grid.first(e), self.grid.table.nrows());
-        multiply(&own.into_owned(), &self.grid.table, &mut self.states);
-    }
 }
 
 impl<S: Scalar> Room<S> {
@@ -256,6 +255,17 @@ fn put_block<S: Scalar>(
         }
     };
     target.view_mut((row, column), (n, n)).copy_from(block);
+}
+
+/// The curve of the functions from `first` on, where `table` has them.
+pub(super) fn place<S: Scalar>(
+    coefficients: &DMatrix<S>,
+    first: usize,
+    table: &DMatrix<S>,
+    states: &mut DMatrix<S>,
+) {
+    let own = coefficients.columns(first, table.nrows()).into_owned();
+    multiply(&own, table, states);
 }
 
 /// What the running cost reads at the points of piece `e`.

@@ -1,11 +1,10 @@
 //! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
 
 use super::augmented::Rows;
-use super::objective::points;
+use super::objective::{place, points};
 use super::{Basis, ChargedCost, Grid, Points};
 use crate::aghf::constraint::Constraint;
 use crate::error::Result;
-use crate::scalar::multiply;
 use nalgebra::DMatrix;
 
 /// A basis tabulated at equally spaced times.
@@ -62,8 +61,12 @@ impl Scan {
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
         let mut h = vec![0.0; count * (self.intervals + 1)];
         for piece in 0..pieces {
-            let own = coefficients.columns(self.basis.first(piece), self.table.nrows());
-            multiply(&own.into_owned(), &self.table, &mut states);
+            place(
+                coefficients,
+                self.basis.first(piece),
+                &self.table,
+                &mut states,
+            );
             let first = piece * self.intervals;
             let times: Vec<_> = (0..=self.intervals)
                 .map(|k| (first + k) as f64 * interval)
@@ -117,8 +120,7 @@ pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
     let mut states = DMatrix::zeros(n, grid.table.ncols());
     let (mut effort, mut costs) = (0.0, vec![0.0; grid.points()]);
     for e in 0..grid.pieces {
-        let own = coefficients.columns(grid.first(e), grid.table.nrows());
-        multiply(&own.into_owned(), &grid.table, &mut states);
+        place(coefficients, grid.first(e), &grid.table, &mut states);
         let here = points(grid, &states, e);
         let own = here.first * count..(here.first + grid.points()) * count;
         rows.at(here, &mut h[own], &mut costs)?;
