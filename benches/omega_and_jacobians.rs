@@ -3,12 +3,13 @@
 //! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
 //! the growth `N^e` that fits the four largest robots of each row best.
 
-use aghf::aghf::constraint::{Ball, Capsule, Penalty, Sphere, SphereBalls};
-use aghf::aghf::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::aghf::{
-    AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorqueLimits, TorquePenalty,
-};
-use aghf::model::{Model, builtin_robot, builtin_robots, random_chain};
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{Ball, Capsule, Sphere, SphereBalls};
+use aghf::flow::Penalty;
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
+use aghf::model::{Model, random_chain};
+use aghf::urdf::{builtin_robot, builtin_robots};
 use clap::ValueEnum;
 use criterion::Criterion;
 use nalgebra::Vector3;

@@ -1,16 +1,23 @@
 #![doc = include_str!("../README.md")]
 
-pub mod aghf;
 pub mod cli;
+pub mod constraint;
+pub mod curve;
 pub mod dynamics;
 pub mod error;
+pub mod experiments;
+pub mod flow;
+pub mod guide;
+pub mod linalg;
 pub mod model;
-pub mod pseudospectral;
-pub mod report;
+pub mod motion;
+pub mod ode;
+pub mod output;
+pub mod relax;
 pub mod scalar;
 pub mod scenario;
-pub mod solve;
 pub mod spatial;
+pub mod urdf;
+pub mod verify;
 
-pub use aghf::check;
 pub use error::{Error, Result};

@@ -2,13 +2,14 @@
 
 mod common;
 
-use aghf::aghf::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
-use aghf::aghf::{
+use aghf::dynamics::{Data, aba, bias, crba, rnea};
+use aghf::flow::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
+use aghf::flow::{
     AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian, lagrangian_of_control,
 };
-use aghf::dynamics::{Data, aba, bias, crba, rnea};
+use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
-use aghf::scalar::{Ldlt, Over};
+use aghf::scalar::Over;
 use common::{
     any_model, config, constants, dual_jacobian, dual_rate, model_and_node, node, robot, robots,
     solve_bound,

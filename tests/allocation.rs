@@ -2,14 +2,14 @@
 
 mod common;
 
-use aghf::aghf::constraint::{Ball, Bounds, Penalty, Sphere, SphereBalls};
-use aghf::aghf::{
-    AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorqueLimits, TorquePenalty,
-};
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{Ball, Bounds, Sphere, SphereBalls};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
     crba_derivatives, frame_jacobian, rnea, rnea_derivatives,
 };
+use aghf::flow::Penalty;
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
 use aghf::scalar::Over;
 use common::robot;
 use nalgebra::{DMatrix, Vector3};

@@ -2,13 +2,15 @@
 
 mod common;
 
-use aghf::aghf::Node;
-use aghf::aghf::jacobian::{ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::aghf::{AlgorithmB1, ControlEffort, Definition};
-use aghf::check::{BOUND, CheckOptions, Finding, LARGEST_BOUND, State, check_all, check_jacobian};
+use aghf::flow::Node;
+use aghf::flow::jacobian::{ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
+use aghf::flow::{AlgorithmB1, ControlEffort, Definition};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
-use aghf::solve::relax::check_relaxation;
 use aghf::spatial::{Inertia, Placement};
+use aghf::verify::duals::check_relaxation;
+use aghf::verify::duals::{
+    BOUND, CheckOptions, Finding, LARGEST_BOUND, State, check_all, check_jacobian,
+};
 use common::{robot, robots};
 use nalgebra::{Matrix3, Vector3};
 

@@ -2,8 +2,8 @@
 
 mod command;
 
-use aghf::aghf::{ControlForm, Node, RightHandSide};
-use aghf::model::builtin_robot;
+use aghf::flow::{ControlForm, Node, RightHandSide};
+use aghf::urdf::builtin_robot;
 use command::{aghf, assert_bad_input, empty_folder, parsed};
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Map, Value, json};

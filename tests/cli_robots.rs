@@ -2,7 +2,7 @@
 
 mod command;
 
-use aghf::model::builtin_robots;
+use aghf::urdf::builtin_robots;
 use command::{aghf, assert_bad_input, empty_folder, files, parsed};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

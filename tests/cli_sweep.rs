@@ -2,8 +2,8 @@
 
 mod command;
 
-use aghf::report::sweep::Results;
-use aghf::scenario::sweep::{Row, Shard, Sweep, builtin_sweeps};
+use aghf::experiments::sweep::Results;
+use aghf::experiments::sweep::{Row, Shard, Sweep, builtin_sweeps};
 use command::{aghf, assert_bad_input, empty_folder, files};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

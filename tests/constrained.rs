@@ -2,20 +2,22 @@
 
 mod common;
 
-use aghf::aghf::constraint::{
-    Ball, Bound, Bounds, BuiltIn, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Penalty, Side,
-    Sphere, SphereBalls,
-};
-use aghf::aghf::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::aghf::{
-    AlgorithmB1, ControlCost, ControlEffort, ControlForm, Definition, Lagrangian, Penalised,
-    RightHandSide, Sum, TorqueLimits, TorquePenalty, constrained_lagrangian, penalty,
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{
+    Ball, Bound, Bounds, BuiltIn, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side, Sphere,
+    SphereBalls,
 };
 use aghf::dynamics::{Data, rnea};
+use aghf::flow::Penalty;
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
+use aghf::flow::{
+    AlgorithmB1, ControlCost, ControlEffort, ControlForm, Definition, Lagrangian, Penalised,
+    RightHandSide, Sum, TorquePenalty, constrained_lagrangian, penalty,
+};
+use aghf::flow::{FlowSettings, flow, flow_constrained};
 use aghf::model::{Model, random_tree};
 use aghf::scalar::Over;
 use aghf::scenario::Scenario;
-use aghf::solve::{FlowSettings, flow, flow_constrained};
 use common::{config, model_and_node, node, robot, solve_bound};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -319,7 +321,7 @@ fn the_flow_heeds_constraints() {
         .expect("good input")
         .expect("it reaches its end")
         .curve;
-    let fastest = |curve: &aghf::pseudospectral::Curve| {
+    let fastest = |curve: &aghf::curve::Curve| {
         let speeds = (0..=100).map(|i| curve.at(0.02 * f64::from(i)).0[1].abs());
         speeds.fold(0.0, f64::max)
     };

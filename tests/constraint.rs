@@ -2,7 +2,7 @@
 
 mod common;
 
-use aghf::aghf::constraint::{
+use aghf::constraint::{
     Ball, Bound, Bounds, BuiltIn, Capsule, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side,
     Sphere, SphereBalls, State, Weights,
 };

@@ -1,7 +1,7 @@
 //! What a motion keeps clear of and which limits it breaks.
 
+use aghf::motion::Sample;
 use aghf::scenario::{Feasibility, Limit, Scenario};
-use aghf::solve::Sample;
 
 /// A motion that does not exist: at rest, with these entries for joint 0 of Kinova.
 fn samples(of_joint_0: &[(f64, f64, f64)]) -> Vec<Sample> {

@@ -1,6 +1,6 @@
 //! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the same.
 
-use aghf::aghf::constraint::{Ball, BuiltIn, Capsule, SphereBalls};
+use aghf::constraint::{Ball, BuiltIn, Capsule, SphereBalls};
 use aghf::scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};
 
 /// The smallest clearance of configurations, m.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use aghf::solve::{Ode, Tolerance};
+use aghf::ode::{Ode, Tolerance};
 use common::ode::{both, error, oscillate, oscillate_jacobian, oscillator, solve, system};
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod common;
 
-use aghf::solve::{NonFinite, Statistics, Tolerance};
+use aghf::ode::{NonFinite, Statistics, Tolerance};
 use common::ode::{both, error, oscillate, oscillate_jacobian, oscillator, solve, system};
 
 #[test]

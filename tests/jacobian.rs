@@ -2,10 +2,10 @@
 
 mod common;
 
-use aghf::aghf::jacobian::{
+use aghf::flow::jacobian::{
     CentralDifference, ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
-use aghf::aghf::{AlgorithmB1, Node};
+use aghf::flow::{AlgorithmB1, Node};
 use aghf::model::{Model, random_tree};
 use common::{config, model_and_node, node, robot, robots, solve_bound};
 use proptest::prelude::*;

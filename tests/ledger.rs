@@ -1,6 +1,6 @@
 //! The ledger: the pages in `proofs/` and the identities that are proved say the same of every numbered equation.
 
-use aghf::report::prove::{identities, prove};
+use aghf::verify::field::{identities, prove};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

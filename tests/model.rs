@@ -3,9 +3,10 @@
 mod common;
 
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
-use aghf::model::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited};
-use aghf::model::{Limits, LoadNote, Model, parse_urdf};
+use aghf::model::{Limits, Model};
 use aghf::spatial::Placement;
+use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited};
+use aghf::urdf::{LoadNote, parse_urdf};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Unit, Vector3};
 
 /// A body with a centre of mass and principal axes of its own.

@@ -1,9 +1,9 @@
 //! Readings of the printed equations that `proofs/` does not follow: they fail, exactly, over the field.
 
-use aghf::aghf::{TheoremB3, activation};
 use aghf::dynamics::{Data, aba, crba, crba_contracted, crba_derivatives};
-use aghf::report::prove::Point;
+use aghf::flow::{TheoremB3, activation};
 use aghf::scalar::PrimeField;
+use aghf::verify::field::Point;
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 use rand::SeedableRng;

@@ -2,9 +2,10 @@
 
 mod common;
 
-use aghf::aghf::ControlForm;
-use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
-use aghf::pseudospectral::{Chebyshev, Collocation, Curve, assemble_jacobian, gauss_legendre};
+use aghf::curve::{Chebyshev, Curve, gauss_legendre};
+use aghf::flow::ControlForm;
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
+use aghf::flow::{Collocation, assemble_jacobian};
 use common::{config, dual_jacobian, numbers, robot};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;

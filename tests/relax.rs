@@ -2,12 +2,15 @@
 
 mod common;
 
-use aghf::aghf::{ControlForm, Node, RightHandSide};
+use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, crba};
-use aghf::pseudospectral::{Curve, gauss_legendre};
+use aghf::flow::measure;
+use aghf::flow::{ControlForm, Node, RightHandSide};
+use aghf::motion::Problem;
+use aghf::relax::relax;
+use aghf::relax::{Point, PointCost, PointDerivatives, SquaredControl};
+use aghf::relax::{RelaxSettings, RelaxSolution, relax_with};
 use aghf::scenario::Scenario;
-use aghf::solve::relax::{Point, PointCost, PointDerivatives, SquaredControl};
-use aghf::solve::{Problem, RelaxSettings, RelaxSolution, measure, relax, relax_with};
 use common::{robot, slider};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, DualNum};

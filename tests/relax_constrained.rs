@@ -2,19 +2,19 @@
 
 mod common;
 
-use aghf::aghf::TorqueLimits;
-use aghf::aghf::constraint::{
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{
     Ball, Bound, Bounds, BuiltIn, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side, Sphere,
     SphereBalls,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
+use aghf::motion::{Problem, sample};
+use aghf::relax::relax;
+use aghf::relax::{Augmented, Point, PointCost, PointDerivatives};
+use aghf::relax::{RelaxSettings, RelaxSolution, Requirements, relax_constrained};
 use aghf::scalar::{Jet, Over};
 use aghf::scenario::{Scenario, SolveOptions, solve};
-use aghf::solve::relax::{Augmented, Point, PointCost, PointDerivatives};
-use aghf::solve::{
-    Problem, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained, sample,
-};
 use aghf::spatial::{Inertia, Placement};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -2,11 +2,11 @@
 
 mod common;
 
+use aghf::curve::Basis;
+use aghf::linalg::BlockTridiagonal;
 use aghf::model::{Model, random_tree};
+use aghf::relax::{Derivatives, Grid, Objective, PointHessians, SquaredControl};
 use aghf::scalar::{Jet, Over};
-use aghf::solve::relax::{
-    Basis, BlockTridiagonal, Derivatives, Grid, Objective, PointHessians, SquaredControl,
-};
 use common::slider;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};

@@ -2,16 +2,16 @@
 
 mod common;
 
-use aghf::aghf::TorqueLimits;
-use aghf::aghf::constraint::{Bound, Bounds, BuiltIn, Side};
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{Bound, Bounds, BuiltIn, Side};
+use aghf::curve::{Chebyshev, Curve};
 use aghf::dynamics::{Data, aba};
+use aghf::flow::measure;
 use aghf::model::Model;
-use aghf::pseudospectral::{Chebyshev, Curve};
+use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
+use aghf::relax::relax;
+use aghf::relax::{RelaxSettings, RelaxSolution, Requirements, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
-use aghf::solve::{
-    Feedback, Problem, RelaxSettings, RelaxSolution, Requirements, control_at, measure, relax,
-    relax_constrained, replay_error, sample, simulate,
-};
 use common::{robot, slider};
 use nalgebra::{DMatrix, DVector};
 

@@ -2,15 +2,17 @@
 
 mod common;
 
-use aghf::aghf::TorqueLimits;
-use aghf::aghf::constraint::{Bound, Bounds, Side};
-use aghf::pseudospectral::Curve;
-use aghf::scenario::Scenario;
-use aghf::solve::relax::{HyperDual64, Moment};
-use aghf::solve::{
-    Feedback, FreeHorizon, Problem, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax,
-    relax_constrained, relax_with, simulate,
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{Bound, Bounds, Side};
+use aghf::curve::Curve;
+use aghf::motion::{Feedback, Problem, simulate};
+use aghf::relax::relax;
+use aghf::relax::{
+    FreeHorizon, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax_constrained,
+    relax_with,
 };
+use aghf::relax::{HyperDual64, Moment};
+use aghf::scenario::Scenario;
 use common::slider;
 
 fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {

@@ -2,8 +2,8 @@
 
 mod command;
 
-use aghf::report::reproduce::fit::{polynomial, power_law, value};
-use aghf::report::reproduce::{
+use aghf::experiments::reproduce::fit::{polynomial, power_law, value};
+use aghf::experiments::reproduce::{
     GRIDS, Origin, Quantity, Reproduction, SYSTEMS, Settings, SystemResult, reproduce,
 };
 use aghf::scenario::Limit;

@@ -3,11 +3,9 @@
 mod common;
 
 use aghf::dynamics::{Data, crba, rnea};
-use aghf::model::{
-    Joint, JointKind, JointSpec, Limits, LoadNote, Model, builtin_robot, builtin_robots,
-    parse_urdf, pendulum, random_tree,
-};
+use aghf::model::{Joint, JointKind, JointSpec, Limits, Model, pendulum, random_tree};
 use aghf::spatial::{Inertia, Placement};
+use aghf::urdf::{LoadNote, builtin_robot, builtin_robots, parse_urdf};
 use common::robot;
 use nalgebra::{DMatrix, Vector3};
 use std::path::Path;

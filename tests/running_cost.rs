@@ -2,18 +2,20 @@
 
 mod common;
 
-use aghf::aghf::TorqueLimits;
-use aghf::aghf::constraint::BuiltIn;
+use aghf::constraint::BuiltIn;
+use aghf::constraint::TorqueLimits;
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
-use aghf::scenario::Scenario;
-use aghf::solve::relax::{
+use aghf::motion::Problem;
+use aghf::relax::relax;
+use aghf::relax::{
     HyperDual64, Moment, Point, PointCost, PointDerivatives, RunningCost, SquaredControl, Weighted,
 };
-use aghf::solve::{
-    Problem, RelaxSettings, RelaxSolution, Requirements, relax, relax_constrained,
-    relax_constrained_with, relax_with,
+use aghf::relax::{
+    RelaxSettings, RelaxSolution, Requirements, relax_constrained, relax_constrained_with,
+    relax_with,
 };
+use aghf::scenario::Scenario;
 use common::slider;
 use nalgebra::DMatrix;
 use num_dual::DualNum;
@@ -211,7 +213,7 @@ fn another_cost_keeps_constraints() {
         start: Some(free.curve.clone()),
         ..settings
     };
-    let samples = aghf::solve::sample(model, &free.curve, 200).expect("the same robot");
+    let samples = aghf::motion::sample(model, &free.curve, 200).expect("the same robot");
     let most = samples
         .iter()
         .flat_map(|s| &s.u)

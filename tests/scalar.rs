@@ -3,8 +3,9 @@
 mod common;
 
 use aghf::dynamics::{Data, rnea};
+use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
-use aghf::scalar::{Lanes, Ldlt, Over, Scalar};
+use aghf::scalar::{Lanes, Over, Scalar};
 use common::{config, numbers};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};

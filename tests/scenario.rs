@@ -1,10 +1,10 @@
 //! Scenarios that are built in load, and a solve tells the truth about itself.
 
-use aghf::model::builtin_robots;
+use aghf::flow::FlowRecord;
 use aghf::scenario::{
     Details, FlowDetails, Method, Outcome, Record, Scenario, SolveOptions, builtin_scenarios, solve,
 };
-use aghf::solve::FlowRecord;
+use aghf::urdf::builtin_robots;
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,6 +1,7 @@
 //! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
 
-use aghf::scenario::{RobotShape, Scenario, SolveOptions, load_robot};
+use aghf::scenario::{RobotShape, Scenario, SolveOptions};
+use aghf::urdf::load_robot;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -4,10 +4,11 @@ mod common;
 
 use aghf::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
-    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, Tensor3, Tensor4, aba,
-    aba_derivatives, aba_second_derivatives, bias, cdot_derivatives, crba, crba_second_derivatives,
+    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba, aba_derivatives,
+    aba_second_derivatives, bias, cdot_derivatives, crba, crba_second_derivatives,
     hdot_derivatives, rnea, rnea_second_derivatives,
 };
+use aghf::linalg::{Tensor3, Tensor4};
 use aghf::model::Model;
 use common::{config, model_and_state, relative_error, robot, robots};
 use nalgebra::{DMatrix, DVector};

@@ -2,14 +2,12 @@
 
 mod common;
 
-use aghf::aghf::jacobian::JacobianKind;
+use aghf::curve::{Chebyshev, Curve};
+use aghf::flow::jacobian::JacobianKind;
+use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, flow, measure};
 use aghf::model::{Model, pendulum};
-use aghf::pseudospectral::{Chebyshev, Curve};
+use aghf::motion::{Feedback, Guess, Problem, sample, simulate};
 use aghf::scenario::{Method, Scenario, SolveOptions, builtin_scenarios};
-use aghf::solve::{
-    Feedback, FlowRecord, FlowSettings, FlowSolution, Guess, Problem, flow, measure, sample,
-    simulate,
-};
 use common::robot;
 use nalgebra::DMatrix;
 
@@ -72,8 +70,8 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
 /// Where the flow has come to rest, Omega vanishes at the interior nodes.
 #[test]
 fn a_long_flow_comes_to_rest() {
-    use aghf::aghf::{ControlForm, RightHandSide};
-    use aghf::pseudospectral::Collocation;
+    use aghf::flow::Collocation;
+    use aghf::flow::{ControlForm, RightHandSide};
     let model = robot("pendulum_1");
     let problem = swing_up(&model);
     let tight = FlowSettings {

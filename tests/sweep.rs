@@ -1,7 +1,7 @@
 //! Sweep files, rankings and tables of results.
 
-use aghf::report::sweep::{best, ranking, ranking_of, ranking_table, write_parquet};
-use aghf::scenario::sweep::{Row, RowOutcome, Sweep, builtin_sweeps};
+use aghf::experiments::sweep::{Row, RowOutcome, Sweep, builtin_sweeps};
+use aghf::experiments::sweep::{best, ranking, ranking_of, ranking_table, write_parquet};
 use parquet::file::reader::SerializedFileReader;
 use parquet::record::Field;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 mod common;
 
-use aghf::dynamics::{Tensor3, Tensor4};
+use aghf::linalg::{Tensor3, Tensor4};
 use nalgebra::{DMatrix, DVector};
 
 /// Every contraction against its sum, on a tensor without any symmetry.

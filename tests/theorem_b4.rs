@@ -7,11 +7,12 @@ mod common;
 #[path = "common/truth.rs"]
 mod truth;
 
-use aghf::aghf::Node;
-use aghf::aghf::jacobian::theorem_b4::Quantities;
-use aghf::aghf::jacobian::{ForwardDual, JacobianKind, NodeBlocks, NodeJacobian, TheoremB4};
+use aghf::flow::Node;
+use aghf::flow::jacobian::theorem_b4::Quantities;
+use aghf::flow::jacobian::{ForwardDual, JacobianKind, NodeBlocks, NodeJacobian, TheoremB4};
+use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
-use aghf::scalar::{Ldlt, Over};
+use aghf::scalar::Over;
 use common::{config, model_and_node, robot, robots};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, Dual64};

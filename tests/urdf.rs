@@ -3,11 +3,11 @@
 mod common;
 
 use aghf::dynamics::{Data, rnea};
-use aghf::model::{
-    JointKind, JointSpec, Limits, LoadNote, Mimic, Model, UrdfOptions, builtin_robot,
-    builtin_robots, parse_urdf, parse_urdf_with, pendulum, random_tree,
-};
+use aghf::model::{JointKind, JointSpec, Limits, Model, pendulum, random_tree};
 use aghf::spatial::{Inertia, Placement};
+use aghf::urdf::{
+    LoadNote, Mimic, UrdfOptions, builtin_robot, builtin_robots, parse_urdf, parse_urdf_with,
+};
 use common::config;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Bad URDFs: each is refused by an error that names the file, the element and what is wrong with it.
 
 use aghf::error::Error;
-use aghf::model::{load_urdf, parse_urdf};
+use aghf::urdf::{load_urdf, parse_urdf};
 use std::path::Path;
 
 /// A good robot to break: `base`, turned by `shoulder`, then `upper`, then pushed by `slide`, then `lower`.

@@ -1,10 +1,10 @@
 //! `aghf check`.
 
 use super::{OFF, Reading, print, print_json};
-use crate::aghf::check::{CheckOptions, check_all};
 use crate::error::{Error, Result};
-use crate::report::check_table;
-use crate::solve::relax::check_relaxation;
+use crate::output::check_table;
+use crate::verify::duals::check_relaxation;
+use crate::verify::duals::{CheckOptions, check_all};
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;

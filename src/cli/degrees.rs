@@ -2,7 +2,7 @@
 
 use super::print;
 use crate::error::{Error, Result};
-use crate::report::{Size, by_size, size_table, write_sizes};
+use crate::experiments::{Size, by_size, size_table, write_sizes};
 use crate::scenario::Scenario;
 use clap::Args;
 use indicatif::ProgressBar;

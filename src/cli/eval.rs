@@ -1,11 +1,11 @@
 //! `aghf eval`.
 
 use super::{Reading, print_json};
-use crate::aghf::{ControlForm, Node, RightHandSide};
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, crba_derivatives, rnea_derivatives,
 };
 use crate::error::{Error, Result};
+use crate::flow::{ControlForm, Node, RightHandSide};
 use crate::model::Model;
 use clap::Args;
 use nalgebra::DMatrix;

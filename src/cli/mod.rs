@@ -11,8 +11,9 @@ mod solve;
 mod sweep;
 
 use crate::error::Error;
-use crate::model::{LoadReport, Mimic, Model, UrdfOptions};
-use crate::scenario::load_robot_with;
+use crate::model::Model;
+use crate::urdf::load_robot_with;
+use crate::urdf::{LoadReport, Mimic, UrdfOptions};
 use clap::{Args, Parser, Subcommand};
 use std::path::Path;
 use std::process::ExitCode;
@@ -99,6 +100,6 @@ fn print(text: &str) -> Result<(), Error> {
 /// Prints a value as JSON.
 fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
     let mut text = Vec::new();
-    crate::report::write_json(value, &mut text).map_err(|e| Error::io("standard output", e))?;
+    crate::output::write_json(value, &mut text).map_err(|e| Error::io("standard output", e))?;
     print(&String::from_utf8_lossy(&text))
 }

@@ -2,8 +2,8 @@
 
 use super::{OFF, print, print_json};
 use crate::error::{Error, Result};
-use crate::report::prove::prove;
-use crate::report::verdict_table;
+use crate::output::verdict_table;
+use crate::verify::field::prove;
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;

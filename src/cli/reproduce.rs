@@ -2,7 +2,7 @@
 
 use super::print;
 use crate::error::{Error, Result};
-use crate::report::reproduce::{Settings, reproduce};
+use crate::experiments::reproduce::{Settings, reproduce};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::IsTerminal;

@@ -2,8 +2,9 @@
 
 use super::{Reading, print, print_json};
 use crate::error::{Error, Result};
-use crate::model::{LoadReport, Model, builtin_robots};
-use crate::report::{robot_table, write_text};
+use crate::model::Model;
+use crate::output::{robot_table, write_text};
+use crate::urdf::{LoadReport, builtin_robots};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use super::{print, print_json};
 use crate::error::Result;
-use crate::report::scenario_table;
+use crate::output::scenario_table;
 use crate::scenario::Scenario;
 use clap::Args;
 use std::process::ExitCode;

@@ -1,11 +1,12 @@
 //! `aghf solve`.
 
 use super::{FAILED, print, print_json};
-use crate::aghf::jacobian::JacobianKind;
 use crate::error::Result;
-use crate::report::{summary_table, write_outcome};
+use crate::flow::jacobian::JacobianKind;
+use crate::motion::Guess;
+use crate::output::{summary_table, write_outcome};
+use crate::relax::Iteration;
 use crate::scenario::{Method, Record, Scenario, SolveOptions, solve};
-use crate::solve::{Guess, Iteration};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -155,6 +156,6 @@ fn message(record: &Record) -> String {
 /// A bar that fills as the flow passes the values of `s` on its grid; shown when somebody watches.
 fn bar(s_max: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
-    ProgressBar::new(crate::solve::output_count(s_max))
+    ProgressBar::new(crate::flow::output_count(s_max))
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

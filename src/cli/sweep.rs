@@ -2,10 +2,10 @@
 
 use super::print;
 use crate::error::Result;
-use crate::report::sweep::{
+use crate::experiments::sweep::{
     Results, merge, ranking, ranking_table, shard_files, write_parquet, write_ranking,
 };
-use crate::scenario::sweep::{Row, RowOutcome, Shard, Sweep as Grid, run};
+use crate::experiments::sweep::{Row, RowOutcome, Shard, Sweep as Grid, run};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;

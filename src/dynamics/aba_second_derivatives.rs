@@ -1,7 +1,8 @@
 //! Analytic second derivatives of forward dynamics (ABA_2D in the supplement).
 
-use super::{ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, Tensor3};
+use super::{ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives};
 use crate::error::Result;
+use crate::linalg::Tensor3;
 use crate::scalar::Scalar;
 
 /// The second derivatives of forward dynamics in the state, at a force that does not change.

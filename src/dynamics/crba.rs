@@ -1,6 +1,6 @@
 //! The mass matrix by the composite rigid body algorithm (Featherstone, 6.2, in base coordinates).
 
-use super::{Data, check_square};
+use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -21,11 +21,9 @@ pub fn crba<C: Scalar, S: Over<C>>(
     h.fill(S::zero());
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let momentum = data.inertias[i].apply(&data.axes[i]);
-        let mut ancestor = Some(i);
-        while let Some(j) = ancestor {
+        for j in path_to_base(model, i) {
             h[(i, j)] = data.axes[j].dot(&momentum);
             h[(j, i)] = h[(i, j)];
-            ancestor = model.joints()[j].parent();
         }
         if let Some(parent) = joint.parent() {
             let composite = data.inertias[i];

@@ -1,6 +1,6 @@
 //! The derivative of the mass matrix, contracted with a vector.
 
-use super::{Data, check_square};
+use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -31,11 +31,9 @@ pub fn crba_contracted<C: Scalar, S: Over<C>>(
         let (inertia, momentum) = (data.inertias[i], data.virtual_momenta[i]);
         let by_a = inertia.apply(&axis);
         let momentum_by_q = axis.cross_force(&momentum) + inertia.apply(&gained);
-        let mut ancestor = Some(i);
-        while let Some(j) = ancestor {
+        for j in path_to_base(model, i) {
             k[(i, j)] = data.virtual_axis_rates[j].dot(&by_a);
             k[(j, i)] = data.axes[j].dot(&momentum_by_q);
-            ancestor = model.joints()[j].parent();
         }
         if let Some(parent) = joint.parent() {
             data.inertias[parent] += inertia;

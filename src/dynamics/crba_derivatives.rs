@@ -1,6 +1,6 @@
 //! The mass matrix and its rate (CRBA_D in the supplement).
 
-use super::{Data, check_square};
+use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -39,13 +39,11 @@ pub fn crba_derivatives<C: Scalar, S: Over<C>>(
         let momentum_rate = inertia.apply(&rate)
             + coriolis.apply(&axis)
             + Force::couple(coriolis.apply_transpose(&axis));
-        let mut ancestor = Some(i);
-        while let Some(j) = ancestor {
+        for j in path_to_base(model, i) {
             h[(i, j)] = data.axes[j].dot(&momentum);
             h[(j, i)] = h[(i, j)];
             hdot[(i, j)] = data.axis_rates[j].dot(&momentum) + data.axes[j].dot(&momentum_rate);
             hdot[(j, i)] = hdot[(i, j)];
-            ancestor = model.joints()[j].parent();
         }
         if let Some(parent) = joint.parent() {
             data.inertias[parent] += inertia;

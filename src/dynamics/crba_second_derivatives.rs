@@ -1,7 +1,8 @@
 //! The mass matrix, its rate and its first and second derivatives as tensors (CRBA_2D in the supplement).
 
-use super::{Data, Tensor3, Tensor4, check_square, path_to_base};
+use super::{Data, check_square, path_to_base};
 use crate::error::Result;
+use crate::linalg::{Tensor3, Tensor4};
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
 use crate::spatial::{Inertia, Motion};

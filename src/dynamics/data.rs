@@ -1,8 +1,9 @@
 //! Scratch space.
 
 use crate::error::{Result, check_length};
+use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Ldlt, Scalar};
+use crate::scalar::Scalar;
 use crate::spatial::{Coriolis, Force, Inertia, Motion, Placement};
 use nalgebra::{Matrix6, Vector3, Vector6};
 

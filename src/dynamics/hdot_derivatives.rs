@@ -1,7 +1,7 @@
 //! The derivative of the rate of the mass matrix (get_Hdot_D in the supplement).
 
-use super::{Tensor3, Tensor4};
 use crate::error::Result;
+use crate::linalg::{Tensor3, Tensor4};
 use crate::scalar::Scalar;
 
 /// The derivative of $\dot H = \sum_l \partial H / \partial q_l\, \dot q_l$ in `q`,

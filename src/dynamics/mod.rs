@@ -27,7 +27,6 @@ mod rnea;
 mod rnea_contracted;
 mod rnea_derivatives;
 mod rnea_second_derivatives;
-mod tensor;
 
 pub use aba::aba;
 pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
@@ -49,7 +48,6 @@ pub use rnea_contracted::{
 };
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
 pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_derivatives};
-pub use tensor::{Tensor3, Tensor4};
 
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -63,6 +61,9 @@ pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>)
 }
 
 /// Joint `from` and the joints it hangs from, up to the base.
-fn path_to_base<C: Scalar>(model: &Model<C>, from: usize) -> impl Iterator<Item = usize> + '_ {
+pub(crate) fn path_to_base<C: Scalar>(
+    model: &Model<C>,
+    from: usize,
+) -> impl Iterator<Item = usize> + '_ {
     std::iter::successors(Some(from), |i| model.joints()[*i].parent())
 }

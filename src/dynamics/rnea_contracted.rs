@@ -26,7 +26,7 @@
 //!
 //! and the other half of each block follows from the symmetry of second derivatives.
 
-use super::{Data, InverseDynamicsDerivatives, check_square};
+use super::{Data, InverseDynamicsDerivatives, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -233,8 +233,7 @@ impl<S: Scalar> Data<S> {
                 + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
             let p_by_v = -d.apply_transpose(axis) * two;
 
-            let mut ancestor = Some(k);
-            while let Some(j) = ancestor {
+            for j in path_to_base(model, k) {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
                 let (rate2_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
                 out.qq[(j, k)] =
@@ -246,7 +245,6 @@ impl<S: Scalar> Data<S> {
                 out.qv[(k, j)] = dot(&axis_j.angular, &p_by_q) + rate_j.dot(&l_by_q) * two;
                 out.qa[(j, k)] = gained_j.dot(&f.by_a);
                 out.qa[(k, j)] = axis_j.dot(&l_by_q);
-                ancestor = model.joints()[j].parent();
             }
             if let Some(parent) = joint.parent() {
                 let (d, momentum, p) = (*d, *momentum, *p);

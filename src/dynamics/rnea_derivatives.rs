@@ -4,7 +4,7 @@
 //! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the paper's
 //! $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
 
-use super::{Data, check_square, kinematics};
+use super::{Data, check_square, kinematics, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
@@ -96,8 +96,7 @@ impl<S: Scalar> Push<S> {
         let two = S::from_f64(2.0);
         // How joint i feels the joints before it.
         let felt = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
-        let mut ancestor = Some(i);
-        while let Some(j) = ancestor {
+        for j in path_to_base(model, i) {
             let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
             out.h[(j, i)] = axis_j.dot(&self.by_a);
             out.h[(i, j)] = out.h[(j, i)];
@@ -105,7 +104,6 @@ impl<S: Scalar> Push<S> {
             out.dv[(i, j)] = dot(&axis_j.angular, &felt) + rate_j.dot(&self.by_a) * two;
             out.dq[(j, i)] = axis_j.dot(&self.by_q);
             out.dq[(i, j)] = dot(&rate_j.angular, &felt) + data.accelerations[j].dot(&self.by_a);
-            ancestor = model.joints()[j].parent();
         }
     }
 }

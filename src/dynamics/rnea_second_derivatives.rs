@@ -28,8 +28,9 @@
 //!
 //! and `B` by $B(I, \nu_l)$, which gives the second derivatives.
 
-use super::{Data, Tensor3, path_to_base};
+use super::{Data, path_to_base};
 use crate::error::Result;
+use crate::linalg::Tensor3;
 use crate::model::Model;
 use crate::scalar::{Over, Scalar};
 use crate::spatial::{Coriolis, Force, Inertia, Motion};

@@ -2,9 +2,9 @@
 
 use super::{Carrier, Frame, Joint, JointKind, Limits, Model};
 use crate::error::{Error, Result};
-use crate::scalar::{Ldlt, Scalar};
+use crate::scalar::Scalar;
 use crate::spatial::{Inertia, Placement};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// The acceleration of gravity, m/s^2, downwards.
 pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
@@ -80,79 +80,9 @@ impl<C: Scalar> Model<C> {
     }
 
     /// The same model with other frames.
-    pub(super) fn with_frames(mut self, frames: Vec<Frame<C>>) -> Self {
+    pub(crate) fn with_frames(mut self, frames: Vec<Frame<C>>) -> Self {
         self.frames = frames;
         self
-    }
-}
-
-impl Model<f64> {
-    /// Checks that the mass matrix is regular: that no joint moves a subtree without inertia about it, and that no two
-    /// joints move the same bodies in the same way.
-    ///
-    /// The mass matrix is looked at in one generic configuration: where it is singular there, it is everywhere, or nearly
-    /// so. `file` names the model in the error. Cost O(N^3).
-    ///
-    /// # Errors
-    /// Names the first such joint.
-    pub fn check_regular(&self, file: &str) -> Result<()> {
-        let n = self.dof();
-        let mut placements: Vec<Placement<f64>> = Vec::with_capacity(n);
-        for (i, joint) in self.joints.iter().enumerate() {
-            let in_parent = joint.placement(0.7 + 0.9 * i as f64);
-            let carrier = joint.parent().map(|p| placements[p]);
-            placements.push(carrier.map_or(in_parent, |p| p.compose(&in_parent)));
-        }
-        let place = |(inertia, placement): (&Inertia<f64>, _)| inertia.placed(placement);
-        let mut composite: Vec<_> = self.inertias.iter().zip(&placements).map(place).collect();
-        let axis = |i: usize| self.joints[i].motion_subspace(&placements[i]);
-        let mut h = DMatrix::zeros(n, n);
-        for i in (0..n).rev() {
-            let momentum = composite[i].apply(&axis(i));
-            let mut ancestor = Some(i);
-            while let Some(j) = ancestor {
-                h[(i, j)] = axis(j).dot(&momentum);
-                ancestor = self.joints[j].parent();
-            }
-            // Relative to all the inertia there is, so that rounding does not pass for inertia.
-            let total = match self.joints[i].kind() {
-                JointKind::Prismatic => composite[i].mass,
-                JointKind::Revolute | JointKind::Continuous => composite[i].rotational.trace(),
-            };
-            let condition =
-                "nothing that it moves has inertia about it, so the mass matrix is singular";
-            self.check_pivot(i, h[(i, i)], total, file, condition)?;
-            if let Some(parent) = self.joints[i].parent() {
-                let carried = composite[i];
-                composite[parent] += carried;
-            }
-        }
-        let mut ldlt = Ldlt::new(n);
-        ldlt.factorise(&h);
-        let condition = "it moves nothing that the joints before it do not move alike, so the mass matrix is singular";
-        for (i, pivot) in ldlt.pivots().enumerate() {
-            self.check_pivot(i, pivot, h[(i, i)], file, condition)?;
-        }
-        Ok(())
-    }
-
-    /// Checks that `own` is not zero beside `total`.
-    fn check_pivot(
-        &self,
-        i: usize,
-        own: f64,
-        total: f64,
-        file: &str,
-        condition: &str,
-    ) -> Result<()> {
-        if own.abs() > 1e-12 * total.abs() {
-            return Ok(());
-        }
-        Err(Error::input(
-            file,
-            format!("joint '{}'", self.joints[i].name()),
-            condition,
-        ))
     }
 }
 

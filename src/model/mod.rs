@@ -23,22 +23,12 @@
 //! | angular part first in spatial vectors, at the origin of the base | linear part first, at the frame that is asked for |
 
 mod build;
-mod builtin;
 mod joint;
-mod load;
 mod random;
-mod urdf;
-mod urdf_text;
-mod urdf_tree;
-mod urdf_write;
 
 pub use build::{JointSpec, pendulum};
-pub(crate) use builtin::builtin_robot_text;
-pub use builtin::{builtin_robot, builtin_robots};
 pub use joint::{Joint, JointKind, Limits};
-pub use load::{LoadNote, LoadReport, Mimic, UrdfOptions};
 pub use random::{random_chain, random_tree};
-pub use urdf::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};
 
 use crate::error::{Result, check_length};
 use crate::scalar::Scalar;
@@ -55,16 +45,16 @@ pub struct Frame<C: Scalar> {
     /// Where it is in that body.
     pub placement: Placement<C>,
     /// What carries the link; `None` for the root, and for frames that are no links.
-    carrier: Option<Carrier>,
+    pub(crate) carrier: Option<Carrier>,
 }
 
 /// What carries a link.
 #[derive(Clone, Debug)]
-struct Carrier {
+pub(crate) struct Carrier {
     /// The name of the joint, which moves or is fixed.
-    joint: String,
+    pub(crate) joint: String,
     /// The link that the joint hangs on, by the index of its frame; `None` for a base that is no link.
-    parent: Option<usize>,
+    pub(crate) parent: Option<usize>,
 }
 
 impl<C: Scalar> Frame<C> {

@@ -10,16 +10,12 @@
 
 mod jet;
 mod lanes;
-mod ldlt;
 mod numeric;
 mod prime_field;
-mod product;
 
 pub use jet::Jet;
 pub use lanes::Lanes;
-pub use ldlt::Ldlt;
 pub use prime_field::PrimeField;
-pub(crate) use product::multiply;
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_traits::{One, Zero};

@@ -2,7 +2,7 @@
 
 use super::Scenario;
 use crate::error::Result;
-use crate::solve::Sample;
+use crate::motion::Sample;
 use serde::Serialize;
 use std::fmt;
 

@@ -4,12 +4,13 @@ use super::Surroundings;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use crate::aghf::TorqueLimits;
-use crate::aghf::constraint::{Bounds, BuiltIn};
+use crate::constraint::TorqueLimits;
+use crate::constraint::{Bounds, BuiltIn};
+use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
-use crate::model::{LoadReport, Model, UrdfOptions, builtin_robot, load_urdf_with};
-use crate::pseudospectral::Chebyshev;
-use crate::solve::{Feedback, Guess, Problem};
+use crate::model::Model;
+use crate::motion::{Feedback, Guess, Problem};
+use crate::urdf::load_robot;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -329,34 +330,6 @@ impl Scenario {
         }
         notes
     }
-}
-
-/// The robot that is built in under this name, or else the one in the URDF file at this path below `folder`.
-///
-/// # Errors
-/// Names the file, the element and what is wrong with it.
-pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadReport)> {
-    load_robot_with(name_or_path, folder, UrdfOptions::default())
-}
-
-/// As [`load_robot`], a URDF file being read as `options` say.
-///
-/// # Errors
-/// As [`load_robot`].
-pub fn load_robot_with(
-    name_or_path: &str,
-    folder: &Path,
-    options: UrdfOptions,
-) -> Result<(Model, LoadReport)> {
-    if let Some(robot) = builtin_robot(name_or_path) {
-        return robot;
-    }
-    let path = folder.join(name_or_path);
-    if !path.exists() {
-        let condition = "there is neither a file nor a built-in robot of this name";
-        return Err(Error::input(path.display().to_string(), "robot", condition));
-    }
-    load_urdf_with(&path, options)
 }
 
 /// Reads a value from JSON; an error names the key that is wrong. `file` names the text.

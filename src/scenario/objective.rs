@@ -2,8 +2,8 @@
 
 use super::{Scenario, ScenarioFile};
 use crate::error::{Error, Result};
-use crate::solve::FreeHorizon;
-use crate::solve::relax::Weighted;
+use crate::relax::FreeHorizon;
+use crate::relax::Weighted;
 use serde::{Deserialize, Serialize};
 
 /// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.

@@ -1,10 +1,12 @@
 //! How a scenario is to be solved.
 
 use super::Scenario;
-use crate::aghf::constraint::Penalty;
-use crate::aghf::jacobian::JacobianKind;
 use crate::error::{Error, Result};
-use crate::solve::{FlowSettings, Guess, RelaxSettings};
+use crate::flow::FlowSettings;
+use crate::flow::Penalty;
+use crate::flow::jacobian::JacobianKind;
+use crate::motion::Guess;
+use crate::relax::RelaxSettings;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 

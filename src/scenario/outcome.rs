@@ -2,13 +2,16 @@
 
 use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
 use super::{Feasibility, Method, Scenario, SolveOptions};
-use crate::aghf::{Penalised, TorquePenalty};
+use crate::curve::Curve;
 use crate::error::Result;
-use crate::pseudospectral::Curve;
-use crate::solve::{
-    Effort, Feedback, FlowRecord, FlowSettings, FlowSolution, Iteration, RelaxSettings,
-    RelaxSolution, Requirements, RunningCost, flow, flow_constrained, measure, relax,
-    relax_constrained, relax_constrained_with, relax_with, replay_error, sample, simulate,
+use crate::flow::{
+    Effort, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained, measure,
+};
+use crate::flow::{Penalised, TorquePenalty};
+use crate::motion::{Feedback, replay_error, sample, simulate};
+use crate::relax::{
+    Iteration, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax, relax_constrained,
+    relax_constrained_with, relax_with,
 };
 use std::time::Instant;
 

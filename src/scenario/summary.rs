@@ -1,8 +1,9 @@
 //! What came of a solve, in numbers.
 
 use super::{Feasibility, Method};
-use crate::aghf::jacobian::JacobianKind;
-use crate::solve::{Adapted, Feedback, Guess};
+use crate::flow::jacobian::JacobianKind;
+use crate::motion::{Feedback, Guess};
+use crate::relax::Adapted;
 use serde::Serialize;
 
 /// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
@@ -121,7 +122,7 @@ pub struct RelaxDetails {
     /// How many unknowns there are.
     pub unknowns: usize,
     /// How far the control by its values at the nodes alone leads from the curve within one interval, see
-    /// [`replay_error`](crate::solve::replay_error).
+    /// [`replay_error`](crate::motion::replay_error).
     pub replay_error_inf: Option<f64>,
     /// How it came to its degree, where that was adaptive.
     pub adapted: Option<Adapted>,

@@ -3,12 +3,11 @@
 
 pub mod ode;
 
-use aghf::aghf::Node;
 use aghf::dynamics::{Data, crba};
-use aghf::model::{
-    JointKind, JointSpec, Limits, Model, builtin_robot, builtin_robots, random_tree,
-};
+use aghf::flow::Node;
+use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
+use aghf::urdf::{builtin_robot, builtin_robots};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;

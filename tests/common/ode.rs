@@ -1,6 +1,6 @@
 //! Systems of differential equations for the tests of the integrator.
 
-use aghf::solve::{Failure, Ode, Statistics, Tolerance, integrate};
+use aghf::ode::{Failure, Ode, Statistics, Tolerance, integrate};
 use nalgebra::DMatrix;
 
 /// A system from two closures that remembers the largest s it was asked for and counts its calls.

@@ -1,7 +1,7 @@
 //! What Theorem B4 differentiates, over any scalar, and its derivatives by a second level of duals.
 
-use aghf::aghf::{Node, TheoremB3};
 use aghf::dynamics::{Data, aba, bias, crba};
+use aghf::flow::{Node, TheoremB3};
 use aghf::model::Model;
 use aghf::scalar::{Over, Scalar};
 use nalgebra::{DMatrix, DVector};

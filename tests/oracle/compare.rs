@@ -1,6 +1,5 @@
 //! The dynamics of this library beside Pinocchio's, quantity by quantity.
 
-use crate::python::{Oracle, Quantities};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
     aba, aba_derivatives, bias, crba, crba_derivatives, forward_kinematics, frame_jacobian,
@@ -8,6 +7,7 @@ use aghf::dynamics::{
     rnea_second_derivatives,
 };
 use aghf::model::Model;
+use aghf::python::{Oracle, Quantities};
 use aghf::spatial::Placement;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -92,7 +92,7 @@ pub fn state(model: &Model) -> impl Strategy<Value = State> + use<> {
         lower..=upper
     });
     let n = model.dof();
-    let numbers = || crate::common::numbers(n);
+    let numbers = || aghf::common::numbers(n);
     (within.collect::<Vec<_>>(), numbers(), numbers(), numbers())
         .prop_map(|(q, v, a, tau)| [q, v, a, tau])
 }

@@ -1,13 +1,13 @@
 //! Constraints on places of the robot, their gradients and Hessians.
 
-use crate::common::config;
-use crate::compare::{BOUND, Comparison, FLOOR, state};
-use crate::python::Quantities;
-use crate::random::any_robot;
-use aghf::aghf::constraint::{
+use aghf::common::config;
+use aghf::compare::{BOUND, Comparison, FLOOR, state};
+use aghf::constraint::{
     Ball, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls, Weights,
 };
 use aghf::model::Model;
+use aghf::python::Quantities;
+use aghf::random::any_robot;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};

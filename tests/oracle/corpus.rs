@@ -1,11 +1,12 @@
 //! Every URDF of two public collections and of this project: it agrees with Pinocchio, or is refused for a stated reason.
 
-use crate::common::config;
-use crate::compare::{
+use aghf::common::config;
+use aghf::compare::{
     Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
 };
-use crate::python::{Oracle, venv};
-use aghf::model::{Mimic, Model, UrdfOptions, parse_urdf_with};
+use aghf::model::Model;
+use aghf::python::{Oracle, venv};
+use aghf::urdf::{Mimic, UrdfOptions, parse_urdf_with};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
@@ -187,7 +188,7 @@ fn robots() -> Vec<(String, PathBuf)> {
                 .map(|p| (name(&p).expect("it is below"), p)),
         );
     };
-    of_collection(&crate::python::share("example-robot-data/robots"), 69);
+    of_collection(&aghf::python::share("example-robot-data/robots"), 69);
     of_collection(&venv().join("share/iCub/robots"), 16);
     of_collection(&project, 8);
     found

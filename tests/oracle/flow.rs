@@ -1,12 +1,12 @@
 //! The right-hand side of the flow and its Jacobians beside their definition in Pinocchio's quantities.
 
-use crate::common::{config, node, numbers, solve_bound};
-use crate::compare::{Comparison, relative_error};
-use crate::python::{Oracle, Quantities};
-use crate::random::{Robot, any_robot};
-use aghf::aghf::jacobian::{JacobianKind, NodeBlocks};
-use aghf::aghf::{AlgorithmB1, ControlForm, RightHandSide, TheoremB3};
+use aghf::common::{config, node, numbers, solve_bound};
+use aghf::compare::{Comparison, relative_error};
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
+use aghf::flow::{AlgorithmB1, ControlForm, RightHandSide, TheoremB3};
 use aghf::model::Model;
+use aghf::python::{Oracle, Quantities};
+use aghf::random::{Robot, any_robot};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};

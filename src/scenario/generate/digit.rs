@@ -3,7 +3,7 @@
 use super::kinova::rounded;
 use super::paths::Paths;
 use super::{DIGIT_LINK_RADIUS, HIT, Made};
-use crate::aghf::constraint::Capsule;
+use crate::constraint::Capsule;
 use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::ScenarioFile;

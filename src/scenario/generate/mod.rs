@@ -9,8 +9,9 @@ mod paths;
 
 use super::{EnforcedLimits, FlowParameters, RobotShape, ScenarioFile, SphereObstacle};
 use crate::error::{Error, Result};
-use crate::model::{Model, builtin_robot};
-use crate::solve::Feedback;
+use crate::model::Model;
+use crate::motion::Feedback;
+use crate::urdf::builtin_robot;
 use nalgebra::Vector3;
 use paths::Paths;
 use rand::SeedableRng;
@@ -59,7 +60,7 @@ const KINOVA: Family = Family {
         p: 12,
         k: 1e8,
         s_max: 1e3,
-        guess: crate::solve::Guess::LineConfiguration,
+        guess: crate::motion::Guess::LineConfiguration,
         k_cons: 1e12,
         c_cons: 1e3,
     },
@@ -95,7 +96,7 @@ pub const FAMILIES: [Family; 4] = [
             p: 6,
             k: 1e8,
             s_max: 1.0,
-            guess: crate::solve::Guess::LineConfiguration,
+            guess: crate::motion::Guess::LineConfiguration,
             k_cons: 1e5,
             c_cons: 200.0,
         },

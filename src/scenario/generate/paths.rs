@@ -1,7 +1,7 @@
 //! The line between two configurations and a bent path beside it.
 
 use super::CLEAR;
-use crate::aghf::constraint::{Capsule, HalfSpace, Sphere};
+use crate::constraint::{Capsule, HalfSpace, Sphere};
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
 use crate::model::Model;

@@ -1,0 +1,143 @@
+//! Inequality constraints $g(x) \le 0$, written once for every scalar.
+//!
+//! A [`Constraint`] is its value; the [guide](crate::guide::constraint) writes one in ten lines. What an optimiser needs
+//! of the derivatives are contractions with weights, one for each row of `g`:
+//!
+//! $$ \sum_j w_j \frac{\partial g_j}{\partial x}, \qquad \sum_j \left( w_j \frac{\partial^2 g_j}{\partial x^2}
+//!    + c_j \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T \right) , $$
+//!
+//! with $w = b^{\prime}(g)$ and $c = b^{\prime\prime}(g)$ for penalties, or with multipliers and the weight of the active rows for an
+//! augmented Lagrangian. They come from dual numbers of the value unless a constraint knows better, as all do that are here. An
+//! [`Evaluator`] places the bodies once at a state for all of them.
+
+mod any;
+mod autodiff;
+mod bounds;
+mod capsules;
+mod clearance;
+mod composition;
+mod evaluator;
+mod torque_limits;
+mod weighted_derivatives;
+
+pub use any::BuiltIn;
+pub use bounds::{Bound, Bounds, Side};
+pub use capsules::Capsule;
+pub use clearance::{Ball, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls};
+pub use evaluator::{Evaluator, Placed};
+pub use torque_limits::TorqueLimits;
+pub use weighted_derivatives::Contraction;
+
+use crate::error::{Error, Result, check_length};
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use crate::spatial::{Placement, apply_to_constant};
+use nalgebra::Vector3;
+
+/// Inequality constraints $g_j(x) \le 0$ on a state $x = [q; v]$.
+pub trait Constraint<C: Scalar = f64> {
+    /// How many rows $g_j$ there are.
+    fn rows(&self) -> usize;
+
+    /// $g(x)$ at a state, into `g`, which has [`rows`](Self::rows) entries. Positive where the constraint is violated.
+    ///
+    /// # Errors
+    /// The constraint is for another robot.
+    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()>;
+
+    /// How fast each row grows at its boundary with what it bounds, in rad, rad/s or m, into `slopes`, which has
+    /// [`rows`](Self::rows) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
+    fn slopes(&self, slopes: &mut [C]) {
+        slopes.fill(C::one());
+    }
+
+    /// Adds to `out` the contractions with the weights of its rows. By dual numbers of the value unless overridden:
+    /// `N / 2` evaluations with four tangents for the gradient, about $N^2 / 2$ with nine numbers each for the Hessian.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn contract<S: Over<C>>(
+        &self,
+        at: &State<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut Contraction<S>,
+    ) -> Result<()> {
+        autodiff::contract(self, at, weights, out)
+    }
+}
+
+/// What a constraint may look at: a state and where the bodies are in it.
+#[derive(Clone, Copy, Debug)]
+pub struct State<'a, C: Scalar, S: Scalar> {
+    /// The robot.
+    pub model: &'a Model<C>,
+    /// $x = [q; v]$, `2 N` entries.
+    pub x: &'a [S],
+    /// The placements of all bodies in the base frame.
+    pub placements: &'a [Placement<S>],
+}
+
+impl<'a, C: Scalar, S: Over<C>> State<'a, C, S> {
+    /// The configuration.
+    #[must_use]
+    pub fn q(&self) -> &'a [S] {
+        &self.x[..self.x.len() / 2]
+    }
+
+    /// The velocity.
+    #[must_use]
+    pub fn v(&self) -> &'a [S] {
+        &self.x[self.x.len() / 2..]
+    }
+
+    /// Where a point of a body is in the base frame; without a body the point is fixed to the base.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    #[inline]
+    pub fn point(&self, body: Option<usize>, in_body: &Vector3<C>) -> Result<Vector3<S>> {
+        let Some(body) = body else {
+            return Ok(in_body.map(S::lift));
+        };
+        match self.placements.get(body) {
+            Some(placement) => {
+                Ok(apply_to_constant(&placement.rotation, in_body) + placement.translation)
+            }
+            None => Err(Error::Length {
+                what: "bodies of the robot of a constraint",
+                expected: body + 1,
+                found: self.placements.len(),
+            }),
+        }
+    }
+}
+
+/// The weights of a contraction, one entry a row of the constraint.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights<'a, S> {
+    /// $w$.
+    pub w: &'a [S],
+    /// $c$; without it only the gradient is asked for.
+    pub c: Option<&'a [S]>,
+}
+
+impl<'a, S> Weights<'a, S> {
+    /// Those of the first `rows` rows, and of the rest.
+    #[must_use]
+    pub fn split_at(self, rows: usize) -> (Self, Self) {
+        let (w, w_rest) = self.w.split_at(rows);
+        let (c, c_rest) = self.c.map(|c| c.split_at(rows)).unzip();
+        let rest = Self {
+            w: w_rest,
+            c: c_rest,
+        };
+        (Self { w, c }, rest)
+    }
+
+    /// Checks that there are as many as rows.
+    fn check(&self, rows: usize) -> Result<()> {
+        check_length("weights w", rows, self.w.len())?;
+        self.c
+            .map_or(Ok(()), |c| check_length("weights c", rows, c.len()))
+    }
+}

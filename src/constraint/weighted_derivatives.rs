@@ -1,0 +1,158 @@
+//! Where constraints leave their derivatives.
+
+use super::autodiff::Scratch;
+use crate::dynamics::path_to_base;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Motion, cross_matrix};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use num_traits::Zero;
+
+/// Sums of weighted derivatives of constraints.
+///
+/// A constraint adds to the gradient and the Hessian in `x` directly, or says how it depends on the place of a point with
+/// [`add_point`](Self::add_point). Points cost nothing in `N`: a weighted derivative $f$ in the place `p` of a point acts like a force
+/// there, so points of one body add up to a spatial force, and bodies to sums over subtrees. With `S_j` the joint axes and
+/// $\partial p / \partial q_j = v_j + \omega_j \times p =: J_j$, which turns with every joint `i` before `j`,
+///
+/// $$ \frac{\partial}{\partial q_j} = S_j \cdot F_j, \qquad
+///    \frac{\partial^2}{\partial q_i \partial q_j} = \sum_p J_i^T M J_j + f \cdot (\omega_i \times J_j), $$
+///
+/// with $F_j$ the force on the subtree of `j`. The sums over points are the stiffness of the subtree, 6 by 6, and
+/// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\, Q)\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
+#[derive(Clone, Debug)]
+pub struct Contraction<S: Scalar> {
+    pub(super) gradient: DVector<S>,
+    pub(super) hessian: DMatrix<S>,
+    pub(super) scratch: Scratch<S>,
+    loads: Vec<Load<S>>,
+    second: bool,
+}
+
+/// What the points of one body, then of a subtree, add up to.
+#[derive(Clone, Copy, Debug)]
+struct Load<S: Scalar> {
+    force: Force<S>,
+    virial: Matrix3<S>,
+    /// The blocks of the stiffness: angular twice, angular and linear, linear twice.
+    stiffness: [Matrix3<S>; 3],
+}
+
+impl<S: Scalar> Load<S> {
+    fn zero() -> Self {
+        Self {
+            force: Force::zero(),
+            virial: Matrix3::zero(),
+            stiffness: [Matrix3::zero(); 3],
+        }
+    }
+}
+
+impl<S: Scalar> Contraction<S> {
+    /// Room for a robot with `n` joints.
+    pub(super) fn new(n: usize) -> Self {
+        Self {
+            gradient: DVector::zeros(2 * n),
+            hessian: DMatrix::zeros(2 * n, 2 * n),
+            scratch: Scratch::new(),
+            loads: vec![Load::zero(); n],
+            second: true,
+        }
+    }
+
+    /// $\sum_j w_j\, \partial g_j / \partial x$, `2 N` entries.
+    #[must_use]
+    pub fn gradient(&self) -> &DVector<S> {
+        &self.gradient
+    }
+
+    /// $\sum_j w_j\, \partial^2 g_j / \partial x^2 + c_j\, \partial g_j / \partial x\, (\partial g_j / \partial x)^T$, `2 N` by `2 N`;
+    /// zero when it was not asked for.
+    #[must_use]
+    pub fn hessian(&self) -> &DMatrix<S> {
+        &self.hessian
+    }
+
+    /// Adds `first` and `second`, the weighted derivatives in entry `i` of `x` alone.
+    #[inline]
+    pub fn add_entry(&mut self, i: usize, first: S, second: S) {
+        self.gradient[i] += first;
+        self.hessian[(i, i)] += second;
+    }
+
+    /// Adds what depends on the place `p` of a point of `body` in the base frame: `force`, the weighted gradient in `p`, and
+    /// `stiffness`, the weighted Hessian in `p` with the products of gradients. A point without a body does not move.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    #[inline]
+    pub fn add_point(
+        &mut self,
+        body: Option<usize>,
+        p: &Vector3<S>,
+        force: &Vector3<S>,
+        stiffness: &Matrix3<S>,
+    ) -> Result<()> {
+        let Some(body) = body else { return Ok(()) };
+        let bodies = self.loads.len();
+        let load = self.loads.get_mut(body).ok_or(Error::Length {
+            what: "bodies of the robot of a constraint",
+            expected: body + 1,
+            found: bodies,
+        })?;
+        load.force += Force::new(p.cross(force), *force);
+        if self.second {
+            let cross = cross_matrix(p);
+            let moment = cross * stiffness;
+            load.virial += p * force.transpose();
+            load.stiffness[0] -= moment * cross;
+            load.stiffness[1] += moment;
+            load.stiffness[2] += stiffness;
+        }
+        Ok(())
+    }
+
+    /// Starts anew, for gradients alone or Hessians as well.
+    pub(super) fn reset(&mut self, second: bool) {
+        self.gradient.fill(S::zero());
+        self.hessian.fill(S::zero());
+        self.loads.fill(Load::zero());
+        self.second = second;
+    }
+
+    /// Hands what is on the points to the joints.
+    pub(super) fn collect<C: Scalar>(&mut self, model: &Model<C>, axes: &[Motion<S>]) {
+        for (j, joint) in model.joints().iter().enumerate().rev() {
+            let load = self.loads[j];
+            let axis = &axes[j];
+            self.gradient[j] += axis.dot(&load.force);
+            if self.second {
+                let [twice, mixed, linear] = &load.stiffness;
+                let turned = axis.linear.cross(&load.force.linear) + load.virial * axis.angular
+                    - axis.angular * load.virial.trace();
+                let felt = Force::new(
+                    twice * axis.angular + mixed * axis.linear + turned,
+                    mixed.tr_mul(&axis.angular) + linear * axis.linear,
+                );
+                for i in path_to_base(model, j) {
+                    let entry = axes[i].dot(&felt);
+                    self.hessian[(i, j)] += entry;
+                    if i != j {
+                        self.hessian[(j, i)] += entry;
+                    }
+                }
+            }
+            if let Some(parent) = joint.parent() {
+                let carrier = &mut self.loads[parent];
+                carrier.force += load.force;
+                if self.second {
+                    carrier.virial += load.virial;
+                    for (sum, own) in carrier.stiffness.iter_mut().zip(&load.stiffness) {
+                        *sum += own;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Curves as piecewise polynomials: through their values at Chebyshev-Gauss-Lobatto nodes, equations (20) to (23), and in a basis
+//! that meets the boundary conditions.
+
+mod basis;
+mod chebyshev;
+mod legendre;
+mod piecewise;
+
+pub use basis::Basis;
+pub use chebyshev::Chebyshev;
+pub use legendre::gauss_legendre;
+pub use piecewise::Curve;

@@ -1,0 +1,178 @@
+//! The experiments of the paper's supplement, run anew: the grid searches of Tables IX to XIII, the solves of section C with the
+//! best sets, and the times of Figures 4 and 5.
+
+pub mod fit;
+mod format;
+mod markdown;
+mod plot;
+mod searches;
+mod solves;
+mod systems;
+mod tables;
+mod timing;
+
+pub use searches::Search;
+pub use solves::{Origin, ScenarioResult, SystemResult};
+pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};
+pub use timing::{Quantity, Series, Times};
+
+use crate::error::{Error, Result};
+use crate::output::write_whole;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// How much to measure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// How often every solve is timed.
+    pub repetitions: usize,
+    /// At how many random configurations the right-hand side and its Jacobian are timed.
+    pub configurations: usize,
+    /// The seed of the configurations.
+    pub seed: u64,
+    /// Only systems and robots whose names begin with this; all where it is empty.
+    pub only: String,
+    /// Sweeps that are built in, or paths of TOML files: a system's best sets are looked for in the first that has all its
+    /// scenarios.
+    pub grids: Vec<String>,
+    /// The folder in which each sweep has its folder of results.
+    pub sweeps: PathBuf,
+}
+
+/// The sweeps of the paper's Tables IX to XIII.
+pub const GRIDS: [&str; 5] = [
+    "table_09_pendulums",
+    "table_10_kinova",
+    "table_11_digit",
+    "table_12_kinova_obstacles",
+    "table_13_digit_obstacles",
+];
+
+impl Settings {
+    /// The paper's grids, and as many configurations as the paper has.
+    #[must_use]
+    pub fn full() -> Self {
+        Self {
+            repetitions: 25,
+            configurations: 1000,
+            seed: 1,
+            only: String::new(),
+            grids: GRIDS.map(str::to_owned).into(),
+            sweeps: "out/sweeps".into(),
+        }
+    }
+
+    /// Nothing is searched: the paper's best sets and our own, in about a minute.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            repetitions: 9,
+            configurations: 200,
+            grids: Vec::new(),
+            ..Self::full()
+        }
+    }
+
+    /// Whether a system or robot of this name is to be run.
+    fn chooses(&self, name: &str) -> bool {
+        name.starts_with(&self.only)
+    }
+
+    /// # Errors
+    /// Nothing is to be measured.
+    fn check(&self) -> Result<()> {
+        for (what, count) in [
+            ("repetitions", self.repetitions),
+            ("configurations", self.configurations),
+        ] {
+            if count == 0 {
+                let condition = "it is 0, at least 1 is needed";
+                return Err(Error::input("settings", what, condition));
+            }
+        }
+        let mut names = (SYSTEMS.iter().map(|s| s.prefix)).chain(SCALING_ROBOTS);
+        if !names.any(|name| self.chooses(name)) {
+            let condition = format!("no system begins with '{}'", self.only);
+            return Err(Error::input("settings", "only", condition));
+        }
+        Ok(())
+    }
+}
+
+/// What came of the experiments.
+#[derive(Clone, Debug)]
+pub struct Reproduction {
+    /// How much was measured.
+    pub settings: Settings,
+    /// The grid searches, for each system that has one.
+    pub searches: Vec<Search>,
+    /// The solves.
+    pub systems: Vec<SystemResult>,
+    /// The times at a node; one series for each of [`Quantity::ALL`].
+    pub series: Vec<Series>,
+    /// The wall time of everything, s.
+    pub seconds: f64,
+}
+
+/// Runs the experiments: grids on all cores, going on where they were interrupted, and all that is timed one after the other on one
+/// core. `progress` hears what is next.
+///
+/// # Errors
+/// Nothing is to be measured, or a sweep cannot be loaded, or its results cannot be read or written.
+pub fn reproduce(
+    settings: &Settings,
+    progress: &mut (dyn FnMut(&str) + Send),
+) -> Result<Reproduction> {
+    settings.check()?;
+    let started = Instant::now();
+    let (searches, systems) = solves::solves(settings, progress)?;
+    let series = timing::scaling(settings, progress)?;
+    Ok(Reproduction {
+        settings: settings.clone(),
+        searches,
+        systems,
+        series,
+        seconds: started.elapsed().as_secs_f64(),
+    })
+}
+
+impl Reproduction {
+    /// Whether a robot of Figures 4 and 5 was among those chosen.
+    fn has_times(&self) -> bool {
+        self.series.iter().any(|s| !s.points.is_empty())
+    }
+
+    /// The report in Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        markdown::report(self)
+    }
+
+    /// Writes `report.md`, `solves.csv`, `scaling.csv`, `fits.csv` and, where there are times, `figure_4.svg` and `figure_5.svg`
+    /// into `folder`, which is made if need be, and returns where they are.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
+        std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        let mut contents = vec![
+            ("report.md", Ok(self.markdown())),
+            ("solves.csv", tables::solves(&self.systems)),
+            ("scaling.csv", tables::scaling(self)),
+            ("fits.csv", tables::fits(&self.series)),
+        ];
+        if self.has_times() {
+            contents.push(("figure_4.svg", plot::figure(4, &self.series)));
+            contents.push(("figure_5.svg", plot::figure(5, &self.series)));
+        }
+        let mut files = Vec::new();
+        for (name, text) in contents {
+            let path = folder.join(name);
+            let text = text.map_err(|e| Error::io(&path, e))?;
+            write_whole(&path, |file| file.write_all(text.as_bytes()))?;
+            files.push(path);
+        }
+        Ok(files)
+    }
+}

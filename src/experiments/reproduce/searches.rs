@@ -1,0 +1,67 @@
+//! The grid searches of the supplement's Tables IX to XIII.
+
+use super::{Settings, System};
+use crate::error::Result;
+use crate::experiments::sweep::{ParameterSet, Shard, Sweep, run};
+use crate::experiments::sweep::{Ranked, Results, best, ranking_of};
+use std::sync::{Mutex, PoisonError};
+
+/// What the grid search of a system found.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// The system.
+    pub system: System,
+    /// The name of the sweep.
+    pub sweep: String,
+    /// How many sets of parameters each scenario was solved with.
+    pub sets: usize,
+    /// How many of them succeeded in all scenarios.
+    pub succeeding: usize,
+    /// The wall time of all solves together, s, whichever run they are from.
+    pub solve_seconds: f64,
+    /// The fastest set among those that succeed in most scenarios, and the one of least effort; `None` where no set
+    /// succeeds in any.
+    pub best: Option<[Ranked; 2]>,
+}
+
+/// Solves the scenarios of `system` with the grid of the first sweep that has them all, on all cores, unless that was done
+/// before; `None` where there is no such sweep. `progress` hears how far it is.
+pub(super) fn search(
+    system: System,
+    sweeps: &[Sweep],
+    settings: &Settings,
+    progress: &mut (dyn FnMut(&str) + Send),
+) -> Result<Option<Search>> {
+    let has = |sweep: &&Sweep| {
+        (system.scenarios()).all(|name| sweep.scenarios.iter().any(|s| s.name == name))
+    };
+    let Some(sweep) = sweeps.iter().find(has) else {
+        return Ok(None);
+    };
+    let results = Results::open(sweep, Shard::WHOLE, &settings.sweeps.join(&sweep.name))?;
+    let (mut missing, mut all) = (results.missing(), sweep.sets.clone());
+    let chosen =
+        |set: &ParameterSet| (sweep.scenarios[set.scenario].name).starts_with(system.prefix);
+    missing.retain(chosen);
+    all.retain(chosen);
+    let told = Mutex::new((all.len() - missing.len(), progress));
+    run(sweep, &missing, None, &|row| {
+        results.append(row)?;
+        let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.0 += 1;
+        let words = format!("{}: {} of {} sets", sweep.name, told.0, all.len());
+        (told.1)(&words);
+        Ok(())
+    })?;
+    let rows = results.rows();
+    let ranking = ranking_of(sweep, &rows, system.prefix);
+    let own = (rows.iter()).filter(|row| row.scenario.starts_with(system.prefix));
+    Ok(Some(Search {
+        system,
+        sweep: sweep.name.clone(),
+        sets: ranking.len(),
+        succeeding: ranking.iter().filter(|r| r.success_rate == 1.0).count(),
+        solve_seconds: own.map(|row| row.solve_seconds).sum(),
+        best: best(&ranking).map(|best| best.map(Ranked::clone)),
+    }))
+}

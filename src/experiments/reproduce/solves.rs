@@ -1,0 +1,207 @@
+//! Every scenario of a system, solved with the best sets.
+
+use super::Settings;
+use super::searches::{Search, search};
+use super::systems::{SYSTEMS, System};
+use super::timing::median;
+use crate::error::Result;
+use crate::experiments::sweep::Ranked;
+use crate::experiments::sweep::Sweep;
+use crate::scenario::{
+    Feasibility, FlowParameters, Limit, Method, Scenario, ScenarioFile, SolveOptions, solve,
+};
+
+/// Where the parameters come from that a scenario was solved with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The best set that the supplement prints.
+    Paper,
+    /// Our own choice, in the scenario.
+    Own,
+    /// The fastest set of the grid search.
+    Fastest,
+    /// The set of the grid search with the least effort.
+    LeastEffort,
+}
+
+impl Origin {
+    /// In a word or two.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Own => "own",
+            Self::Fastest => "grid, fastest",
+            Self::LeastEffort => "grid, least effort",
+        }
+    }
+}
+
+/// What came of one scenario with one set.
+#[derive(Clone, Debug)]
+pub struct ScenarioResult {
+    /// The name of the scenario.
+    pub scenario: String,
+    /// How it was solved: the scenario with the parameters that were used.
+    pub file: ScenarioFile,
+    /// The tolerance of the integrator.
+    pub tolerance: f64,
+    /// [`Summary::success`](crate::scenario::Summary::success).
+    pub success: bool,
+    /// Why the flow did not come to its end, if it did not.
+    pub failure: Option<String>,
+    /// The median wall time of the flow, s; that of the only run where it does not succeed.
+    pub solve_seconds: f64,
+    /// $\int |u|^2 dt$.
+    pub effort: f64,
+    /// The action.
+    pub action: f64,
+    /// The final error of the simulation without feedback; `None` where it stopped early.
+    pub open_loop_error: Option<f64>,
+    /// The same with feedback.
+    pub feedback_error: Option<f64>,
+    /// What the motion keeps clear of and which limits it breaks.
+    pub feasibility: Feasibility,
+}
+
+impl ScenarioResult {
+    /// Whether `k_cons` and `c_cons` were of use.
+    pub(super) fn constrained(&self) -> bool {
+        let file = &self.file;
+        !(file.sphere_obstacles.is_empty() && file.half_spaces.is_empty())
+            || file.enforced_limits.any()
+    }
+
+    /// How many joints break a limit of this kind.
+    pub(super) fn joints_beyond(&self, limit: Limit) -> usize {
+        let violations = self.feasibility.limit_violations.iter();
+        violations.filter(|v| v.limit == limit).count()
+    }
+}
+
+/// What came of all scenarios of a system with its sets of one origin.
+#[derive(Clone, Debug)]
+pub struct SystemResult {
+    /// The system.
+    pub system: System,
+    /// Where these sets come from: several places where they agree.
+    pub origins: Vec<Origin>,
+    /// One for each scenario, at least one.
+    pub results: Vec<ScenarioResult>,
+}
+
+impl SystemResult {
+    /// The names of its origins.
+    pub(super) fn origins(&self) -> String {
+        let names: Vec<&str> = self.origins.iter().map(|o| o.name()).collect();
+        names.join("; ")
+    }
+}
+
+/// Searches the grids and then solves the scenarios of all systems that the settings choose, one after the other, with each
+/// of their best sets.
+pub(super) fn solves(
+    settings: &Settings,
+    progress: &mut (dyn FnMut(&str) + Send),
+) -> Result<(Vec<Search>, Vec<SystemResult>)> {
+    let sweeps = (settings.grids.iter()).map(|grid| Sweep::load(grid));
+    let sweeps = sweeps.collect::<Result<Vec<_>>>()?;
+    let (mut searches, mut all) = (Vec::new(), Vec::new());
+    for system in SYSTEMS.into_iter().filter(|s| settings.chooses(s.prefix)) {
+        let scenarios = (system.scenarios()).map(|name| Scenario::load(&name));
+        let scenarios = scenarios.collect::<Result<Vec<_>>>()?;
+        let found = search(system, &sweeps, settings, progress)?;
+        for (origins, sets) in best_sets(system, &scenarios, found.as_ref()) {
+            let results = (scenarios.iter().zip(sets))
+                .map(|(scenario, set)| {
+                    progress(&scenario.name);
+                    run(scenario, set, settings.repetitions)
+                })
+                .collect::<Result<Vec<_>>>()?;
+            all.push(SystemResult {
+                system,
+                origins,
+                results,
+            });
+        }
+        searches.extend(found);
+    }
+    Ok((searches, all))
+}
+
+/// Where sets come from, and one for each scenario of a system.
+type BestSets = (Vec<Origin>, Vec<FlowParameters>);
+
+/// The best sets of a system, one for each scenario: the paper's, and those of the grid search or, where there was none,
+/// our own. Equal ones are there once.
+fn best_sets(system: System, scenarios: &[Scenario], search: Option<&Search>) -> Vec<BestSets> {
+    let mut all: Vec<BestSets> = Vec::new();
+    let mut add = |origin, set: &dyn Fn(FlowParameters) -> FlowParameters| {
+        let sets: Vec<_> = scenarios.iter().map(|s| set(s.file.flow)).collect();
+        match all.iter_mut().find(|(_, known)| *known == sets) {
+            Some((origins, _)) => origins.push(origin),
+            None => all.push((vec![origin], sets)),
+        }
+    };
+    if let Some(paper) = system.paper {
+        add(Origin::Paper, &|flow| paper.over(flow));
+    }
+    match search {
+        None => add(Origin::Own, &|flow| flow),
+        Some(search) => {
+            let found = search.best.iter().flatten();
+            for (origin, ranked) in [Origin::Fastest, Origin::LeastEffort]
+                .into_iter()
+                .zip(found)
+            {
+                add(origin, &|flow| of_grid(ranked, flow));
+            }
+        }
+    }
+    all
+}
+
+/// A set of a grid, and `flow` for what is not in the grid.
+fn of_grid(ranked: &Ranked, flow: FlowParameters) -> FlowParameters {
+    FlowParameters {
+        p: ranked.p,
+        k: ranked.k,
+        s_max: ranked.s_max,
+        guess: ranked.guess,
+        k_cons: ranked.k_cons.unwrap_or(flow.k_cons),
+        c_cons: ranked.c_cons.unwrap_or(flow.c_cons),
+    }
+}
+
+/// Solves a scenario with a set once for what came of it, then, where it succeeds, several times by the clock.
+fn run(scenario: &Scenario, set: FlowParameters, repetitions: usize) -> Result<ScenarioResult> {
+    let mut scenario = scenario.clone();
+    scenario.file.flow = set;
+    let options = SolveOptions {
+        method: Method::Flow,
+        ..SolveOptions::default()
+    };
+    let solved = || Ok(solve(&scenario, &options, &mut |_| {})?.summary);
+    let summary = solved()?;
+    // How long a failure takes need not be known as well.
+    let again = if summary.success { repetitions } else { 0 };
+    let mut seconds = (0..again)
+        .map(|_| Ok(solved()?.solve_seconds))
+        .collect::<Result<Vec<f64>>>()?;
+    if seconds.is_empty() {
+        seconds.push(summary.solve_seconds);
+    }
+    Ok(ScenarioResult {
+        tolerance: options.flow_settings(&scenario).tolerance,
+        scenario: scenario.name,
+        file: scenario.file,
+        success: summary.success,
+        failure: summary.failure,
+        solve_seconds: median(&mut seconds),
+        effort: summary.control_effort,
+        action: summary.details.flow().map_or(f64::NAN, |f| f.action),
+        open_loop_error: summary.open_loop_error_inf,
+        feedback_error: summary.final_error_inf,
+        feasibility: summary.feasibility,
+    })
+}

@@ -1,0 +1,248 @@
+//! The constrained flow (A4) and its Jacobian.
+
+use super::Penalty;
+use super::jacobian::{NodeBlocks, NodeJacobian};
+use super::{ControlForm, Node, RightHandSide, TorquePenalty};
+use crate::constraint::{Constraint, Evaluator, Weights};
+use crate::dynamics::{Data, crba, crba_contracted};
+use crate::error::Result;
+use crate::linalg::Ldlt;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{DMatrix, DVector};
+
+/// The constraints of a motion as penalties in its Lagrangian, (A1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Penalised<K, C: Scalar = f64> {
+    /// Constraints on the state.
+    pub state: K,
+    /// The penalty of each of their rows.
+    pub penalty: Penalty<C>,
+    /// Limits on the control, with a penalty of their own.
+    pub torque: TorquePenalty<C>,
+}
+
+/// The flow (A4) of the control form.
+pub type Constrained<'a, C, S, K> =
+    Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
+
+impl<K, C: Scalar> Penalised<K, C>
+where
+    K: Constraint<C>,
+{
+    /// The right-hand side of the constrained flow for `model`.
+    #[must_use]
+    pub fn right_hand_side<'a, S: Over<C>>(
+        &'a self,
+        model: &'a Model<C>,
+    ) -> Constrained<'a, C, S, &'a K> {
+        Sum::new(
+            ControlForm::with_cost(model, self.torque.clone()),
+            self.state_penalty(model),
+        )
+    }
+
+    /// What the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
+    #[must_use]
+    pub fn state_penalty<'a, S: Over<C>>(
+        &'a self,
+        model: &'a Model<C>,
+    ) -> StatePenalty<'a, C, S, &'a K> {
+        StatePenalty::new(model, &self.state, self.penalty)
+    }
+}
+
+/// What penalties on the state add to the flow, (A4), and to its Jacobian:
+///
+/// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\, \gamma_{P1} \\\\
+///    (H H)^{-1} \gamma_{P2} \end{bmatrix}, \qquad \gamma = \sum_j b^{\prime}(g_j) \frac{\partial g_j}{\partial x} . $$
+///
+/// With $y = (H H)^{-1} \gamma_{P2}$, that is $H H y = \gamma_{P2}$, the rows of its derivative in `x` are
+/// $-\tfrac1k\, d\gamma_{P1}$ and
+///
+/// $$ -dy = -H^{-1} \left[ H^{-1} (d\gamma_{P2} - K_{H y}\, dx_{P1}) - K_y\, dx_{P1} \right], \quad
+///    K_w = \frac{\partial (H w)}{\partial q}, \quad
+///    \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} + b^{\prime\prime}(g_j)
+///    \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T . $$
+///
+/// Cost: that of the constraints, and O(N^3) for the factors of `H`.
+#[derive(Clone, Debug)]
+pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
+    model: &'m Model<C>,
+    constraints: K,
+    penalty: Penalty<C>,
+    evaluator: Evaluator<'m, C, S>,
+    g: Vec<S>,
+    slopes: Vec<S>,
+    curvatures: Vec<S>,
+    data: Data<S>,
+    h: DMatrix<S>,
+    ldlt: Ldlt<S>,
+    /// $y$ and $H y$.
+    y: DVector<S>,
+    hy: DVector<S>,
+    k_y: DMatrix<S>,
+    k_hy: DMatrix<S>,
+    h_inverse: DMatrix<S>,
+    /// The outer bracket, `N` by `2 N`.
+    outer: DMatrix<S>,
+}
+
+impl<'m, C: Scalar, S: Over<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
+    /// For `model`, the same penalty for each row.
+    #[must_use]
+    pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
+        let (n, zeros) = (model.dof(), vec![S::zero(); constraints.rows()]);
+        Self {
+            model,
+            constraints,
+            penalty,
+            evaluator: Evaluator::new(model),
+            g: zeros.clone(),
+            slopes: zeros.clone(),
+            curvatures: zeros,
+            data: Data::new(model),
+            h: DMatrix::zeros(n, n),
+            ldlt: Ldlt::new(n),
+            y: DVector::zeros(n),
+            hy: DVector::zeros(n),
+            k_y: DMatrix::zeros(n, n),
+            k_hy: DMatrix::zeros(n, n),
+            h_inverse: DMatrix::zeros(n, n),
+            outer: DMatrix::zeros(n, 2 * n),
+        }
+    }
+}
+
+impl<C: Scalar, S: Over<C>, K: Constraint<C>> RightHandSide<C, S> for StatePenalty<'_, C, S, K> {
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
+        let n = self.model.dof();
+        node.check(n, omega.len())?;
+        let mut here = self.evaluator.at(node.x)?;
+        here.value(&self.constraints, &mut self.g)?;
+        for (g, slope) in self.g.iter().zip(&mut self.slopes) {
+            *slope = -self.penalty.derivatives(*g)[1];
+        }
+        let weights = Weights {
+            w: &self.slopes,
+            c: None,
+        };
+        let by_x = here.contract(&self.constraints, weights)?.gradient();
+        omega.copy_from_slice(by_x.as_slice());
+        let (by_q, by_v) = omega.split_at_mut(n);
+        let per_k = C::one() / k;
+        by_q.iter_mut().for_each(|b| *b = b.scale(per_k));
+        crba(self.model, &mut self.data, node.x_p1(), &mut self.h)?;
+        self.ldlt.factorise(&self.h);
+        self.ldlt.solve(by_v);
+        self.ldlt.solve(by_v);
+        Ok(())
+    }
+}
+
+impl<C: Scalar, S: Over<C>, K: Constraint<C>> NodeJacobian<C, S> for StatePenalty<'_, C, S, K> {
+    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+        let n = self.model.dof();
+        out.check(n)?;
+        node.check(n, 2 * n)?;
+        let mut here = self.evaluator.at(node.x)?;
+        here.value(&self.constraints, &mut self.g)?;
+        let weights = self.slopes.iter_mut().zip(&mut self.curvatures);
+        for (g, (slope, curvature)) in self.g.iter().zip(weights) {
+            let [_, first, second, _] = self.penalty.derivatives(*g);
+            (*slope, *curvature) = (-first, -second);
+        }
+        let weights = Weights {
+            w: &self.slopes,
+            c: Some(&self.curvatures),
+        };
+        let sums = here.contract(&self.constraints, weights)?;
+        out.dx.copy_from(sums.hessian());
+        out.dxdot.fill(S::zero());
+        out.dxddot.fill(S::zero());
+
+        let q = node.x_p1();
+        crba(self.model, &mut self.data, q, &mut self.h)?;
+        self.ldlt.factorise(&self.h);
+        self.hy.copy_from(&sums.gradient().rows(n, n));
+        self.ldlt.solve(self.hy.as_mut_slice());
+        self.y.copy_from(&self.hy);
+        self.ldlt.solve(self.y.as_mut_slice());
+        let (model, data) = (self.model, &mut self.data);
+        crba_contracted(model, data, q, self.y.as_slice(), &mut self.k_y)?;
+        crba_contracted(model, data, q, self.hy.as_slice(), &mut self.k_hy)?;
+        let (one, zero, per_k) = (S::one(), S::zero(), C::one() / k);
+        let mut upper = out.dx.rows_mut(0, n);
+        upper.apply(|entry| *entry = entry.scale(per_k));
+        // Products with the inverse are several times faster than as many solves.
+        self.h_inverse.fill_with_identity();
+        self.ldlt.solve_columns(&mut self.h_inverse);
+        let mut lower = out.dx.rows_mut(n, n);
+        let mut by_q = lower.columns_mut(0, n);
+        by_q -= &self.k_hy;
+        self.outer.gemm(one, &self.h_inverse, &lower, zero);
+        let mut by_q = self.outer.columns_mut(0, n);
+        by_q -= &self.k_y;
+        lower.gemm(one, &self.h_inverse, &self.outer, zero);
+        Ok(())
+    }
+}
+
+/// Two right-hand sides, or two Jacobians, added up: a flow and what something more in its Lagrangian adds to it.
+#[derive(Clone, Debug)]
+pub struct Sum<A, B, S: Scalar> {
+    first: A,
+    second: B,
+    omega: Vec<S>,
+    blocks: NodeBlocks<S>,
+}
+
+impl<A, B, S: Scalar> Sum<A, B, S> {
+    /// `first` and `second`.
+    #[must_use]
+    pub fn new(first: A, second: B) -> Self {
+        Self {
+            first,
+            second,
+            omega: Vec::new(),
+            blocks: NodeBlocks::new(0),
+        }
+    }
+}
+
+impl<C, S: Scalar, A, B> RightHandSide<C, S> for Sum<A, B, S>
+where
+    C: Scalar,
+    A: RightHandSide<C, S>,
+    B: RightHandSide<C, S>,
+{
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
+        self.first.omega(node, k, omega)?;
+        self.omega.resize(omega.len(), S::zero());
+        self.second.omega(node, k, &mut self.omega)?;
+        omega
+            .iter_mut()
+            .zip(&self.omega)
+            .for_each(|(a, b)| *a += *b);
+        Ok(())
+    }
+}
+
+impl<C, S: Scalar, A, B> NodeJacobian<C, S> for Sum<A, B, S>
+where
+    C: Scalar,
+    A: NodeJacobian<C, S>,
+    B: NodeJacobian<C, S>,
+{
+    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+        self.first.at(node, k, out)?;
+        if self.blocks.check(out.dx.nrows() / 2).is_err() {
+            self.blocks = NodeBlocks::new(out.dx.nrows() / 2);
+        }
+        self.second.at(node, k, &mut self.blocks)?;
+        out.dx += &self.blocks.dx;
+        out.dxdot += &self.blocks.dxdot;
+        out.dxddot += &self.blocks.dxddot;
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! The Lagrangian whose integral over time, the action, the flow makes smaller.
+
+use crate::dynamics::{Data, aba, crba, rnea};
+use crate::error::{Result, check_length};
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+/// A function $L(x, \dot x)$ whose integral over time a flow makes smaller.
+///
+/// It is written once for every scalar; nothing else is asked for, since derivatives come from dual numbers. A page of
+/// the [guide](crate::guide::lagrangian) walks through an example.
+pub trait Lagrangian {
+    /// $L$ at `x` and `xdot`, `2 N` entries each, under the penalty `k`.
+    ///
+    /// # Errors
+    /// The lengths are not those of the robot.
+    fn value<S: Over<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S>;
+}
+
+/// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ControlEffort;
+
+impl Lagrangian for ControlEffort {
+    fn value<S: Over<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S> {
+        let n = model.dof();
+        let mut u = vec![S::zero(); n];
+        let ((q, v), (qdot, vdot)) = (split(x), split(xdot));
+        rnea(model, &mut Data::new(model), q, v, vdot, &mut u)?;
+        lagrangian_of_control(qdot, v, &u, k)
+    }
+}
+
+/// The two halves of a state.
+pub(super) fn split<S>(x: &[S]) -> (&[S], &[S]) {
+    x.split_at(x.len() / 2)
+}
+
+/// The Lagrangian by its definition, equations (5) and (11):
+///
+/// $$ L = (\dot x - F_d)^T G\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\\\ FD_0 \end{bmatrix}, \quad
+///    G = \begin{bmatrix} k I & 0 \\\\ 0 & H^T H \end{bmatrix}, \quad FD_0 = -H^{-1} C. $$
+///
+/// `x` and `xdot` have `2 N` entries. It allocates: this is the definition that the fast forms are tested against.
+/// Cost O(N^2).
+///
+/// # Errors
+/// `x` or `xdot` does not have `2 N` entries.
+pub fn lagrangian<C: Scalar, S: Over<C>>(
+    model: &Model<C>,
+    data: &mut Data<S>,
+    x: &[S],
+    xdot: &[S],
+    k: C,
+) -> Result<S> {
+    let n = model.dof();
+    check_length("x", 2 * n, x.len())?;
+    check_length("xdot", 2 * n, xdot.len())?;
+    let (q, v) = x.split_at(n);
+    let mut h = DMatrix::zeros(n, n);
+    crba(model, data, q, &mut h)?;
+    let mut fd0 = DVector::zeros(n);
+    let zero = DVector::zeros(n);
+    aba(model, data, q, v, zero.as_slice(), fd0.as_mut_slice())?;
+    let slip = DVectorView::from_slice(&xdot[..n], n) - DVectorView::from_slice(v, n);
+    let force = h * (DVectorView::from_slice(&xdot[n..], n) - fd0);
+    Ok(slip.dot(&slip).scale(k) + force.dot(&force))
+}
+
+/// The Lagrangian from the control `u`, $L = k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
+///
+/// It is the same number as [`lagrangian`] gives, since $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control
+/// (13). `xdot_p1`, `x_p2` and `u` have `N` entries.
+///
+/// # Errors
+/// The lengths differ.
+pub fn lagrangian_of_control<C: Scalar, S: Over<C>>(
+    xdot_p1: &[S],
+    x_p2: &[S],
+    u: &[S],
+    k: C,
+) -> Result<S> {
+    check_length("xdot_p1", u.len(), xdot_p1.len())?;
+    check_length("x_p2", u.len(), x_p2.len())?;
+    let square = |sum, x| sum + x * x;
+    let slip = xdot_p1.iter().zip(x_p2).map(|(a, b)| *a - *b);
+    let slip = slip.fold(S::zero(), square);
+    let force = u.iter().copied().fold(S::zero(), square);
+    Ok(slip.scale(k) + force)
+}

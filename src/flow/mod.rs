@@ -1,0 +1,45 @@
+//! The right-hand side of the Affine Geometric Heat Flow and its Jacobian.
+//!
+//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `x`, `xdot` and
+//! `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
+
+mod action;
+mod collocation;
+mod constrained;
+mod control_penalty;
+pub mod jacobian;
+mod lagrangian;
+mod lagrangian_flow;
+mod node;
+mod omega;
+mod penalty;
+mod run;
+
+pub use action::{Effort, measure};
+pub use collocation::{Collocation, assemble_jacobian};
+pub use constrained::{Constrained, Penalised, StatePenalty, Sum};
+pub use control_penalty::{ControlCost, TorquePenalty};
+pub use lagrangian::{ControlEffort, Lagrangian, lagrangian, lagrangian_of_control};
+pub use lagrangian_flow::Definition;
+pub use node::Node;
+pub use omega::{AlgorithmB1, ControlForm, TheoremB3};
+pub use penalty::{
+    Penalty, activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature,
+    penalty_slope,
+};
+pub use run::{
+    FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
+    flow_with, output_count,
+};
+
+use crate::error::Result;
+
+/// A way to compute $\Omega(x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
+/// model with constants `C`.
+pub trait RightHandSide<C, S> {
+    /// $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.
+    ///
+    /// # Errors
+    /// `node` or `omega` does not have `2 N` entries throughout.
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()>;
+}

@@ -1,0 +1,158 @@
+//! The control form of Theorem B3: no forward dynamics and no third-order tensor.
+
+use crate::dynamics::{Data, InverseDynamicsDerivatives, crba_derivatives, rnea_derivatives};
+use crate::error::Result;
+use crate::flow::{ControlCost, Node, RightHandSide};
+use crate::linalg::Ldlt;
+use crate::model::Model;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+/// The right-hand side of the flow written in the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
+///
+/// With $L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2$ the heat flow (7) is
+///
+/// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, $$
+/// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v}
+///    \right)^T u \right] $$
+/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2}
+///    + H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
+///
+/// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}$. The last
+/// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. All derivatives are
+/// at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
+/// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
+///
+/// A [`ControlCost`] adds $\sum_i \ell_i(u_i)$ to the Lagrangian. Then $\mu = u + \tfrac12 \ell^{\prime}$ takes the place of `u` and
+/// $\dot \mu = \dot u + \tfrac12 \ell^{\prime\prime} \dot u$ that of $\dot u$ in the first form, which is all that changes.
+#[derive(Clone, Debug)]
+pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
+    model: &'m Model<C>,
+    cost: L,
+    /// Whether the cost stands alone, without the Lagrangian of the paper.
+    alone: bool,
+    mu: DVector<S>,
+    /// $\tfrac12 \ell^{\prime\prime}$.
+    slope: DVector<S>,
+    data: Data<S>,
+    id: InverseDynamicsDerivatives<S>,
+    hdot: DMatrix<S>,
+    ldlt: Ldlt<S>,
+    rate: DVector<S>,
+    sum: DVector<S>,
+}
+
+impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
+    /// The right-hand side for `model`.
+    #[must_use]
+    pub fn new(model: &'m Model<C>) -> Self {
+        Self::with_cost(model, ())
+    }
+}
+
+impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+    /// The right-hand side for `model` and the Lagrangian with `cost` added.
+    #[must_use]
+    pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
+        let n = model.dof();
+        Self {
+            model,
+            cost,
+            alone: false,
+            mu: DVector::zeros(n),
+            slope: DVector::zeros(n),
+            data: Data::new(model),
+            id: InverseDynamicsDerivatives::new(n),
+            hdot: DMatrix::zeros(n, n),
+            ldlt: Ldlt::new(n),
+            rate: DVector::zeros(n),
+            sum: DVector::zeros(n),
+        }
+    }
+
+    /// What `cost` adds to the flow of the paper's Lagrangian, in whatever form the latter is computed.
+    #[must_use]
+    pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
+        Self {
+            alone: true,
+            ..Self::with_cost(model, cost)
+        }
+    }
+
+    /// $\mu$ and $\tfrac12 \ell^{\prime\prime}$ from the control.
+    fn weigh(&mut self) {
+        let (u, half) = (&self.id.tau, S::from_f64(0.5));
+        if self.alone {
+            self.mu.fill(S::zero());
+        } else {
+            self.mu.copy_from(u);
+        }
+        if !self.cost.is_zero() {
+            for i in 0..u.len() {
+                let [first, second, _] = self.cost.derivatives(i, u[i]);
+                self.mu[i] += half * first;
+                self.slope[i] = half * second;
+            }
+        }
+    }
+}
+
+impl<C: Scalar, S: Over<C>, L: ControlCost<C>> RightHandSide<C, S> for ControlForm<'_, C, S, L> {
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
+        let (n, one, zero, two) = (self.model.dof(), S::one(), S::zero(), S::from_f64(2.0));
+        node.check(n, omega.len())?;
+        let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+        crba_derivatives(
+            self.model,
+            &mut self.data,
+            q,
+            node.xdot_p1(),
+            &mut self.id.h,
+            &mut self.hdot,
+        )?;
+        rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
+        self.weigh();
+        let (mu, alone) = (&self.mu, self.alone);
+        let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
+
+        let view = |x| DVectorView::from_slice(x, n);
+        // What the inertia forces leave of the rate of u.
+        self.rate.gemv(one, dq, &view(node.xdot_p1()), zero);
+        self.rate.gemv(one, dv, &view(a), one);
+
+        self.sum.gemv_tr(one, dq, mu, zero);
+        let per_k = C::one() / k;
+        for i in 0..n {
+            let slip_rate = if alone {
+                zero
+            } else {
+                node.xddot_p1()[i] - a[i]
+            };
+            omega[i] = two * (slip_rate - self.sum[i].scale(per_k));
+        }
+
+        self.sum.gemv_tr(-one, dv, mu, zero);
+        self.sum.gemv(one, &self.hdot, mu, one);
+        if !alone {
+            for i in 0..n {
+                self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
+            }
+        }
+        self.ldlt.factorise(h);
+        self.ldlt.solve(self.sum.as_mut_slice());
+        if !alone {
+            self.sum += &self.rate;
+        }
+        if !self.cost.is_zero() {
+            self.rate.gemv(one, h, &view(node.xddot_p2()), one);
+            self.rate.component_mul_assign(&self.slope);
+            self.sum += &self.rate;
+        }
+        self.ldlt.solve(self.sum.as_mut_slice());
+        for i in 0..n {
+            let rate = if alone { zero } else { node.xddot_p2()[i] };
+            omega[n + i] = two * (rate + self.sum[i]);
+        }
+        Ok(())
+    }
+}

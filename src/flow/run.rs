@@ -1,0 +1,362 @@
+//! Algorithm B3: the flow at the nodes as a stiff system of ordinary differential equations.
+
+use super::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
+use super::{Collocation, assemble_jacobian};
+use super::{ControlForm, Penalised, RightHandSide, lagrangian_of_control};
+use crate::constraint::Constraint;
+use crate::curve::{Chebyshev, Curve};
+use crate::dynamics::{Data, rnea};
+use crate::error::{Error, Result};
+use crate::motion::{Guess, Problem};
+use crate::ode::{Failure, Ode, Statistics, Tolerance, integrate};
+use nalgebra::DMatrix;
+use std::fmt;
+use std::time::{Duration, Instant};
+
+/// How many values of `s` the output has between its first and `s_max`, on a logarithmic grid.
+const OUTPUTS: usize = 50;
+/// The first value of `s` after zero.
+const FIRST_OUTPUT: f64 = 1e-6;
+
+/// The parameters of the flow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowSettings {
+    /// The degree of the polynomial.
+    pub p: usize,
+    /// The penalty on $\dot x_{P1} \ne x_{P2}$ in (11).
+    pub k: f64,
+    /// How far the flow runs.
+    pub s_max: f64,
+    /// Absolute and relative tolerance of the integrator.
+    pub tolerance: f64,
+    /// The curve at `s = 0`.
+    pub guess: Guess,
+    /// How the Jacobian is computed.
+    pub jacobian: JacobianKind,
+    /// The wall time after which the flow stops where it is, as a failure.
+    pub time_limit: Option<Duration>,
+}
+
+impl FlowSettings {
+    /// The tolerance that the paper uses, and the default.
+    pub const TOLERANCE: f64 = 1e-4;
+
+    /// Settings with the default tolerance, guess and Jacobian.
+    #[must_use]
+    pub fn new(p: usize, k: f64, s_max: f64) -> Self {
+        Self {
+            p,
+            k,
+            s_max,
+            tolerance: Self::TOLERANCE,
+            guess: Guess::default(),
+            jacobian: JacobianKind::default(),
+            time_limit: None,
+        }
+    }
+
+    /// The same with another Jacobian.
+    #[must_use]
+    pub fn with_jacobian(self, jacobian: JacobianKind) -> Self {
+        Self { jacobian, ..self }
+    }
+
+    /// # Errors
+    /// A number is not positive and finite.
+    fn check(&self) -> Result<()> {
+        for (what, value) in [
+            ("k", self.k),
+            ("s_max", self.s_max),
+            ("tolerance", self.tolerance),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                let condition = format!("it is {value}, a positive number is needed");
+                return Err(Error::input("settings", what, condition));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far the flow had come at one `s`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowRecord {
+    /// The homotopy variable.
+    pub s: f64,
+    /// The action by Clenshaw-Curtis quadrature over the nodes.
+    pub action_at_nodes: f64,
+}
+
+/// Where the flow ended.
+#[derive(Clone, Debug)]
+pub struct FlowSolution {
+    /// The curve at `s_max`.
+    pub curve: Curve,
+    /// The action at `s = 0` and at 50 values of `s` on a logarithmic grid.
+    pub history: Vec<FlowRecord>,
+    /// What it cost.
+    pub statistics: Statistics,
+}
+
+/// The flow did not reach `s_max`.
+#[derive(Clone, Debug)]
+pub struct FlowFailure {
+    /// How far it came.
+    pub s: f64,
+    /// The interior node at which the right-hand side was last not finite, and which entry of $\Omega$ it was there.
+    pub non_finite: Option<(usize, usize)>,
+    /// The curve at `s`.
+    pub last_good: Curve,
+    /// The history up to `s`.
+    pub history: Vec<FlowRecord>,
+    /// What went wrong.
+    pub reason: String,
+    /// Whether that was the time limit.
+    pub timed_out: bool,
+    /// What it cost.
+    pub statistics: Statistics,
+}
+
+impl fmt::Display for FlowFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the flow stopped at s = {:e}: {}", self.s, self.reason)?;
+        if let Some((node, entry)) = self.non_finite {
+            write!(f, " (entry {entry} of Omega at node {node} is not finite)")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for FlowFailure {}
+
+/// What comes of a flow: a curve, or a flow that could not be carried to its end, which keeps the last good curve.
+pub type FlowOutcome = std::result::Result<FlowSolution, Box<FlowFailure>>;
+
+/// Runs the flow (Algorithm B3) from the guess to `s_max` with the control form of $\Omega$ and the Jacobian that the settings
+/// name; `observe` is called at each value of `s` of the history.
+///
+/// # Errors
+/// A setting is not positive and finite, or the degree is out of range.
+pub fn flow(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
+    let model = problem.model();
+    let jacobian = &mut *settings.jacobian.build(model);
+    flow_with(
+        problem,
+        settings,
+        &mut ControlForm::new(model),
+        jacobian,
+        observe,
+    )
+}
+
+/// Runs the constrained flow (A4), otherwise as [`flow`].
+///
+/// # Errors
+/// As [`flow`], or the constraints are for another robot.
+pub fn flow_constrained<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    constraints: &Penalised<K>,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
+    let model = problem.model();
+    let jacobian = &mut *settings.jacobian.build_constrained(model, constraints);
+    let rhs = &mut constraints.right_hand_side(model);
+    flow_with(problem, settings, rhs, jacobian, observe)
+}
+
+/// Runs the flow of any right-hand side with any Jacobian of it. The history tells the paper's action whatever the
+/// right-hand side is. See the guide on [Jacobians](crate::guide::jacobian) and
+/// [Lagrangians](crate::guide::lagrangian).
+///
+/// # Errors
+/// As [`flow`], or `rhs` or `jacobian` is for another robot.
+pub fn flow_with(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    rhs: &mut dyn RightHandSide<f64, f64>,
+    jacobian: &mut dyn NodeJacobian,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
+    settings.check()?;
+    let model = problem.model();
+    let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
+    let guess = problem.guess(settings.guess, &chebyshev);
+    let collocation = Collocation::new(&chebyshev, problem.start(), problem.goal())?;
+    let interior = guess.columns_range(collocation.interior());
+    let unknowns: Vec<f64> = interior.iter().copied().collect();
+    let mut system = CollocatedFlow {
+        rhs,
+        jacobian,
+        blocks: NodeBlocks::new(model.dof()),
+        collocation: collocation.clone(),
+        k: settings.k,
+        started: Instant::now(),
+        time_limit: settings.time_limit,
+        timed_out: false,
+        error: None,
+    };
+    let mut recorder = Recorder {
+        problem,
+        k: settings.k,
+        chebyshev,
+        collocation,
+        history: Vec::new(),
+    };
+    observe(recorder.record(0.0, &unknowns)?);
+    let mut error = None;
+    let outcome = integrate(
+        &mut system,
+        0.0,
+        &unknowns,
+        &outputs(settings.s_max),
+        Tolerance {
+            relative: settings.tolerance,
+            absolute: settings.tolerance,
+        },
+        &mut |s, y| match recorder.record(s, y) {
+            Ok(record) => observe(record),
+            Err(e) => error = Some(e),
+        },
+    );
+    if let Some(error) = error.or(system.error) {
+        return Err(error);
+    }
+    Ok(match outcome {
+        Ok(statistics) => Ok(FlowSolution {
+            curve: recorder.curve()?,
+            history: recorder.history,
+            statistics,
+        }),
+        Err(failure) => Err(Box::new(recorder.failure(failure, system.timed_out)?)),
+    })
+}
+
+/// How many records the history of a flow to `s_max` has.
+#[must_use]
+pub fn output_count(s_max: f64) -> u64 {
+    1 + outputs(s_max).len() as u64
+}
+
+/// The values of `s` after zero.
+fn outputs(s_max: f64) -> Vec<f64> {
+    if s_max <= FIRST_OUTPUT {
+        return vec![s_max];
+    }
+    let step = (s_max / FIRST_OUTPUT).ln() / (OUTPUTS - 1) as f64;
+    let inner = (0..OUTPUTS - 1).map(|i| FIRST_OUTPUT * (step * i as f64).exp());
+    inner.filter(|s| *s < s_max).chain([s_max]).collect()
+}
+
+/// The collocated flow as the integrator sees it.
+struct CollocatedFlow<'a> {
+    rhs: &'a mut dyn RightHandSide<f64, f64>,
+    jacobian: &'a mut dyn NodeJacobian,
+    blocks: NodeBlocks,
+    collocation: Collocation<f64, f64>,
+    k: f64,
+    started: Instant,
+    time_limit: Option<Duration>,
+    timed_out: bool,
+    error: Option<Error>,
+}
+
+impl Ode for CollocatedFlow<'_> {
+    fn dim(&self) -> usize {
+        self.collocation.unknowns()
+    }
+
+    fn rhs(&mut self, _s: f64, y: &[f64], dy: &mut [f64]) {
+        let Self {
+            rhs,
+            collocation,
+            k,
+            ..
+        } = self;
+        let rates = collocation
+            .set(y)
+            .and_then(|()| collocation.rates(*rhs, *k, dy));
+        if let Err(error) = rates {
+            dy.fill(f64::NAN);
+            self.error = Some(error);
+        }
+    }
+
+    fn jacobian(&mut self, _s: f64, y: &[f64], jac: &mut DMatrix<f64>) {
+        let Self {
+            jacobian,
+            collocation,
+            blocks,
+            k,
+            ..
+        } = self;
+        let assembled = (collocation.set(y))
+            .and_then(|()| assemble_jacobian(collocation, *jacobian, *k, blocks, jac));
+        if let Err(error) = assembled {
+            jac.fill(f64::NAN);
+            self.error = Some(error);
+        }
+    }
+
+    fn stop(&mut self) -> Option<String> {
+        let limit = self.time_limit.filter(|l| self.started.elapsed() >= *l)?;
+        self.timed_out = true;
+        Some(format!("time limit of {} s reached", limit.as_secs_f64()))
+    }
+}
+
+/// Keeps what the integrator reports.
+struct Recorder<'a, 'm> {
+    problem: &'a Problem<'m>,
+    k: f64,
+    chebyshev: Chebyshev,
+    collocation: Collocation<f64, f64>,
+    history: Vec<FlowRecord>,
+}
+
+impl Recorder<'_, '_> {
+    fn record(&mut self, s: f64, y: &[f64]) -> Result<FlowRecord> {
+        self.collocation.set(y)?;
+        let model = self.problem.model();
+        let (mut data, mut u) = (Data::new(model), vec![0.0; model.dof()]);
+        let mut action_at_nodes = 0.0;
+        for (i, weight) in self.chebyshev.weights().iter().enumerate() {
+            let node = self.collocation.node(i);
+            rnea(
+                model,
+                &mut data,
+                node.x_p1(),
+                node.x_p2(),
+                node.xdot_p2(),
+                &mut u,
+            )?;
+            let lagrangian = lagrangian_of_control(node.xdot_p1(), node.x_p2(), &u, self.k)?;
+            action_at_nodes += weight * lagrangian;
+        }
+        let record = FlowRecord { s, action_at_nodes };
+        self.history.push(record);
+        Ok(record)
+    }
+
+    fn curve(&self) -> Result<Curve> {
+        Curve::new(self.chebyshev.clone(), self.collocation.xi().clone())
+    }
+
+    fn failure(mut self, failure: Failure, timed_out: bool) -> Result<FlowFailure> {
+        self.record(failure.s, &failure.y)?;
+        let m = self.problem.start().len();
+        Ok(FlowFailure {
+            s: failure.s,
+            non_finite: failure.non_finite.map(|n| (n.entry / m + 1, n.entry % m)),
+            last_good: self.curve()?,
+            history: self.history,
+            reason: failure.reason,
+            timed_out,
+            statistics: failure.statistics,
+        })
+    }
+}

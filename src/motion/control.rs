@@ -1,0 +1,76 @@
+//! The control that a curve takes, and what it costs.
+
+use crate::curve::Curve;
+use crate::dynamics::{Data, rnea};
+use crate::error::Result;
+use crate::model::Model;
+use nalgebra::DVector;
+
+/// A curve at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Time, s.
+    pub t: f64,
+    /// $x_{P1}$, the configuration.
+    pub q: Vec<f64>,
+    /// $x_{P2}$, the velocity.
+    pub v: Vec<f64>,
+    /// $\dot x_{P2}$, the acceleration.
+    pub a: Vec<f64>,
+    /// The control (13).
+    pub u: Vec<f64>,
+    /// $\dot x_{P1}$, which is `v` where the curve is dynamically consistent.
+    pub qdot: Vec<f64>,
+}
+
+/// The control extraction (13): $u(t) = H \dot x_{P2} + C$, inverse dynamics at $(x_{P1}, x_{P2}, \dot x_{P2})$.
+/// `u` has `N` entries.
+///
+/// # Errors
+/// The curve or `u` is for another robot.
+pub fn control_at(
+    model: &Model,
+    data: &mut Data<f64>,
+    x: &DVector<f64>,
+    xdot: &DVector<f64>,
+    u: &mut [f64],
+) -> Result<()> {
+    crate::error::check_length("x", 2 * model.dof(), x.len())?;
+    let (q, v) = x.as_slice().split_at(model.dof());
+    rnea(model, data, q, v, &xdot.as_slice()[model.dof()..], u)
+}
+
+/// The curve at `intervals + 1` equidistant times, both ends included. At a joint of two parts acceleration and control are those of
+/// the later one.
+///
+/// # Errors
+/// The curve is for another robot.
+pub fn sample(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<Sample>> {
+    let times = (0..=intervals).map(|i| curve.horizon() * i as f64 / intervals as f64);
+    samples_at(model, curve, times.map(|t| (curve.part_at(t), t)))
+}
+
+/// The curve at times, each by the polynomial of the part before it.
+pub(crate) fn samples_at(
+    model: &Model,
+    curve: &Curve,
+    times: impl Iterator<Item = (usize, f64)>,
+) -> Result<Vec<Sample>> {
+    let n = model.dof();
+    let mut data = Data::new(model);
+    times
+        .map(|(part, t)| {
+            let (x, xdot) = curve.at_of(part, t);
+            let mut u = vec![0.0; n];
+            control_at(model, &mut data, &x, &xdot, &mut u)?;
+            Ok(Sample {
+                t,
+                q: x.as_slice()[..n].to_vec(),
+                v: x.as_slice()[n..].to_vec(),
+                a: xdot.as_slice()[n..].to_vec(),
+                u,
+                qdot: xdot.as_slice()[..n].to_vec(),
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,104 @@
+//! Where a motion starts, where it ends, and a first guess at what is between.
+
+use crate::curve::Chebyshev;
+use crate::error::{Error, Result, check_length};
+use crate::model::Model;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// A motion to be found: from one state of a robot to another in a given time.
+#[derive(Clone, Debug)]
+pub struct Problem<'m> {
+    model: &'m Model,
+    start: Vec<f64>,
+    goal: Vec<f64>,
+    horizon: f64,
+}
+
+impl<'m> Problem<'m> {
+    /// From state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
+    ///
+    /// # Errors
+    /// A wrong length, a number that is not finite, or a horizon that is not positive.
+    pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
+        for (what, state) in [("start", &start), ("goal", &goal)] {
+            check_length(what, 2 * model.dof(), state.len())?;
+            if let Some(i) = state.iter().position(|x| !x.is_finite()) {
+                let condition = format!("entry {i} is not a finite number");
+                return Err(Error::input(model.name(), what, condition));
+            }
+        }
+        if !(horizon.is_finite() && horizon > 0.0) {
+            let condition = format!("it is {horizon}, a positive time is needed");
+            return Err(Error::input(model.name(), "horizon", condition));
+        }
+        Ok(Self {
+            model,
+            start,
+            goal,
+            horizon,
+        })
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// The first state, $[q; v]$.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// The last state, $[q; v]$.
+    #[must_use]
+    pub fn goal(&self) -> &[f64] {
+        &self.goal
+    }
+
+    /// `T`, in s.
+    #[must_use]
+    pub fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
+    /// The same in another time.
+    ///
+    /// # Errors
+    /// A horizon that is not positive.
+    pub fn with_horizon(&self, horizon: f64) -> Result<Self> {
+        Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
+    }
+
+    /// The states at the nodes before the flow starts, `2 N` by `p + 1`.
+    #[must_use]
+    pub fn guess(&self, guess: Guess, chebyshev: &Chebyshev) -> DMatrix<f64> {
+        let (n, p) = (self.model.dof(), chebyshev.degree());
+        DMatrix::from_fn(2 * n, p + 1, |row, node| {
+            let (start, goal) = (self.start[row], self.goal[row]);
+            match guess {
+                _ if node == 0 => start,
+                _ if node == p => goal,
+                Guess::LineConfiguration if row >= n => {
+                    (self.goal[row - n] - self.start[row - n]) / self.horizon
+                }
+                Guess::LineState | Guess::LineConfiguration => {
+                    start + (goal - start) * chebyshev.times()[node] / self.horizon
+                }
+            }
+        })
+    }
+}
+
+/// A first guess at a trajectory. The ends are always the boundary states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Guess {
+    /// `q` and `v` both linear in time, as the paper's text says.
+    LineState,
+    /// `q` linear in time and `v = D q`, its constant slope, as the paper's released code does.
+    #[default]
+    LineConfiguration,
+}

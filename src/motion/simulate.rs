@@ -1,0 +1,239 @@
+//! Forward simulation: whether the control of a curve takes the robot to its goal.
+
+use super::control::control_at;
+use crate::curve::Curve;
+use crate::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::ode::{Failure, Ode, Statistics, Tolerance, integrate};
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
+use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
+
+/// Local error of the simulation, relative and absolute.
+const TOLERANCE: Tolerance = Tolerance {
+    relative: 1e-8,
+    absolute: 1e-10,
+};
+
+/// The gains of the feedback $u - k_p (q - q_{des}) - k_v (v - v_{des})$.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Feedback {
+    /// $k_p$, N m/rad or N/m.
+    pub kp: f64,
+    /// $k_v$, N m s/rad or N s/m.
+    pub kv: f64,
+}
+
+impl Feedback {
+    /// No feedback: the control is applied open loop.
+    pub const NONE: Self = Self { kp: 0.0, kv: 0.0 };
+}
+
+/// Where a simulation ended.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The state at the end of the horizon, $[q; v]$.
+    pub state: Vec<f64>,
+    /// The largest entry of the difference to the end of the curve, positions and velocities.
+    pub error_inf: f64,
+    /// What it cost.
+    pub statistics: Statistics,
+}
+
+/// Applies the control of `curve` to the robot, from the start of the curve to its end, with an adaptive integrator.
+///
+/// The outer error is bad input; the inner one is a motion that could not be followed to the end.
+///
+/// # Errors
+/// The curve is for another robot.
+pub fn simulate(
+    model: &Model,
+    curve: &Curve,
+    feedback: Feedback,
+) -> Result<std::result::Result<Simulation, Box<Failure>>> {
+    model.check("curve", curve.dof())?;
+    let mut robot = ControlledRobot::new(model, curve, feedback);
+    let x = curve.x();
+    let goal = x.column(x.ncols() - 1);
+    let mut state = x.column(0).as_slice().to_vec();
+    let mut statistics = Statistics::default();
+    // The control may jump where two parts meet, so no step goes across.
+    for (part, ends) in curve.joints().windows(2).enumerate() {
+        robot.part = part;
+        let start = state.clone();
+        let mut keep = |_: f64, y: &[f64]| state.copy_from_slice(y);
+        let to = &ends[1..];
+        let outcome = integrate(&mut robot, ends[0], &start, to, TOLERANCE, &mut keep);
+        if let Some(error) = robot.error.take() {
+            return Err(error);
+        }
+        match outcome {
+            Ok(cost) => statistics += cost,
+            Err(mut failure) => {
+                statistics += failure.statistics;
+                failure.statistics = statistics;
+                return Ok(Err(Box::new(failure)));
+            }
+        }
+    }
+    Ok(Ok(Simulation {
+        error_inf: (state.iter().zip(goal.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs())),
+        state,
+        statistics,
+    }))
+}
+
+/// How far the robot is from the curve, at most, at the end of an interval between two nodes that it enters on the curve, when all
+/// that is known of the control is its values at the nodes and it is given the polynomial through them: the largest entry of
+/// the differences, positions and velocities. `None` where an interval could not be followed to its end.
+///
+/// Over a whole motion the error of an open loop grows exponentially where the motion is unstable, whatever the degree; over one
+/// interval it tells whether the degree is enough for the control.
+///
+/// # Errors
+/// The curve is for another robot.
+pub fn replay_error(model: &Model, curve: &Curve) -> Result<Option<f64>> {
+    model.check("curve", curve.dof())?;
+    let mut robot = ControlledRobot::new(model, curve, Feedback::NONE);
+    let chebyshev = curve.chebyshev();
+    let mut worst = 0.0_f64;
+    for (part, begin) in curve.joints()[..curve.pieces()].iter().enumerate() {
+        let times: Vec<f64> = chebyshev.times().iter().map(|t| begin + t).collect();
+        let mut nodes = DMatrix::zeros(model.dof(), times.len());
+        for (i, t) in times.iter().enumerate() {
+            let (x, xdot) = curve.at_of(part, *t);
+            let u = nodes.column_mut(i);
+            control_at(model, &mut robot.data, &x, &xdot, u.data.into_slice_mut())?;
+        }
+        (robot.part, robot.nodes) = (part, Some(nodes));
+        for (i, ends) in times.windows(2).enumerate() {
+            let x = curve.part(part);
+            let next = x.column(i + 1);
+            let mut error = 0.0_f64;
+            let mut compare = |_: f64, y: &[f64]| {
+                error = (y.iter().zip(next.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs()));
+            };
+            let (start, to) = (x.column(i), &ends[1..]);
+            let start = start.as_slice();
+            let end = integrate(&mut robot, ends[0], start, to, TOLERANCE, &mut compare);
+            if let Some(error) = robot.error.take() {
+                return Err(error);
+            }
+            if end.is_err() {
+                return Ok(None);
+            }
+            worst = worst.max(error);
+        }
+    }
+    Ok(Some(worst))
+}
+
+impl AddAssign for Statistics {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.rejected_steps += other.rejected_steps;
+        self.rhs_evaluations += other.rhs_evaluations;
+        self.jacobian_evaluations += other.jacobian_evaluations;
+        self.factorisations += other.factorisations;
+    }
+}
+
+/// The robot under its control, as the integrator sees it.
+struct ControlledRobot<'a> {
+    model: &'a Model,
+    curve: &'a Curve,
+    /// The part of the curve that is on.
+    part: usize,
+    /// The control at the nodes of that part, `N` by `p + 1`, where nothing else is known of it.
+    nodes: Option<DMatrix<f64>>,
+    feedback: Feedback,
+    data: Data<f64>,
+    derivatives: ForwardDynamicsDerivatives<f64>,
+    u: Vec<f64>,
+    error: Option<Error>,
+}
+
+impl<'a> ControlledRobot<'a> {
+    fn new(model: &'a Model, curve: &'a Curve, feedback: Feedback) -> Self {
+        Self {
+            model,
+            curve,
+            part: 0,
+            nodes: None,
+            feedback,
+            data: Data::new(model),
+            derivatives: ForwardDynamicsDerivatives::new(model.dof()),
+            u: vec![0.0; model.dof()],
+            error: None,
+        }
+    }
+
+    /// The control at time `t` in state `y`.
+    fn control(&mut self, t: f64, y: &[f64]) -> Result<()> {
+        let n = self.model.dof();
+        if let Some(nodes) = &self.nodes {
+            let mut weights = DVector::zeros(nodes.ncols());
+            let own = t - self.curve.joints()[self.part];
+            self.curve.chebyshev().interpolation(own, &mut weights);
+            DVectorViewMut::from(&mut self.u[..]).gemv(1.0, nodes, &weights, 0.0);
+            return Ok(());
+        }
+        let (x, xdot) = self.curve.at_of(self.part, t);
+        control_at(self.model, &mut self.data, &x, &xdot, &mut self.u)?;
+        let Feedback { kp, kv } = self.feedback;
+        for i in 0..n {
+            self.u[i] -= kp * (y[i] - x[i]) + kv * (y[n + i] - x[n + i]);
+        }
+        Ok(())
+    }
+
+    fn rates(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<()> {
+        let n = self.model.dof();
+        self.control(t, y)?;
+        dy[..n].copy_from_slice(&y[n..]);
+        aba(
+            self.model,
+            &mut self.data,
+            &y[..n],
+            &y[n..],
+            &self.u,
+            &mut dy[n..],
+        )
+    }
+
+    fn rates_jacobian(&mut self, t: f64, y: &[f64], jac: &mut DMatrix<f64>) -> Result<()> {
+        let n = self.model.dof();
+        self.control(t, y)?;
+        let fd = &mut self.derivatives;
+        aba_derivatives(self.model, &mut self.data, &y[..n], &y[n..], &self.u, fd)?;
+        jac.fill(0.0);
+        jac.view_mut((0, n), (n, n)).fill_with_identity();
+        jac.view_mut((n, 0), (n, n))
+            .copy_from(&(&fd.dq - &fd.h_inverse * self.feedback.kp));
+        jac.view_mut((n, n), (n, n))
+            .copy_from(&(&fd.dv - &fd.h_inverse * self.feedback.kv));
+        Ok(())
+    }
+}
+
+impl Ode for ControlledRobot<'_> {
+    fn dim(&self) -> usize {
+        2 * self.model.dof()
+    }
+
+    fn rhs(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+        if let Err(error) = self.rates(t, y, dy) {
+            dy.fill(f64::NAN);
+            self.error = Some(error);
+        }
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64], jac: &mut DMatrix<f64>) {
+        if let Err(error) = self.rates_jacobian(t, y, jac) {
+            jac.fill(f64::NAN);
+            self.error = Some(error);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Tables for people.
+
+use crate::error::Result;
+use crate::model::Model;
+use crate::relax::Adapted;
+use crate::scenario::{
+    Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
+    generated_scenarios,
+};
+use crate::verify::duals::Finding;
+use crate::verify::field::Verdict;
+use comfy_table::{CellAlignment, Table, presets};
+
+/// An empty table without lines.
+pub(crate) fn table() -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table
+}
+
+/// A number for people: short, but telling small from large.
+pub(crate) fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+/// The name by which a value is chosen on the command line.
+pub(crate) fn choice(value: &impl clap::ValueEnum) -> String {
+    value
+        .to_possible_value()
+        .map_or_else(String::new, |v| v.get_name().to_owned())
+}
+
+/// What came of a solve.
+#[must_use]
+pub fn summary_table(summary: &Summary) -> String {
+    let s = summary;
+    let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
+    let (settings, rows) = match &s.details {
+        Details::Flow(d) => flow_rows(d),
+        Details::Relax(d) => relax_rows(d),
+    };
+    let degree = match s.pieces {
+        1 => format!("p {}", s.p),
+        pieces => format!("{pieces} pieces of p {}", s.p),
+    };
+    let settings = format!("{}, {degree}, {settings}", choice(&s.method));
+    let gains = format!(
+        "final error with feedback ({}, {})",
+        s.feedback.kp, s.feedback.kv
+    );
+    let mut table = table();
+    table.add_row(["scenario", &format!("{} ({})", s.scenario, s.robot)]);
+    table.add_row(["method", &settings]);
+    table.add_row(["success", if s.success { "yes" } else { "no" }]);
+    table.add_row([
+        &gains,
+        &format!(
+            "{}, to be below {}",
+            optional(s.final_error_inf),
+            s.success_threshold
+        ),
+    ]);
+    table.add_row(["final error open loop", &optional(s.open_loop_error_inf)]);
+    table.add_row(["control effort, int |u|^2 dt", &short(s.control_effort)]);
+    table.add_row(["dynamics defect, max |qdot - v|", &short(s.dynamics_defect)]);
+    table.add_row(["solve time", &format!("{:.4} s", s.solve_seconds)]);
+    for (what, value) in rows {
+        table.add_row([what, &value]);
+    }
+    if let Some(failure) = &s.failure {
+        table.add_row(["failure", failure]);
+    }
+    for note in &s.outside_limits {
+        table.add_row(["outside limits", note]);
+    }
+    if let Some(clearance) = s.feasibility.smallest_clearance_m {
+        table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
+    }
+    for violation in &s.feasibility.limit_violations {
+        table.add_row(["limit exceeded", &violation.to_string()]);
+    }
+    table.to_string()
+}
+
+/// The parameters of a flow, and what only a flow has to say.
+fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "jacobian {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
+        choice(&d.jacobian),
+        d.k,
+        d.s_max,
+        d.tolerance,
+        choice(&d.guess)
+    );
+    let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
+    let work = format!(
+        "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
+        d.steps, d.rejected_steps, d.omega_evaluations, d.jacobian_evaluations, d.factorisations
+    );
+    let rows = vec![
+        ("action", short(d.action)),
+        ("action at the nodes, before and after", nodes.join(", ")),
+        ("work", work),
+    ];
+    (settings, rows)
+}
+
+/// The parameters of a relaxation, and what only a relaxation has to say.
+fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "tolerance {:e}, {} starts",
+        d.tolerance,
+        d.efforts_of_starts.len().max(1)
+    );
+    let starts: Vec<_> = d.efforts_of_starts.iter().map(|x| short(*x)).collect();
+    let work = format!(
+        "{} iterations, {} factorisations, {} points",
+        d.iterations, d.factorisations, d.quadrature_points
+    );
+    let stopped = || "the simulation stopped".to_owned();
+    let replay = d.replay_error_inf.map_or_else(stopped, short);
+    let mut rows = Vec::new();
+    if let Some(cost) = d.cost {
+        rows.push(("cost that was minimised", short(cost)));
+        rows.push(("horizon", format!("{} s", short(d.horizon_s))));
+    }
+    if let Some(adapted) = &d.adapted {
+        rows.push(("effort by degree", efforts_by_degree(adapted)));
+    }
+    rows.extend([
+        ("error of an interval by nodes alone", replay),
+        (
+            "gradient norm, relative",
+            format!("{:.1e}", d.gradient_norm),
+        ),
+        ("smallest curvature, relative", short(d.smallest_curvature)),
+        ("cost of the starts at the lowest degree", starts.join(", ")),
+        ("work", work),
+    ]);
+    (settings, rows)
+}
+
+/// How the effort changed with the degree, and whether that is as little as it should be.
+fn efforts_by_degree(adapted: &Adapted) -> String {
+    let efforts = adapted.degrees.iter().zip(&adapted.costs);
+    let efforts: Vec<_> = efforts
+        .map(|(p, x)| format!("{} at {p}", short(*x)))
+        .collect();
+    let verdict = if adapted.settled {
+        "settled"
+    } else {
+        "NOT settled"
+    };
+    let tolerance = adapted.tolerance;
+    format!("{}: {verdict} to {tolerance}", efforts.join(", "))
+}
+
+/// What came of proving identities.
+#[must_use]
+pub fn verdict_table(verdicts: &[Verdict]) -> String {
+    let mut table = table();
+    table.set_header(["label", "statement", "entries", "bound", ""]);
+    for v in verdicts {
+        table.add_row([
+            v.label.clone(),
+            v.statement.clone(),
+            v.entries.to_string(),
+            format!("{:.0e}", v.bound),
+            if v.failure.is_none() {
+                "holds"
+            } else {
+                "FAILS"
+            }
+            .to_owned(),
+        ]);
+    }
+    table.to_string()
+}
+
+/// What was found by checking derivatives: the worst of each quantity.
+#[must_use]
+pub fn check_table(findings: &[Finding]) -> String {
+    let mut table = table();
+    table.set_header([
+        "quantity",
+        "k",
+        "worst relative error",
+        "bound",
+        "entry",
+        "state",
+        "",
+    ]);
+    for f in findings {
+        table.add_row([
+            f.quantity.clone(),
+            f.k.map_or_else(String::new, |k| format!("{k:e}")),
+            format!("{:.1e}", f.error),
+            format!("{:.0e}", f.bound),
+            format!("({}, {})", f.entry.0, f.entry.1),
+            f.sample.to_string(),
+            if f.passes() { "ok" } else { "OFF" }.to_owned(),
+        ]);
+    }
+    table.to_string()
+}
+
+/// The joints of a robot.
+#[must_use]
+pub fn robot_table(model: &Model) -> String {
+    let mut table = table();
+    table.set_header([
+        "joint",
+        "kind",
+        "carried by",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+        "mass, kg",
+    ]);
+    for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
+        let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
+        let limits = joint.limits();
+        let numbers = [
+            limits.lower,
+            limits.upper,
+            limits.velocity,
+            limits.effort,
+            inertia.mass,
+        ];
+        let limit = |x: f64| {
+            if x.is_finite() {
+                format!("{x:.4}")
+            } else {
+                "-".to_owned()
+            }
+        };
+        let words = [joint.name(), joint.kind().name(), carrier].map(str::to_owned);
+        table.add_row(words.into_iter().chain(numbers.map(limit)));
+    }
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.to_string()
+}
+
+/// All scenarios: robot, horizon and obstacles, then what the generated families are about.
+///
+/// # Errors
+/// A scenario cannot be loaded.
+pub fn scenario_table() -> Result<String> {
+    let mut table = table();
+    let builtin = builtin_scenarios().map(str::to_owned);
+    for name in builtin.chain(generated_scenarios()) {
+        let Scenario { file, .. } = Scenario::load(&name)?;
+        let mut obstacles = Vec::new();
+        match file.sphere_obstacles.len() {
+            0 => {}
+            1 => obstacles.push("1 sphere".to_owned()),
+            n => obstacles.push(format!("{n} spheres")),
+        }
+        if !file.half_spaces.is_empty() {
+            obstacles.push("floor".to_owned());
+        }
+        let against = match file.robot_shape {
+            _ if obstacles.is_empty() => String::new(),
+            RobotShape::JointFrames => "joint frames".to_owned(),
+            RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
+        };
+        let horizon = format!("{} s", file.horizon_s);
+        table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);
+    }
+    let families = FAMILIES
+        .iter()
+        .map(|f| format!("{}_SEED: {}", f.name, f.about));
+    let families: Vec<String> = families.collect();
+    Ok(format!("{table}\n\n{}", families.join("\n")))
+}

@@ -1,0 +1,94 @@
+//! A degree that is as high as it has to be.
+
+use super::RelaxSettings;
+use super::held::Held;
+use super::ladder::{Path, Settled};
+use crate::curve::Basis;
+use crate::error::Result;
+use serde::Serialize;
+
+/// How a relaxation came to its degree.
+///
+/// The cost alone decides. The error of an open loop over the whole motion cannot: where the motion is unstable it grows exponentially in
+/// time whatever the degree, since the control is that of the polynomial exactly. That of one interval with the control through the
+/// nodes, [`replay_error`](crate::motion::replay_error), is told beside; it is no condition, because at degree 64 it is still tens of rad/s
+/// for a Kinova with its light wrist. Whoever stores a control to replay it needs more times than there are nodes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Adapted {
+    /// By how much the cost was to change at most from one degree to the next, relative.
+    pub tolerance: f64,
+    /// The degrees that were tried, ascending. The last one at which the search converged is that of the motion.
+    pub degrees: Vec<usize>,
+    /// The costs there.
+    pub costs: Vec<f64>,
+    /// Whether the last change is within the tolerance and the search converged on both sides of it. If not, that was so up to the
+    /// largest degree there is, or up to one at which the search did not converge.
+    pub settled: bool,
+}
+
+/// What one degree came to.
+pub(super) trait Rung {
+    fn path(&self) -> &Path;
+    fn cost(&self) -> f64;
+    fn converged(&self) -> bool;
+}
+
+impl Rung for Settled {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn converged(&self) -> bool {
+        self.converged
+    }
+}
+
+impl Rung for Held {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn cost(&self) -> f64 {
+        self.effort
+    }
+
+    fn converged(&self) -> bool {
+        self.converged
+    }
+}
+
+/// Goes on from `found` to higher degrees, each from where the one before ended, if the settings ask for it.
+pub(super) fn climb<R: Rung>(
+    settings: &RelaxSettings,
+    mut found: R,
+    mut next: impl FnMut(&R, Basis) -> Result<R>,
+) -> Result<(R, Option<Adapted>)> {
+    let Some(tolerance) = settings.adaptive else {
+        return Ok((found, None));
+    };
+    let mut adapted = Adapted {
+        tolerance,
+        degrees: vec![found.path().basis.degree()],
+        costs: vec![found.cost()],
+        settled: false,
+    };
+    for degree in settings.higher_degrees() {
+        if !found.converged() || adapted.settled {
+            break;
+        }
+        let higher = next(&found, settings.basis_of(degree))?;
+        adapted.degrees.push(degree);
+        adapted.costs.push(higher.cost());
+        if !higher.converged() {
+            break;
+        }
+        let change = (higher.cost() - found.cost()).abs();
+        adapted.settled = change <= tolerance * higher.cost().abs();
+        found = higher;
+    }
+    Ok((found, Some(adapted)))
+}

@@ -1,0 +1,212 @@
+//! Hessians at the points of a quadrature, and what pairs of functions make of them.
+
+use super::Grid;
+use super::cost::LANES;
+use crate::linalg::multiply;
+use crate::scalar::{Lanes, Scalar};
+use nalgebra::DMatrix;
+
+/// The blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$ that have to be there, $x \le y$: the symmetric ones first.
+const BLOCKS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// Which of them $W^{xy}$ is.
+const fn index(x: usize, y: usize) -> usize {
+    if x == y { x } else { x + y + 2 }
+}
+
+/// Symmetric matrices in $z = [q; v; a]$, `3 N` by `3 N`, one at each point of a piece.
+///
+/// Two functions $\phi_a, \phi_b$ of a curve make a block of its Hessian of them, with $\phi^x$ the derivative that goes with `x`:
+///
+/// $$ \sum_{x, y} \phi_a^x \phi_b^y\, W^{xy} = \sum_x \phi_a^x \phi_b^x\, W^{xx} + \sum_{x < y}
+///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\,T}}{2}. $$
+///
+/// So twice the symmetric and twice the antisymmetric parts are kept, half of each, which takes half of the products that all blocks
+/// would.
+#[derive(Clone, Debug)]
+pub struct PointHessians<S: Scalar> {
+    dof: usize,
+    room: usize,
+    /// A column for each $i \ge j$; a row for each point of each block.
+    symmetric: DMatrix<S>,
+    /// A column for each $i > j$; a row for each point of the blocks with $x < y$.
+    antisymmetric: DMatrix<S>,
+}
+
+/// For how many points there is room, so that lanes need not be taken apart at the end.
+fn room(points: usize) -> usize {
+    points.next_multiple_of(LANES)
+}
+
+/// How many entries below the diagonal columns before `j` have, the diagonal with them.
+fn before(n: usize, j: usize) -> usize {
+    j * n - j * j.saturating_sub(1) / 2
+}
+
+impl<S: Scalar> PointHessians<S> {
+    /// Zero at `points` points, for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(dof: usize, points: usize) -> Self {
+        let half = dof * dof.saturating_sub(1) / 2;
+        Self {
+            dof,
+            room: room(points),
+            symmetric: DMatrix::zeros(6 * room(points), half + dof),
+            antisymmetric: DMatrix::zeros(3 * room(points), half),
+        }
+    }
+
+    /// The columns where $i \ge j$ is kept, the second for $i > j$.
+    fn columns(&self, i: usize, j: usize) -> (usize, usize) {
+        let column = before(self.dof, j) + i - j;
+        // Each column of the block up to this has one on the diagonal.
+        (column, column.wrapping_sub(j + 1))
+    }
+
+    /// Makes $W^{xy}$, $x \le y$, that with these entries at `W` points from `start` on. Kept are $W_{ij} + W_{ji}$ for $i \ge j$, or
+    /// $W_{ij}$ where $x = y$, and $W_{ij} - W_{ji}$ for $i > j$.
+    #[inline]
+    pub(super) fn put<const W: usize>(
+        &mut self,
+        [x, y]: [usize; 2],
+        start: usize,
+        entry: impl Fn(usize, usize) -> Lanes<S, W>,
+    ) {
+        let row = index(x, y) * self.room + start;
+        let columns = self.symmetric.as_mut_slice();
+        let mut sums = columns.chunks_exact_mut(6 * self.room);
+        let columns = self.antisymmetric.as_mut_slice();
+        let mut differences = columns.chunks_exact_mut(3 * self.room);
+        for j in 0..self.dof {
+            for i in j..self.dof {
+                let Some(sum) = sums.next() else {
+                    return;
+                };
+                let here = entry(i, j);
+                if x == y {
+                    sum[row..row + W].copy_from_slice(&here.0);
+                    continue;
+                }
+                let mirrored = entry(j, i);
+                sum[row..row + W].copy_from_slice(&(here + mirrored).0);
+                if i > j
+                    && let Some(difference) = differences.next()
+                {
+                    let row = row - 3 * self.room;
+                    difference[row..row + W].copy_from_slice(&(here - mirrored).0);
+                }
+            }
+        }
+    }
+
+    /// Makes the matrix of point `g` this one.
+    pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
+        let n = self.dof;
+        for (x, y) in BLOCKS {
+            self.put([x, y], g, |i, j| Lanes([matrix[(x * n + i, y * n + j)]]));
+        }
+    }
+
+    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to that of point `g`.
+    pub fn add(&mut self, g: usize, matrix: &DMatrix<S>) {
+        let mut sum = self.get(g);
+        let mut part = sum.view_mut((0, 0), matrix.shape());
+        part += matrix;
+        self.set(g, &sum);
+    }
+
+    /// The matrix of point `g`.
+    #[must_use]
+    pub fn get(&self, g: usize) -> DMatrix<S> {
+        let n = self.dof;
+        DMatrix::from_fn(3 * n, 3 * n, |row, column| {
+            let (row, column) = if row / n <= column / n {
+                (row, column)
+            } else {
+                (column, row)
+            };
+            let (block, i, j) = (index(row / n, column / n), row % n, column % n);
+            let (at, below) = self.columns(i.max(j), i.min(j));
+            let symmetric = self.symmetric[(block * self.room + g, at)];
+            if block < 3 {
+                return symmetric;
+            }
+            let half = S::from_f64(0.5);
+            if i == j {
+                return symmetric * half;
+            }
+            let antisymmetric = self.antisymmetric[((block - 3) * self.room + g, below)];
+            if i > j {
+                (symmetric + antisymmetric) * half
+            } else {
+                (symmetric - antisymmetric) * half
+            }
+        })
+    }
+
+    /// The block that each pair of functions of a piece makes, `N` by `N`, handed to `take`.
+    pub(super) fn integrate(
+        &self,
+        grid: &Grid<S>,
+        sums: &mut [DMatrix<S>; 2],
+        mut take: impl FnMut(usize, &DMatrix<S>),
+    ) {
+        let n = self.dof;
+        let [symmetric, antisymmetric] = sums;
+        let products = grid.products();
+        multiply(&products[0], &self.symmetric, symmetric);
+        multiply(&products[1], &self.antisymmetric, antisymmetric);
+        let mut block = DMatrix::zeros(n, n);
+        for pair in 0..symmetric.nrows() {
+            let (mut at, mut below) = (0, 0);
+            for j in 0..n {
+                for i in j..n {
+                    let sum = symmetric[(pair, at)];
+                    at += 1;
+                    if i == j {
+                        block[(i, j)] = sum;
+                    } else {
+                        let turned = antisymmetric[(pair, below)];
+                        below += 1;
+                        block[(i, j)] = sum + turned;
+                        block[(j, i)] = sum - turned;
+                    }
+                }
+            }
+            take(pair, &block);
+        }
+    }
+
+    /// Room for the sums that [`integrate`](Self::integrate) makes of so many pairs.
+    pub(super) fn sums(dof: usize, pairs: usize) -> [DMatrix<S>; 2] {
+        let half = dof * dof.saturating_sub(1) / 2;
+        [half + dof, half].map(|columns| DMatrix::zeros(pairs, columns))
+    }
+}
+
+/// The weighted products of functions that go with the parts that are kept: of the functions at the points of a piece, `table`, for
+/// each of `pairs`, a row each.
+pub(super) fn products<S: Scalar>(
+    table: &DMatrix<S>,
+    weights: &[S],
+    pairs: &[(usize, usize)],
+) -> [DMatrix<S>; 2] {
+    let (room, half) = (room(weights.len()), S::from_f64(0.5));
+    let mut products = [6, 3].map(|blocks| DMatrix::zeros(pairs.len(), blocks * room));
+    for (pair, &(a, b)) in pairs.iter().enumerate() {
+        for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
+            for (g, weight) in weights.iter().enumerate() {
+                let product = |x, y| *weight * table[(a, 3 * g + x)] * table[(b, 3 * g + y)];
+                let column = block * room + g;
+                if x == y {
+                    products[0][(pair, column)] = product(x, x);
+                } else {
+                    let (one, other) = (product(x, y) * half, product(y, x) * half);
+                    products[0][(pair, column)] = one + other;
+                    products[1][(pair, column - 3 * room)] = one - other;
+                }
+            }
+        }
+    }
+    products
+}

@@ -1,0 +1,174 @@
+//! The functions of a basis at the points of a quadrature.
+
+use super::blocks::products;
+use super::scan::Scan;
+use crate::curve::Basis;
+use crate::curve::gauss_legendre;
+use crate::scalar::Scalar;
+use nalgebra::DMatrix;
+use std::cell::RefCell;
+use std::ops::Range;
+use std::rc::Rc;
+use std::sync::OnceLock;
+
+/// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each piece.
+///
+/// The pieces are alike, so one table serves all.
+#[derive(Clone, Debug)]
+pub struct Grid<S: Scalar> {
+    /// How many pieces there are.
+    pub(super) pieces: usize,
+    /// The functions whose coefficients are unknown.
+    pub(super) free: Range<usize>,
+    /// Times of the points, s, piece by piece.
+    pub(super) times: Vec<S>,
+    /// Weights of the points of a piece.
+    pub(super) weights: Vec<S>,
+    /// Value, first and second derivative in time at each point of a piece: the functions of a piece by three a point.
+    pub(super) table: DMatrix<S>,
+    /// Its transpose.
+    pub(super) transposed: DMatrix<S>,
+    /// Pairs of functions of a piece, the first not before the second, in the order of the rows of the products.
+    pub(super) pairs: Vec<(usize, usize)>,
+    /// Weighted products of functions; only derivatives need them.
+    products: OnceLock<[DMatrix<S>; 2]>,
+}
+
+/// Tables that several searches have in common.
+#[derive(Default)]
+pub(super) struct Grids {
+    grids: RefCell<Vec<Made<Grid<f64>>>>,
+    scans: RefCell<Vec<Made<Scan>>>,
+}
+
+/// A table and what it was made of.
+type Made<T> = (Basis, usize, f64, Rc<T>);
+
+impl Grids {
+    /// As [`Grid::new`].
+    pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Rc<Grid<f64>> {
+        get(&self.grids, basis, points, horizon, Grid::new)
+    }
+
+    /// As [`Scan::new`].
+    pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Rc<Scan> {
+        get(&self.scans, basis, intervals, horizon, Scan::new)
+    }
+}
+
+/// What is there already, or else a `new` one.
+fn get<T>(
+    made: &RefCell<Vec<Made<T>>>,
+    basis: &Basis,
+    count: usize,
+    horizon: f64,
+    new: impl Fn(&Basis, usize, f64) -> T,
+) -> Rc<T> {
+    let mut made = made.borrow_mut();
+    let known = made
+        .iter()
+        .find(|(b, c, t, _)| (b, *c, *t) == (basis, count, horizon));
+    if let Some((.., table)) = known {
+        return table.clone();
+    }
+    let table = Rc::new(new(basis, count, horizon));
+    made.push((basis.clone(), count, horizon, table.clone()));
+    table
+}
+
+impl Grid<f64> {
+    /// `basis` on `[0, horizon]` with `points` points a piece.
+    #[must_use]
+    pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
+        let (nodes, weights) = gauss_legendre(points);
+        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * points);
+        for (g, s) in nodes.iter().enumerate() {
+            let local = basis.local(*s);
+            for d in 0..3 {
+                let scaled = local.row(d).transpose() / horizon.powi(d as i32);
+                table.set_column(3 * g + d, &scaled);
+            }
+        }
+        let pieces = 0..basis.pieces();
+        let times = pieces.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, *s)));
+        let length = basis.half() * horizon;
+        let weights = weights.iter().map(|w| w * length).collect();
+        Self::from_table(
+            basis.pieces(),
+            basis.free(),
+            times.collect(),
+            weights,
+            table,
+        )
+    }
+}
+
+impl<S: Scalar> Grid<S> {
+    /// Any functions: the identities of the assembly ask nothing of them.
+    pub(crate) fn from_table(
+        pieces: usize,
+        free: Range<usize>,
+        times: Vec<S>,
+        weights: Vec<S>,
+        table: DMatrix<S>,
+    ) -> Self {
+        let functions = table.nrows();
+        // On a single piece the fixed functions have no part in the Hessian.
+        let needed = if pieces == 1 {
+            free.clone()
+        } else {
+            0..functions
+        };
+        let pairs: Vec<_> = needed
+            .clone()
+            .flat_map(|b| (b..needed.end).map(move |a| (a, b)))
+            .collect();
+        Self {
+            pieces,
+            free,
+            times,
+            weights,
+            transposed: table.transpose(),
+            table,
+            pairs,
+            products: OnceLock::new(),
+        }
+    }
+
+    /// The same over another scalar.
+    #[must_use]
+    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Grid<T> {
+        let all = |x: &[S]| x.iter().map(|x| f(*x)).collect();
+        let (times, weights) = (all(&self.times), all(&self.weights));
+        let table = self.table.map(&f);
+        Grid::from_table(self.pieces, self.free.clone(), times, weights, table)
+    }
+
+    /// Weighted products of the functions of each pair, for [`PointHessians`](super::PointHessians).
+    pub(super) fn products(&self) -> &[DMatrix<S>; 2] {
+        let new = || products(&self.table, &self.weights, &self.pairs);
+        self.products.get_or_init(new)
+    }
+
+    /// How many points each piece has.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// How many functions there are, those of the boundary conditions included.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.first(self.pieces) + 2
+    }
+
+    /// The first function of piece `e`.
+    pub(super) fn first(&self, e: usize) -> usize {
+        e * (self.table.nrows() - 2)
+    }
+
+    /// The unknown functions that piece `e` owns alone or shares with the next: a block of the Hessian.
+    pub(super) fn block(&self, e: usize) -> Range<usize> {
+        self.first(e) + 2..(self.first(e + 1) + 2).min(self.free.end)
+    }
+}

@@ -1,0 +1,239 @@
+//! A horizon that is found with the motion.
+
+use super::ladder::Path;
+use super::newton::SMALLEST_COST;
+use super::objective::{place, points};
+use super::{Grid, PointCost, PointDerivatives};
+use crate::error::{Error, Result};
+use crate::motion::Problem;
+use crate::scalar::Scalar;
+use nalgebra::DMatrix;
+
+/// The first step to another horizon, in its logarithm.
+const REACH: f64 = 0.25;
+/// How many horizons are tried.
+const TRIES: usize = 60;
+/// How exactly, relative, the shortest horizon is found on which there is a motion: what is tried in vain below it takes long.
+const POSSIBLE: f64 = 1e-3;
+
+/// A horizon that is to be found: $\int l\, dt + w T$ is minimised over `T` as well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeHorizon {
+    /// The shortest there may be, s.
+    pub shortest: f64,
+    /// The longest.
+    pub longest: f64,
+    /// $w$, what a second costs.
+    pub weight: f64,
+}
+
+impl FreeHorizon {
+    /// Whether bounds and weight make sense, and the horizon to begin with is between the bounds.
+    ///
+    /// # Errors
+    /// Names the first number that does not.
+    pub fn check(&self, horizon: f64) -> Result<()> {
+        let refuse = |what: &str, condition: String| {
+            let what = format!("free_horizon.{what}");
+            Err(Error::input("settings", what, condition))
+        };
+        let Self {
+            shortest,
+            longest,
+            weight,
+        } = *self;
+        for (what, value) in [("shortest", shortest), ("longest", longest)] {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(what, format!("it is {value}, a positive time is needed"));
+            }
+        }
+        if !(weight.is_finite() && weight >= 0.0) {
+            return refuse(
+                "weight",
+                format!("it is {weight}, a weight is not negative"),
+            );
+        }
+        if horizon < shortest {
+            return refuse(
+                "shortest",
+                format!("it is {shortest}, above the horizon {horizon} to begin with"),
+            );
+        }
+        if horizon > longest {
+            return refuse(
+                "longest",
+                format!("it is {longest}, below the horizon {horizon} to begin with"),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The derivative of a sum over quadrature points in the horizon `T` where the curve is the same in normalised time but for boundary
+/// slopes: with $z = (q, \dot q, \ddot q)$ and coefficients that move with the rates $c'$,
+///
+/// $$ \frac{\partial J}{\partial T} = \sum_g w_g \left( \frac{l}{T} + \frac{\partial l}{\partial z} \cdot
+///    \left( \phi c',\ \dot\phi c' - \frac{\dot q}{T},\ \ddot\phi c' - \frac{2 \ddot q}{T} \right)
+///    + \frac{t}{T} \frac{\partial l}{\partial t} \right). $$
+///
+/// At a minimum over the other coefficients it is the derivative of that minimum.
+///
+/// # Errors
+/// The cost is for another robot.
+pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
+    grid: &Grid<S>,
+    cost: &mut P,
+    coefficients: &DMatrix<S>,
+    rates: &DMatrix<S>,
+    horizon: S,
+) -> Result<S> {
+    let n = coefficients.nrows();
+    let mut states = DMatrix::zeros(n, grid.table.ncols());
+    let (mut moving, mut out) = (states.clone(), PointDerivatives::new(n));
+    let (rate, two) = (S::one() / horizon, S::from_f64(2.0));
+    let mut slope = S::zero();
+    for e in 0..grid.pieces {
+        for (from, to) in [(coefficients, &mut states), (rates, &mut moving)] {
+            place(from, grid.first(e), &grid.table, to);
+        }
+        for (g, weight) in grid.weights.iter().enumerate() {
+            let at = points(grid, &states, e).point(g);
+            let value = cost.derivatives(at, &mut out)?;
+            let mut sum = rate * (value + at.time * cost.time_rate(at)?);
+            let own = &moving.as_slice()[3 * g * n..(3 * g + 3) * n];
+            for (i, by) in out.gradient.iter().enumerate() {
+                let shrinks = match i / n {
+                    0 => S::zero(),
+                    1 => rate * at.v[i - n],
+                    _ => two * rate * at.a[i - 2 * n],
+                };
+                sum += *by * (own[i] - shrinks);
+            }
+            slope += *weight * sum;
+        }
+    }
+    Ok(slope)
+}
+
+impl Path {
+    /// The rates at which the coefficients change with the horizon: the slopes that the boundary velocities fix.
+    pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
+        let (n, count) = self.coefficients.shape();
+        let mut rates = DMatrix::zeros(n, count);
+        rates.column_mut(0).copy_from_slice(&problem.start()[n..]);
+        if !self.basis.free_final_velocity() {
+            let last = count - 2;
+            rates.column_mut(last).copy_from_slice(&problem.goal()[n..]);
+        }
+        rates
+    }
+
+    /// The same shape between the ends of a problem, on its horizon.
+    pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
+        let (n, last) = self.coefficients.shape();
+        let slopes = self.rates(problem) * problem.horizon();
+        let fixed = 1 + usize::from(!self.basis.free_final_velocity());
+        for column in [0, last - 2].into_iter().take(fixed) {
+            self.coefficients.set_column(column, &slopes.column(column));
+        }
+        for (column, state) in [(1, problem.start()), (last - 1, problem.goal())] {
+            let mut q = self.coefficients.column_mut(column);
+            q.copy_from_slice(&state[..n]);
+        }
+        self
+    }
+}
+
+/// How exactly a horizon is found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exactness {
+    /// The slope of the cost in the logarithm of the horizon, relative to the cost.
+    pub slope: f64,
+    /// Horizons that differ by less than this, relative, are one.
+    pub horizon: f64,
+}
+
+/// What was found on one horizon.
+#[derive(Clone, Debug)]
+pub(super) struct Tried<T> {
+    pub horizon: f64,
+    pub found: T,
+    /// Of motion and time.
+    pub cost: f64,
+    /// Its derivative in the logarithm of the horizon.
+    pub slope: f64,
+    /// Whether it is worth anything: where it is not the horizon is taken to be too short.
+    pub sound: bool,
+}
+
+impl<T> Tried<T> {
+    /// The slope, or one that asks for more time.
+    fn push(&self) -> f64 {
+        if self.sound {
+            self.slope
+        } else {
+            -self.cost.abs().max(SMALLEST_COST)
+        }
+    }
+}
+
+/// Looks for a horizon at which the cost is stationary, or a bound that keeps it from falling further; says whether there is one.
+/// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near.
+pub(super) fn search<T: Clone>(
+    free: FreeHorizon,
+    exactness: Exactness,
+    first: Tried<T>,
+    mut attempt: impl FnMut(f64, &Tried<T>) -> Result<Tried<T>>,
+) -> Result<(Tried<T>, bool)> {
+    let settled = |tried: &Tried<T>| {
+        tried.sound && tried.slope.abs() <= exactness.slope * tried.cost.abs().max(SMALLEST_COST)
+    };
+    // Away from where it begins, until the slope changes its sign.
+    let (mut a, mut reach) = (first, REACH);
+    let mut b = loop {
+        let push = a.push();
+        let bound = if push > 0.0 {
+            free.shortest
+        } else {
+            free.longest
+        };
+        if settled(&a) || a.horizon == bound || !push.is_finite() {
+            let good = a.sound && push.is_finite();
+            return Ok((a, good));
+        }
+        let next = a.horizon * (-reach * push.signum()).exp();
+        let next = next.clamp(free.shortest, free.longest);
+        let there = attempt(next, &a)?;
+        if there.push() * push <= 0.0 {
+            break there;
+        }
+        (a, reach) = (there, 2.0 * reach);
+    };
+    // The rule of false position, as in Illinois: an end that stays counts half.
+    let (mut at_a, mut at_b) = (a.push(), b.push());
+    for _ in 0..TRIES {
+        let (from, to) = (a.horizon.ln(), b.horizon.ln());
+        let least = if a.sound && b.sound {
+            exactness.horizon
+        } else {
+            POSSIBLE
+        };
+        let close = (from - to).abs() <= least;
+        if settled(&b) || close {
+            // A jump of the quadrature, or the limit of what is possible.
+            let found = if b.sound { b } else { a };
+            let good = found.sound;
+            return Ok((found, good));
+        }
+        let next = to - at_b * (to - from) / (at_b - at_a);
+        let there = attempt(next.exp(), if b.sound { &b } else { &a })?;
+        if there.push() * b.push() < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        at_b = there.push();
+        b = there;
+    }
+    Ok((b, false))
+}

@@ -1,0 +1,285 @@
+//! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
+
+use super::{Grid, PointCost, PointHessians, Points, PointsDerivatives};
+use crate::error::{Result, check_length};
+use crate::linalg::BlockTridiagonal;
+use crate::linalg::multiply;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+
+/// The sum $\sum_g w_g\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
+///
+/// With $\phi_m^x$ the function `m` (`x` = 0) and its derivatives at a point and $W^{xy}$ the `N` by `N` blocks of the Hessian of `l` there,
+///
+/// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
+///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\, W^{xy}. $$
+///
+/// The products of functions are tabulated, so all blocks of the Hessian of a piece with `p` functions and `M` points are two products of
+/// matrices, see [`PointHessians`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
+pub struct Objective<'g, S: Scalar, P> {
+    grid: &'g Grid<S>,
+    cost: P,
+    dof: usize,
+    /// $q, v, a$ at the points of a piece, one column each.
+    states: DMatrix<S>,
+    costs: Vec<S>,
+    /// Once derivatives are asked for.
+    room: Option<Room<S>>,
+}
+
+/// What derivatives are made of.
+struct Room<S: Scalar> {
+    at_points: PointsDerivatives<S>,
+    sums: [DMatrix<S>; 2],
+    gradient: DMatrix<S>,
+}
+
+/// The derivatives of an objective in the unknown coefficients, function by function.
+#[derive(Clone, Debug)]
+pub struct Derivatives<S: Scalar> {
+    /// The gradient.
+    pub gradient: DVector<S>,
+    /// The Hessian.
+    pub hessian: BlockTridiagonal<S>,
+    /// The metric of Gauss and Newton.
+    pub metric: BlockTridiagonal<S>,
+}
+
+impl<S: Scalar> Derivatives<S> {
+    /// Room for the unknowns of a grid, for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &Grid<S>, dof: usize) -> Self {
+        let sizes: Vec<_> = (0..grid.pieces)
+            .map(|e| grid.block(e).len() * dof)
+            .collect();
+        let matrix = BlockTridiagonal::new(&sizes, 2 * dof);
+        Self {
+            gradient: DVector::zeros(grid.free.len() * dof),
+            hessian: matrix.clone(),
+            metric: matrix,
+        }
+    }
+}
+
+impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
+    /// The integral of `cost` for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &'g Grid<S>, cost: P, dof: usize) -> Self {
+        let points = grid.points();
+        Self {
+            grid,
+            cost,
+            dof,
+            states: DMatrix::zeros(dof, 3 * points),
+            costs: vec![S::zero(); points],
+            room: None,
+        }
+    }
+
+    /// The grid.
+    #[must_use]
+    pub fn grid(&self) -> &'g Grid<S> {
+        self.grid
+    }
+
+    /// The running cost.
+    pub fn cost_mut(&mut self) -> &mut P {
+        &mut self.cost
+    }
+
+    /// `N`.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// The integral.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
+        self.check(coefficients)?;
+        let mut sum = S::zero();
+        for e in 0..self.grid.pieces {
+            place(
+                coefficients,
+                self.grid.first(e),
+                &self.grid.table,
+                &mut self.states,
+            );
+            let here = points(self.grid, &self.states, e);
+            self.cost.values(here, &mut self.costs)?;
+            for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
+                sum += *weight * *cost;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The integral, and its derivatives into `out`.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn derivatives(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.integrate(coefficients, true, out)
+    }
+
+    /// As [`derivatives`](Self::derivatives), but the metric is left as it is.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn gradient_and_hessian(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.integrate(coefficients, false, out)
+    }
+
+    fn integrate(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        with_metric: bool,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.check(coefficients)?;
+        out.gradient.fill(S::zero());
+        let (grid, dof) = (self.grid, self.dof);
+        let mut sum = S::zero();
+        for e in 0..grid.pieces {
+            place(coefficients, grid.first(e), &grid.table, &mut self.states);
+            let here = points(grid, &self.states, e);
+            let Room {
+                at_points,
+                sums,
+                gradient,
+            } = self.room.get_or_insert_with(|| Room::new(grid, dof));
+            at_points.with_metrics = with_metric;
+            self.cost.all_derivatives(here, at_points)?;
+            for (g, weight) in grid.weights.iter().enumerate() {
+                sum += *weight * at_points.costs[g];
+                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
+                gradients *= *weight;
+            }
+            multiply(&at_points.gradients, &grid.transposed, gradient);
+            add_gradient(grid, gradient, e, &mut out.gradient);
+            at_points.hessians.integrate(grid, sums, |pair, block| {
+                put_block(grid, block, e, pair, &mut out.hessian);
+            });
+            if with_metric {
+                at_points.metrics.integrate(grid, sums, |pair, block| {
+                    put_block(grid, block, e, pair, &mut out.metric);
+                });
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$, which for
+    /// the longest wave that vanishes at both ends is the mean square of $\delta q$.
+    #[must_use]
+    pub fn gram(&self) -> BlockTridiagonal<S> {
+        let (n, grid) = (self.dof, self.grid);
+        let pieces = S::from_f64(grid.pieces as f64 / std::f64::consts::PI.powi(2));
+        let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * pieces;
+        let mut gram = Derivatives::new(grid, n).hessian;
+        let identity = DMatrix::identity(n, n);
+        let velocity = |m, g| grid.table[(m, 3 * g + 1)];
+        let squares = grid.pairs.iter().map(|&(a, b)| {
+            let at_points = grid.weights.iter().enumerate();
+            at_points.fold(S::zero(), |sum, (g, w)| {
+                sum + *w * velocity(a, g) * velocity(b, g)
+            })
+        });
+        let squares: Vec<S> = squares.collect();
+        for e in 0..grid.pieces {
+            for (pair, square) in squares.iter().enumerate() {
+                put_block(grid, &(&identity * (*square * scale)), e, pair, &mut gram);
+            }
+        }
+        gram
+    }
+
+    fn check(&self, coefficients: &DMatrix<S>) -> Result<()> {
+        check_length("coefficients", self.dof, coefficients.nrows())?;
+        check_length("coefficients", self.grid.count(), coefficients.ncols())
+    }
+}
+
+impl<S: Scalar> Room<S> {
+    fn new(grid: &Grid<S>, dof: usize) -> Self {
+        Self {
+            at_points: PointsDerivatives::new(dof, grid.points()),
+            sums: PointHessians::sums(dof, grid.pairs.len()),
+            gradient: DMatrix::zeros(dof, grid.table.nrows()),
+        }
+    }
+}
+
+/// Adds the gradient in the functions of piece `e`, a column each, where it belongs.
+fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
+    let (n, first, free) = (gradient.nrows(), grid.first(e), &grid.free);
+    for (m, column) in gradient.column_iter().enumerate() {
+        if free.contains(&(first + m)) {
+            let mut target = out.rows_mut((first + m - free.start) * n, n);
+            target += column;
+        }
+    }
+}
+
+/// Puts the block of a pair of functions of piece `e` where it belongs, and adds it to what the piece before, which has to come first,
+/// put there.
+fn put_block<S: Scalar>(
+    grid: &Grid<S>,
+    block: &DMatrix<S>,
+    e: usize,
+    pair: usize,
+    out: &mut BlockTridiagonal<S>,
+) {
+    let (n, first, free, (a, b)) = (block.nrows(), grid.first(e), &grid.free, grid.pairs[pair]);
+    if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
+        return;
+    }
+    // Functions 0 and 1 of a piece are the last two of the block before.
+    let (target, (row, column)) = match (a < 2, b < 2) {
+        (false, false) => (&mut out.diagonal[e], ((a - 2) * n, (b - 2) * n)),
+        (false, true) => (&mut out.coupling[e - 1], ((a - 2) * n, b * n)),
+        (true, _) => {
+            let matrix = &mut out.diagonal[e - 1];
+            let tail = matrix.nrows() - 2 * n;
+            let mut target = matrix.view_mut((tail + a * n, tail + b * n), (n, n));
+            target += block;
+            return;
+        }
+    };
+    target.view_mut((row, column), (n, n)).copy_from(block);
+}
+
+/// The curve of the functions from `first` on, where `table` has them.
+pub(super) fn place<S: Scalar>(
+    coefficients: &DMatrix<S>,
+    first: usize,
+    table: &DMatrix<S>,
+    states: &mut DMatrix<S>,
+) {
+    let own = coefficients.columns(first, table.nrows()).into_owned();
+    multiply(&own, table, states);
+}
+
+/// What the running cost reads at the points of piece `e`.
+pub(super) fn points<'a, S: Scalar>(
+    grid: &'a Grid<S>,
+    states: &'a DMatrix<S>,
+    e: usize,
+) -> Points<'a, S> {
+    let first = e * grid.points();
+    Points {
+        first,
+        times: &grid.times[first..first + grid.points()],
+        states,
+    }
+}

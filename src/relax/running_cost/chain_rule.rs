@@ -1,0 +1,127 @@
+//! From the derivatives of a cost in the control to those in the motion.
+
+use crate::dynamics::{
+    ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_contracted_hessian,
+    rnea_derivatives,
+};
+use crate::error::Result;
+use crate::model::Model;
+use crate::relax::Point;
+use crate::scalar::{Over, Scalar};
+use nalgebra::{DMatrix, DVector};
+
+/// The chain rule for $l(z, u)$ with $u = ID(z)$, $z = [q; v; a]$. With $y = [z; u]$ and
+/// $J = \left[ \frac{\partial ID}{\partial q}\ \frac{\partial ID}{\partial v}\ H \right]$,
+///
+/// $$ \frac{d l}{d z} = l_z + J^T l_u, \qquad
+///    \frac{d^2 l}{d z^2} = \begin{bmatrix} I \\ J \end{bmatrix}^T l_{yy} \begin{bmatrix} I \\ J \end{bmatrix} + \Phi(l_u), $$
+///
+/// where $\Phi(w)$ is the Hessian of $w^T ID$ (`proofs/relax.md`).
+#[derive(Clone, Debug)]
+pub struct ChainRule<'m, C: Scalar, S: Scalar> {
+    model: &'m Model<C>,
+    data: Data<S>,
+    id: InverseDynamicsDerivatives<S>,
+    second: ContractedHessian<S>,
+    /// $J$ at the point that was linearised last.
+    jacobian: DMatrix<S>,
+    transposed: DMatrix<S>,
+    /// $M_{uz} + M_{uu} J / 2$ of the matrix that is pulled back.
+    mixed: DMatrix<S>,
+}
+
+impl<'m, C: Scalar, S: Over<C>> ChainRule<'m, C, S> {
+    /// For the inverse dynamics of `model`.
+    #[must_use]
+    pub fn new(model: &'m Model<C>) -> Self {
+        let n = model.dof();
+        Self {
+            model,
+            data: Data::new(model),
+            id: InverseDynamicsDerivatives::new(n),
+            second: ContractedHessian::new(n),
+            jacobian: DMatrix::zeros(n, 3 * n),
+            transposed: DMatrix::zeros(3 * n, n),
+            mixed: DMatrix::zeros(n, 3 * n),
+        }
+    }
+
+    /// $u$ at a point.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    pub fn control(&mut self, point: Point<'_, S>) -> Result<&[S]> {
+        let Point { q, v, a, .. } = point;
+        rnea(
+            self.model,
+            &mut self.data,
+            q,
+            v,
+            a,
+            self.id.tau.as_mut_slice(),
+        )?;
+        Ok(self.id.tau.as_slice())
+    }
+
+    /// $u$ at a point, and $J$ for what follows.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    pub fn linearise(&mut self, point: Point<'_, S>) -> Result<&[S]> {
+        let (n, Point { q, v, a, .. }) = (self.model.dof(), point);
+        rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
+        let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
+        for (i, block) in [dq, dv, h].into_iter().enumerate() {
+            self.jacobian.columns_mut(i * n, n).copy_from(block);
+        }
+        self.jacobian.transpose_to(&mut self.transposed);
+        Ok(self.id.tau.as_slice())
+    }
+
+    /// $l_z + J^T l_u$ of the gradient in $y$.
+    pub fn gradient(&self, by_y: &DVector<S>, out: &mut DVector<S>) {
+        let n = self.model.dof();
+        out.copy_from(&by_y.rows(0, 3 * n));
+        out.gemv(S::one(), &self.transposed, &by_y.rows(3 * n, n), S::one());
+    }
+
+    /// $[I; J]^T M [I; J]$ of a symmetric matrix in $y$.
+    pub fn pull_back(&mut self, m: &DMatrix<S>, out: &mut DMatrix<S>) {
+        let n = self.model.dof();
+        let (one, half) = (S::one(), S::one() / S::from_f64(2.0));
+        out.copy_from(&m.view((0, 0), (3 * n, 3 * n)));
+        // The halves of M_zu J + J^T M_uz + J^T M_uu J are transposes of each other.
+        self.mixed.copy_from(&m.view((3 * n, 0), (n, 3 * n)));
+        let uu = m.view((3 * n, 3 * n), (n, n));
+        self.mixed.gemm(half, &uu, &self.jacobian, one);
+        out.gemm(one, &self.transposed, &self.mixed, one);
+        out.gemm_tr(one, &self.mixed, &self.jacobian, one);
+    }
+
+    /// Adds $\Phi(l_u)$ to a matrix in $z$.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    pub fn add_curvature(
+        &mut self,
+        point: Point<'_, S>,
+        by_u: &[S],
+        out: &mut DMatrix<S>,
+    ) -> Result<()> {
+        let (n, Point { q, v, a, .. }) = (self.model.dof(), point);
+        let second = &mut self.second;
+        rnea_contracted_hessian(self.model, &mut self.data, q, v, a, by_u, second)?;
+        let ContractedHessian { qq, qv, vv, qa } = second;
+        let mut add = |row: usize, column: usize, block: &DMatrix<S>| {
+            let mut target = out.view_mut((row * n, column * n), (n, n));
+            target += block;
+        };
+        add(0, 0, qq);
+        add(1, 1, vv);
+        for (column, block) in [(1, qv), (2, qa)] {
+            add(0, column, block);
+            add(column, 0, &block.transpose());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,250 @@
+//! Running costs of a user's own, in the control as well as in the motion.
+
+mod autodiff;
+mod chain_rule;
+mod weighted_squares;
+mod with_control;
+
+pub use autodiff::ByDuals;
+pub use chain_rule::ChainRule;
+pub use num_dual::HyperDual64;
+pub use weighted_squares::Weighted;
+pub use with_control::{Charge, ChargedCost};
+
+use super::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// A motion at one time, with the control that it takes there.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a, S> {
+    /// Time, s.
+    pub t: S,
+    /// The configuration, rad or m, `N` entries.
+    pub q: &'a [S],
+    /// The velocity, rad/s or m/s.
+    pub v: &'a [S],
+    /// The acceleration, rad/s^2 or m/s^2.
+    pub a: &'a [S],
+    /// The control $u = ID(q, v, a)$, N m or N.
+    pub u: &'a [S],
+}
+
+/// The derivatives of a running cost in $y = [q; v; a; u]$, the control for a variable of its own.
+#[derive(Clone, Debug)]
+pub struct MomentDerivatives<S: Scalar> {
+    /// $\partial l / \partial y$, `4 N` entries.
+    pub gradient: DVector<S>,
+    /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both halves.
+    pub hessian: DMatrix<S>,
+}
+
+impl<S: Scalar> MomentDerivatives<S> {
+    /// Zeros for a model with `n` joints.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        Self {
+            gradient: DVector::zeros(4 * n),
+            hessian: DMatrix::zeros(4 * n, 4 * n),
+        }
+    }
+}
+
+/// A running cost $l(t, q, v, a, u)$ with derivatives by hand. [`RunningCost::new`] takes a closure instead and asks for none.
+///
+/// The integral must not be negative on any curve that is tried, see [`RunningCost`].
+pub trait Running {
+    /// $l$.
+    ///
+    /// # Errors
+    /// The moment is one of another robot.
+    fn value(&self, at: &Moment<'_, f64>) -> Result<f64>;
+
+    /// $l$, and its derivatives added to `out`, which has only zeros.
+    ///
+    /// # Errors
+    /// The moment is one of another robot.
+    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64>;
+
+    /// $\partial l / \partial t$ where nothing else moves: what a free horizon has to know of a cost that depends on time itself. Zero
+    /// unless it is implemented.
+    ///
+    /// # Errors
+    /// The moment is one of another robot.
+    fn time_rate(&self, at: &Moment<'_, f64>) -> Result<f64> {
+        let _ = at;
+        Ok(0.0)
+    }
+}
+
+/// A running cost $l(t, q, v, a, u)$ of a user's own along motions of a robot, ready for [`relax_with`](super::relax_with) and
+/// [`relax_constrained_with`](super::relax_constrained_with).
+///
+/// What the relaxation needs are derivatives in $z = [q; v; a]$ with $u = ID(z)$; [`ChainRule`] makes them of those in $[z; u]$. The
+/// metric is that of Gauss and Newton: the Hessian without the second derivatives of $ID$ and with the negative eigenvalues of
+/// $\partial^2 l / \partial y^2$ taken for zero.
+///
+/// The integral must not be negative on any curve that is tried, since gradients are measured relative to it: such a curve is an error.
+/// A constant added to `l` changes no optimum over a fixed horizon. Integrals below 2e-16 are taken for zero.
+#[derive(Clone, Debug)]
+pub struct RunningCost<'m, R> {
+    running: R,
+    rule: ChainRule<'m, f64, f64>,
+    by_y: MomentDerivatives<f64>,
+    positive: DMatrix<f64>,
+}
+
+impl<'m, F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> RunningCost<'m, ByDuals<F>> {
+    /// The cost that a closure computes, with derivatives by dual numbers: some $8 N^2$ calls of the closure a point.
+    #[must_use]
+    pub fn new(model: &'m Model, value: F) -> Self {
+        Self::of(model, ByDuals(value))
+    }
+}
+
+impl<'m, R: Running> RunningCost<'m, R> {
+    /// A cost with derivatives of its own.
+    #[must_use]
+    pub fn of(model: &'m Model, running: R) -> Self {
+        let n = model.dof();
+        Self {
+            running,
+            rule: ChainRule::new(model),
+            by_y: MomentDerivatives::new(n),
+            positive: DMatrix::zeros(4 * n, 4 * n),
+        }
+    }
+}
+
+impl<R: Running> PointCost<f64> for RunningCost<'_, R> {
+    fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let u = self.rule.control(point)?;
+        self.running.value(&moment(point, u))
+    }
+
+    fn derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+    ) -> Result<f64> {
+        self.charging(point, out, &mut |_, _, _, _| false)
+    }
+
+    fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let u = self.rule.control(point)?;
+        self.running.time_rate(&moment(point, u))
+    }
+}
+
+impl<R: Running + Clone> ChargedCost for RunningCost<'_, R> {
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
+        let control = self.rule.control(point)?;
+        u.copy_from_slice(control);
+        self.running.value(&moment(point, control))
+    }
+
+    fn derivatives_charging(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        charge: &mut impl Charge<f64>,
+    ) -> Result<()> {
+        let mut single = PointDerivatives::new(points.states.nrows());
+        for g in 0..points.count() {
+            let cost = self.charging(points.point(g), &mut single, charge)?;
+            out.set(g, cost, &single);
+        }
+        Ok(())
+    }
+}
+
+impl<R: Running> RunningCost<'_, R> {
+    fn charging(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+        charge: &mut impl Charge<f64>,
+    ) -> Result<f64> {
+        let n = point.q.len();
+        let u = self.rule.linearise(point)?;
+        let by_y = &mut self.by_y;
+        by_y.gradient.fill(0.0);
+        by_y.hessian.fill(0.0);
+        let value = self.running.derivatives(&moment(point, u), by_y)?;
+        let convex = positive_part(&by_y.hessian, &mut self.positive);
+        let mut stiffness = vec![0.0; n];
+        let first = &mut by_y.gradient.as_mut_slice()[3 * n..];
+        let stiff = charge(point.index, u, first, &mut stiffness);
+        self.rule.pull_back(&self.positive, &mut out.metric);
+        if convex && !stiff {
+            out.hessian.copy_from(&out.metric);
+        } else {
+            for (i, c) in stiffness.into_iter().enumerate() {
+                by_y.hessian[(3 * n + i, 3 * n + i)] += c;
+            }
+            self.rule.pull_back(&by_y.hessian, &mut out.hessian);
+        }
+        self.rule.gradient(&by_y.gradient, &mut out.gradient);
+        let by_u = &by_y.gradient.as_slice()[3 * n..];
+        self.rule.add_curvature(point, by_u, &mut out.hessian)?;
+        Ok(value)
+    }
+}
+
+/// A point with its control.
+fn moment<'a>(point: Point<'a, f64>, u: &'a [f64]) -> Moment<'a, f64> {
+    let Point { time, q, v, a, .. } = point;
+    Moment {
+        t: time,
+        q,
+        v,
+        a,
+        u,
+    }
+}
+
+/// A symmetric matrix with its negative eigenvalues taken for zero; says whether it has none. One that is not finite is left as it is.
+fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool {
+    /// What rounding can take from an eigenvalue that is zero, relative.
+    const ROUNDING: f64 = 1e-12;
+    to.copy_from(from);
+    // Most costs do not depend on everything.
+    let own: Vec<usize> = (0..from.nrows())
+        .filter(|i| from.column(*i).iter().any(|x| *x != 0.0))
+        .collect();
+    let inner = from.select_rows(&own).select_columns(&own);
+    let shift = ROUNDING * inner.amax();
+    let mut shifted = inner.clone();
+    (0..own.len()).for_each(|i| shifted[(i, i)] += shift);
+    if own.is_empty() || !shift.is_finite() || shifted.cholesky().is_some() {
+        return true;
+    }
+    let SymmetricEigen {
+        eigenvalues,
+        eigenvectors,
+    } = SymmetricEigen::new(inner);
+    let mut scaled = eigenvectors.clone();
+    for (mut column, value) in scaled.column_iter_mut().zip(eigenvalues.iter()) {
+        column *= value.max(0.0);
+    }
+    let positive = scaled * eigenvectors.transpose();
+    for (j, column) in own.iter().enumerate() {
+        for (i, row) in own.iter().enumerate() {
+            to[(*row, *column)] = positive[(i, j)];
+        }
+    }
+    false
+}
+
+/// Refuses a negative integral: gradients are measured relative to it.
+pub(super) fn check_integral(cost: f64) -> Result<()> {
+    if cost < -super::newton::SMALLEST_COST {
+        let condition = format!(
+            "it is {cost:.3e} on a curve that was tried, and must not be negative: add a constant to the cost"
+        );
+        return Err(Error::input("running cost", "integral", condition));
+    }
+    Ok(())
+}

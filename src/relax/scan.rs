@@ -1,0 +1,136 @@
+//! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
+
+use super::augmented::Rows;
+use super::objective::{place, points};
+use super::{ChargedCost, Grid, Points};
+use crate::constraint::Constraint;
+use crate::curve::Basis;
+use crate::error::Result;
+use nalgebra::DMatrix;
+
+/// A basis tabulated at equally spaced times.
+pub(super) struct Scan {
+    basis: Basis,
+    horizon: f64,
+    /// Value, first and second derivative in time at each time of a piece.
+    table: DMatrix<f64>,
+    intervals: usize,
+}
+
+/// A largest value of a row over time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peak {
+    pub row: usize,
+    pub piece: usize,
+    pub time: f64,
+    pub height: f64,
+}
+
+impl Scan {
+    /// `intervals` on each piece.
+    pub fn new(basis: &Basis, intervals: usize, horizon: f64) -> Self {
+        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
+        for k in 0..=intervals {
+            let local = basis.local(2.0 * k as f64 / intervals as f64 - 1.0);
+            for d in 0..3 {
+                let scaled = local.row(d).transpose() / horizon.powi(d as i32);
+                table.set_column(3 * k + d, &scaled);
+            }
+        }
+        Self {
+            basis: basis.clone(),
+            horizon,
+            table,
+            intervals,
+        }
+    }
+
+    /// The local maxima in time of all rows above `floor`, ends of the pieces included, refined by a parabola.
+    pub fn peaks<K: Constraint, P: ChargedCost>(
+        &self,
+        rows: &mut Rows<'_, K, P>,
+        coefficients: &DMatrix<f64>,
+        floor: f64,
+    ) -> Result<Vec<Peak>> {
+        let (n, count) = (coefficients.nrows(), rows.count());
+        let pieces = self.basis.pieces();
+        let interval = self.horizon / (pieces * self.intervals) as f64;
+        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two pieces meet, so each
+        // has ends of its own: after the last value of one `here` is below all again.
+        let below = vec![f64::NEG_INFINITY; count];
+        let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
+        let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
+        let mut h = vec![0.0; count * (self.intervals + 1)];
+        for piece in 0..pieces {
+            place(
+                coefficients,
+                self.basis.first(piece),
+                &self.table,
+                &mut states,
+            );
+            let first = piece * self.intervals;
+            let times: Vec<_> = (0..=self.intervals)
+                .map(|k| (first + k) as f64 * interval)
+                .collect();
+            let points = Points {
+                first: 0,
+                times: &times,
+                states: &states,
+            };
+            rows.of_all(points, &mut h)?;
+            for k in 0..=self.intervals + 1 {
+                if k <= self.intervals {
+                    next.copy_from_slice(&h[k * count..(k + 1) * count]);
+                } else {
+                    next.copy_from_slice(&below);
+                }
+                for row in 0..count {
+                    let (a, b, c) = (before[row], here[row], next[row]);
+                    if k == 0 || b <= floor || a > b || c >= b {
+                        continue;
+                    }
+                    let (mut shift, mut height) = (0.0, b);
+                    if a.is_finite() && c.is_finite() {
+                        let (slope, bend) = ((c - a) / 2.0, 2.0 * b - a - c);
+                        shift = (slope / bend).clamp(-0.5, 0.5);
+                        height += 0.5 * slope * shift;
+                    }
+                    found.push(Peak {
+                        row,
+                        piece,
+                        time: ((first + k - 1) as f64 + shift) * interval,
+                        height,
+                    });
+                }
+                std::mem::swap(&mut before, &mut here);
+                std::mem::swap(&mut here, &mut next);
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// All rows at all points of a grid, row by row for each point, and the integral of the running cost.
+pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
+    grid: &Grid<f64>,
+    rows: &mut Rows<'_, K, P>,
+    coefficients: &DMatrix<f64>,
+    h: &mut [f64],
+) -> Result<f64> {
+    let (n, count) = (coefficients.nrows(), rows.count());
+    let mut states = DMatrix::zeros(n, grid.table.ncols());
+    let (mut effort, mut costs) = (0.0, vec![0.0; grid.points()]);
+    for e in 0..grid.pieces {
+        place(coefficients, grid.first(e), &grid.table, &mut states);
+        let here = points(grid, &states, e);
+        let own = here.first * count..(here.first + grid.points()) * count;
+        rows.at(here, &mut h[own], &mut costs)?;
+        effort += grid
+            .weights
+            .iter()
+            .zip(&costs)
+            .map(|(w, l)| w * l)
+            .sum::<f64>();
+    }
+    Ok(effort)
+}

@@ -1,0 +1,157 @@
+//! What the robot of a scenario has to keep clear of, and with what shape.
+
+use super::{RobotShape, ScenarioFile};
+use crate::constraint::{Ball, BuiltIn, Capsule, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls};
+use crate::dynamics::forward_kinematics;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::spatial::Placement;
+use nalgebra::Vector3;
+
+/// The shape of a robot among obstacles.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    capsules: Vec<Capsule>,
+    spacing: f64,
+    spheres: Vec<Sphere>,
+    half_spaces: Vec<HalfSpace>,
+}
+
+impl Surroundings {
+    /// Those of a scenario; `path` names it in errors.
+    pub(super) fn new(model: &Model, file: &ScenarioFile, path: &str) -> Result<Self> {
+        let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        for (i, sphere) in file.sphere_obstacles.iter().enumerate() {
+            let radius = sphere.radius_m;
+            if !(finite(&sphere.center_m) && radius.is_finite() && radius > 0.0) {
+                let condition = "a finite centre and a positive radius are needed".to_owned();
+                return refuse(format!("sphere_obstacles[{i}]"), condition);
+            }
+        }
+        let mut half_spaces = Vec::new();
+        for (i, half_space) in file.half_spaces.iter().enumerate() {
+            let normal = Vector3::from(half_space.normal);
+            let length = normal.norm();
+            if !(finite(&[length, half_space.offset_m]) && length > 0.0) {
+                let condition = "a finite normal that is not zero and a finite offset are needed";
+                return refuse(format!("half_spaces[{i}]"), condition.to_owned());
+            }
+            half_spaces.push(HalfSpace {
+                normal: normal / length,
+                offset: half_space.offset_m,
+            });
+        }
+        let (capsules, spacing) = match file.robot_shape {
+            RobotShape::JointFrames => (points(model), 1.0),
+            RobotShape::SweptLinks {
+                radius_m,
+                spacing_m,
+            } => {
+                if !(finite(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
+                    let condition =
+                        "a radius that is not negative and a positive spacing are needed";
+                    return refuse("robot_shape".to_owned(), condition.to_owned());
+                }
+                (Capsule::along_links(model, radius_m), spacing_m)
+            }
+        };
+        let sphere = |s: &super::SphereObstacle| Sphere {
+            centre: Vector3::from(s.center_m),
+            radius: s.radius_m,
+        };
+        Ok(Self {
+            capsules,
+            spacing,
+            spheres: file.sphere_obstacles.iter().map(sphere).collect(),
+            half_spaces,
+        })
+    }
+
+    /// Whether there is nothing to keep clear of.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.spheres.is_empty() && self.half_spaces.is_empty()
+    }
+
+    /// The constraints that keep the robot clear: each capsule is covered by balls.
+    ///
+    /// # Errors
+    /// As [`Capsule::balls`].
+    pub fn constraints(&self) -> Result<Vec<BuiltIn>> {
+        let mut balls: Vec<Ball> = Vec::new();
+        for capsule in &self.capsules {
+            // Capsules of one body share the ball at its joint.
+            for ball in capsule.balls(self.spacing)? {
+                let radius = |b: &&mut Ball| b.body == ball.body && b.centre == ball.centre;
+                match balls.iter_mut().find(radius) {
+                    Some(known) => known.radius = known.radius.max(ball.radius),
+                    None => balls.push(ball),
+                }
+            }
+        }
+        let mut constraints = Vec::new();
+        if !self.spheres.is_empty() {
+            constraints.push(BuiltIn::Spheres(SphereBalls {
+                balls: balls.clone(),
+                spheres: self.spheres.clone(),
+            }));
+        }
+        constraints.extend(self.half_spaces.iter().map(|half_space| {
+            BuiltIn::HalfSpace(HalfSpaceBalls {
+                balls: balls.clone(),
+                half_space: *half_space,
+            })
+        }));
+        Ok(constraints)
+    }
+
+    /// How far the robot is from the nearest obstacle with its bodies at `placements`, in m, exactly; negative when it
+    /// collides, infinite without obstacles.
+    ///
+    /// # Errors
+    /// The placements are those of another robot.
+    pub fn clearance(&self, placements: &[Placement<f64>]) -> Result<f64> {
+        let mut smallest = f64::INFINITY;
+        for capsule in &self.capsules {
+            for sphere in &self.spheres {
+                smallest = smallest.min(capsule.clearance(placements, sphere)?);
+            }
+            for half_space in &self.half_spaces {
+                smallest = smallest.min(capsule.height(placements, half_space)?);
+            }
+        }
+        Ok(smallest)
+    }
+
+    /// The smallest clearance over configurations, in m; `None` without obstacles.
+    ///
+    /// # Errors
+    /// A configuration is that of another robot.
+    pub fn smallest_clearance<'q>(
+        &self,
+        model: &Model,
+        configurations: impl Iterator<Item = &'q [f64]>,
+    ) -> Result<Option<f64>> {
+        if self.is_empty() {
+            return Ok(None);
+        }
+        let mut placements = vec![Placement::identity(); model.dof()];
+        let mut smallest = f64::INFINITY;
+        for q in configurations {
+            forward_kinematics(model, q, &mut placements)?;
+            smallest = smallest.min(self.clearance(&placements)?);
+        }
+        Ok(Some(smallest))
+    }
+}
+
+/// The origins of all joint frames: the paper's measure.
+fn points(model: &Model) -> Vec<Capsule> {
+    let point = |ball: Ball| Capsule {
+        body: ball.body,
+        ends: [ball.centre; 2],
+        radius: ball.radius,
+    };
+    Ball::joint_frames(model).into_iter().map(point).collect()
+}

@@ -1,0 +1,43 @@
+//! The robots in `robots/`, built into the library.
+
+use super::{LoadReport, parse_urdf};
+use crate::error::Result;
+use crate::model::Model;
+
+/// Names and URDF texts of the robots that are built in.
+macro_rules! robots {
+    ($($name:literal),*) => {
+        [$(($name, include_str!(concat!("../../robots/", $name, "/", $name, ".urdf")))),*]
+    };
+}
+
+/// The robots, in the order in which they are listed.
+const ROBOTS: [(&str, &str); 8] = robots!(
+    "pendulum_1",
+    "pendulum_2",
+    "pendulum_3",
+    "pendulum_4",
+    "pendulum_5",
+    "pendulum_6",
+    "kinova_gen3",
+    "digit_v3_pinned"
+);
+
+/// The names of the robots that are built in.
+pub fn builtin_robots() -> impl Iterator<Item = &'static str> {
+    ROBOTS.iter().map(|(name, _)| *name)
+}
+
+/// The robot called `name`, if it is built in.
+///
+/// # Errors
+/// None that a release should show: the files are tested.
+pub fn builtin_robot(name: &str) -> Option<Result<(Model, LoadReport)>> {
+    builtin_robot_text(name).map(|text| parse_urdf(text, name))
+}
+
+/// The URDF text of the robot called `name`, if it is built in.
+pub(crate) fn builtin_robot_text(name: &str) -> Option<&'static str> {
+    let (_, text) = ROBOTS.iter().find(|(robot, _)| *robot == name)?;
+    Some(text)
+}

@@ -1,0 +1,16 @@
+//! Robots from URDF: reading, checking and writing, and those that are built in.
+
+mod builtin;
+mod load;
+mod options;
+mod read;
+mod regularity;
+mod text;
+mod tree;
+mod write;
+
+pub(crate) use builtin::builtin_robot_text;
+pub use builtin::{builtin_robot, builtin_robots};
+pub use load::{load_robot, load_robot_with};
+pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions};
+pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};

@@ -1,0 +1,83 @@
+//! Whether the mass matrix of a robot is regular.
+
+use crate::dynamics::{Data, crba, forward_kinematics};
+use crate::error::{Error, Result};
+use crate::linalg::Ldlt;
+use crate::model::{Joint, JointKind, Model};
+use crate::spatial::Placement;
+use nalgebra::DMatrix;
+
+impl Model<f64> {
+    /// Checks that the mass matrix is regular: that no joint moves a subtree without inertia about it, and that no two
+    /// joints move the same bodies in the same way.
+    ///
+    /// The mass matrix is looked at in one generic configuration: where it is singular there, it is everywhere, or nearly
+    /// so. `file` names the model in the error. Cost O(N^3).
+    ///
+    /// # Errors
+    /// Names the first such joint.
+    pub fn check_regular(&self, file: &str) -> Result<()> {
+        let n = self.dof();
+        let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
+        let mut h = DMatrix::zeros(n, n);
+        crba(self, &mut Data::new(self), &q, &mut h)?;
+        // Relative to all the inertia there is, so that rounding does not pass for inertia.
+        let totals = self.subtree_inertias(&q)?;
+        let condition =
+            "nothing that it moves has inertia about it, so the mass matrix is singular";
+        for i in (0..n).rev() {
+            self.check_pivot(i, h[(i, i)], totals[i], file, condition)?;
+        }
+        let mut ldlt = Ldlt::new(n);
+        ldlt.factorise(&h);
+        let condition = "it moves nothing that the joints before it do not move alike, so the mass matrix is singular";
+        for (i, pivot) in ldlt.pivots().enumerate() {
+            self.check_pivot(i, pivot, h[(i, i)], file, condition)?;
+        }
+        Ok(())
+    }
+
+    /// Per joint, the mass of its subtree if it is prismatic, else the trace of the rotational inertia of its subtree about the base
+    /// frame's origin.
+    fn subtree_inertias(&self, q: &[f64]) -> Result<Vec<f64>> {
+        let n = self.dof();
+        let mut placements = vec![Placement::identity(); n];
+        forward_kinematics(self, q, &mut placements)?;
+        let mut sums: Vec<[f64; 2]> = (self.inertias().iter().zip(&placements))
+            .map(|(inertia, placement)| {
+                [inertia.mass, inertia.placed(placement).rotational.trace()]
+            })
+            .collect();
+        for (i, joint) in self.joints().iter().enumerate().rev() {
+            if let Some(parent) = joint.parent() {
+                let [mass, trace] = sums[i];
+                sums[parent][0] += mass;
+                sums[parent][1] += trace;
+            }
+        }
+        let total = |(joint, [mass, trace]): (&Joint<f64>, [f64; 2])| match joint.kind() {
+            JointKind::Prismatic => mass,
+            JointKind::Revolute | JointKind::Continuous => trace,
+        };
+        Ok(self.joints().iter().zip(sums).map(total).collect())
+    }
+
+    /// Checks that `own` is not zero beside `total`.
+    fn check_pivot(
+        &self,
+        i: usize,
+        own: f64,
+        total: f64,
+        file: &str,
+        condition: &str,
+    ) -> Result<()> {
+        if own.abs() > 1e-12 * total.abs() {
+            return Ok(());
+        }
+        Err(Error::input(
+            file,
+            format!("joint '{}'", self.joints()[i].name()),
+            condition,
+        ))
+    }
+}

@@ -1,0 +1,247 @@
+//! Writing a model as a URDF file.
+
+use super::parse_urdf;
+use crate::error::{Error, Result};
+use crate::model::{Frame, Joint, JointKind, Limits, Model};
+use crate::spatial::{Inertia, Placement, cross_matrix};
+use nalgebra::{Matrix3, Vector3};
+use quick_xml::Writer;
+use std::io;
+
+/// The part of the size of a number by which what is read back may differ, for the poses and inertias that are converted.
+const ROUNDING: f64 = 1e-9;
+
+/// What URDFs say where there are no limits: other readers want the element of joints that are not continuous.
+const PLACEHOLDER: Limits = Limits {
+    lower: 0.0,
+    upper: 0.0,
+    velocity: 0.0,
+    effort: 0.0,
+};
+
+type Xml = Writer<Vec<u8>>;
+
+impl Model<f64> {
+    /// The model as the text of a URDF file, which [`parse_urdf`] reads as the same model.
+    ///
+    /// Every frame is written as a link, on the joint that carried it, so the names of links and joints and the order of
+    /// the joints are those of the file that was read. The inertia of a body is written in the link of its joint; links on
+    /// fixed joints are massless, and so is what is fixed to the base, whose mass the model does not know. Numbers are
+    /// the shortest that read back to the same bits. No limits are written as zeros, which [`parse_urdf`] reads as none. A
+    /// model made in code gets a link `base`; its joints come back in the order in which the tree is walked.
+    ///
+    /// # Errors
+    /// The model has what no URDF can say: another gravity than $(0, 0, -9.81)$, limits on the position of a continuous
+    /// joint, limits that are all zero (these are read as none), a first moment without mass, a rotation that is none; or
+    /// what [`parse_urdf`] refuses. The text is read back to see.
+    pub fn to_urdf(&self) -> Result<String> {
+        let fail = |what: String| Error::input(self.name(), "robot", what);
+        let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+        let robot = xml.create_element("robot");
+        robot
+            .with_attribute(("name", self.name()))
+            .write_inner_content(|xml| self.write_links(xml))
+            .map_err(|e| fail(e.to_string()))?;
+        let text = String::from_utf8(xml.into_inner()).map_err(|e| fail(e.to_string()))?;
+        let (read, _) = parse_urdf(&text, self.name())?;
+        match self.difference(&read) {
+            Some((element, what)) => {
+                let condition = format!("{what} cannot be said in a URDF");
+                Err(Error::input(self.name(), element, condition))
+            }
+            None => Ok(text),
+        }
+    }
+
+    fn write_links(&self, xml: &mut Xml) -> io::Result<()> {
+        let mut base = "base".to_owned();
+        while self.frames().iter().any(|f| f.name == base) {
+            base.push('_');
+        }
+        if self.frames().iter().all(|f| f.carrier.is_some()) {
+            write_link(xml, &base, &Inertia::zero())?;
+        }
+        for frame in self.frames() {
+            let Some(carrier) = &frame.carrier else {
+                write_link(xml, &frame.name, &Inertia::zero())?;
+                continue;
+            };
+            let parent = carrier.parent.map(|p| &self.frames()[p]);
+            let ends = [parent.map_or(&base, |p| &p.name), &frame.name];
+            let within_parent = |p: &Placement<f64>| parent.map_or(*p, |f| relative(p, f));
+            match self.joints().iter().position(|j| j.name() == carrier.joint) {
+                Some(i) => {
+                    write_link(xml, &frame.name, &self.inertias()[i])?;
+                    let joint = &self.joints()[i];
+                    let kind = joint.kind().name();
+                    let origin = within_parent(joint.origin());
+                    write_joint(xml, (&carrier.joint, kind), ends, &origin, Some(joint))?;
+                }
+                None => {
+                    write_link(xml, &frame.name, &Inertia::zero())?;
+                    let origin = within_parent(&frame.placement);
+                    write_joint(xml, (&carrier.joint, "fixed"), ends, &origin, None)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What of this model is not in `read`, and of which element.
+    fn difference(&self, read: &Self) -> Option<(String, &'static str)> {
+        if self.gravity() != read.gravity() {
+            return Some(("robot".to_owned(), "its gravity"));
+        }
+        let carrier = |model: &Self, joint: &Joint<f64>| {
+            joint.parent().map(|p| model.joints()[p].name().to_owned())
+        };
+        for (joint, inertia) in self.joints().iter().zip(self.inertias()) {
+            let differs = |what| Some((format!("joint '{}'", joint.name()), what));
+            let Some(i) = read.joints().iter().position(|j| j.name() == joint.name()) else {
+                return differs("its name");
+            };
+            let same = &read.joints()[i];
+            if joint.kind() != same.kind() || carrier(self, joint) != carrier(read, same) {
+                return differs("its kind or parent");
+            }
+            if joint.limits() != same.limits() {
+                return differs("a limit of it");
+            }
+            let [a, b] = [joint, same].map(Joint::origin);
+            if !(close(&a.rotation, &b.rotation) && close(&a.translation, &b.translation)) {
+                return differs("its origin");
+            }
+            if !close(joint.axis(), same.axis()) {
+                return differs("its axis");
+            }
+            if !close(&inertia.to_matrix(), &read.inertias()[i].to_matrix()) {
+                return differs("the inertia that it moves");
+            }
+        }
+        None
+    }
+}
+
+/// Whether two matrices are the same but for rounding.
+fn close<R: nalgebra::Dim, C: nalgebra::Dim, T: nalgebra::RawStorage<f64, R, C>>(
+    a: &nalgebra::Matrix<f64, R, C, T>,
+    b: &nalgebra::Matrix<f64, R, C, T>,
+) -> bool {
+    let bound = ROUNDING * a.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= bound)
+}
+
+/// Where `p` is in `frame`, both given in one body.
+fn relative(p: &Placement<f64>, frame: &Frame<f64>) -> Placement<f64> {
+    let Placement {
+        rotation,
+        translation,
+    } = &frame.placement;
+    Placement::new(
+        rotation.tr_mul(&p.rotation),
+        rotation.tr_mul(&(p.translation - translation)),
+    )
+}
+
+fn write_link(xml: &mut Xml, name: &str, inertia: &Inertia<f64>) -> io::Result<()> {
+    let link = xml.create_element("link").with_attribute(("name", name));
+    if *inertia == Inertia::zero() {
+        link.write_empty()?;
+        return Ok(());
+    }
+    let mass = inertia.mass;
+    let com = if mass == 0.0 {
+        Vector3::zeros()
+    } else {
+        inertia.first_moment / mass
+    };
+    let cross = cross_matrix(&com);
+    let i = inertia.rotational + cross * cross * mass;
+    link.write_inner_content(|xml| {
+        xml.create_element("inertial").write_inner_content(|xml| {
+            empty(xml, "origin", &[("xyz", numbers(&com))])?;
+            empty(xml, "mass", &[("value", numbers([&mass]))])?;
+            let moments = [
+                ("ixx", i.m11),
+                ("ixy", i.m12),
+                ("ixz", i.m13),
+                ("iyy", i.m22),
+                ("iyz", i.m23),
+                ("izz", i.m33),
+            ];
+            empty(
+                xml,
+                "inertia",
+                &moments.map(|(key, moment)| (key, numbers([&moment]))),
+            )
+        })?;
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// A joint of this name and kind, between two links; `moving` has what only joints that move have.
+fn write_joint(
+    xml: &mut Xml,
+    (name, kind): (&str, &str),
+    [parent, child]: [&String; 2],
+    origin: &Placement<f64>,
+    moving: Option<&Joint<f64>>,
+) -> io::Result<()> {
+    let joint = xml.create_element("joint").with_attribute(("name", name));
+    joint
+        .with_attribute(("type", kind))
+        .write_inner_content(|xml| {
+            let pose = [
+                ("xyz", numbers(&origin.translation)),
+                ("rpy", numbers(&roll_pitch_yaw(&origin.rotation))),
+            ];
+            empty(xml, "origin", &pose)?;
+            empty(xml, "parent", &[("link", parent.clone())])?;
+            empty(xml, "child", &[("link", child.clone())])?;
+            let Some(joint) = moving else { return Ok(()) };
+            empty(xml, "axis", &[("xyz", numbers(joint.axis()))])?;
+            let continuous = joint.kind() == JointKind::Continuous;
+            let limits = match joint.limits() {
+                limits if *limits != Limits::NONE => limits,
+                _ if continuous => return Ok(()),
+                _ => &PLACEHOLDER,
+            };
+            let mut attributes = vec![
+                ("effort", numbers([&limits.effort])),
+                ("velocity", numbers([&limits.velocity])),
+            ];
+            if !continuous {
+                attributes.push(("lower", numbers([&limits.lower])));
+                attributes.push(("upper", numbers([&limits.upper])));
+            }
+            empty(xml, "limit", &attributes)
+        })?;
+    Ok(())
+}
+
+/// An element without content.
+fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
+    let attributes = attributes.iter().map(|(key, value)| (*key, value.as_str()));
+    let element = xml.create_element(name).with_attributes(attributes);
+    element.write_empty()?;
+    Ok(())
+}
+
+/// Numbers as they are read back to the same bits, zeros without a sign.
+fn numbers<'a>(x: impl IntoIterator<Item = &'a f64>) -> String {
+    let words: Vec<_> = x.into_iter().map(|x| format!("{:?}", x + 0.0)).collect();
+    words.join(" ")
+}
+
+/// The angles about the fixed axes x, y, z, in this order, that make a rotation.
+///
+/// Near a pitch of a quarter turn only the sum or the difference of the other two angles can be told. So roll is read off
+/// what is left of the rotation once yaw is undone: whatever error yaw has there, roll makes up for.
+fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
+    let yaw = r.m21.atan2(r.m11);
+    let (sin, cos) = yaw.sin_cos();
+    let pitch = (-r.m31).atan2(cos * r.m11 + sin * r.m21);
+    let roll = (sin * r.m13 - cos * r.m23).atan2(cos * r.m22 - sin * r.m12);
+    [roll, pitch, yaw]
+}

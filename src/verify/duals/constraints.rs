@@ -1,0 +1,186 @@
+//! The derivatives of constraints against dual numbers, and the Jacobians of the constrained flow.
+
+use super::dynamics::by_duals;
+use super::{
+    At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
+};
+use crate::constraint::TorqueLimits;
+use crate::constraint::{
+    Ball, Bound, Bounds, BuiltIn, Capsule, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side,
+    Sphere, SphereBalls, Weights,
+};
+use crate::dynamics::{Data, rnea};
+use crate::error::Result;
+use crate::flow::Penalty;
+use crate::flow::jacobian::JacobianKind;
+use crate::flow::{Penalised, TorquePenalty};
+use crate::model::Model;
+use nalgebra::{DMatrix, Vector3};
+use num_dual::Dual64;
+
+/// Compares the weighted derivatives of every kind of constraint with duals, and the analytic Jacobians of the constrained
+/// flow with duals of its right-hand side. The constraints are made up from the first random state, so that on any robot about
+/// half of the rows are violated there.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let made_up = made_up(model, &State::random(model, options.seed, 0))?;
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        for (name, constraint) in ["spheres", "half-space", "bounds"]
+            .iter()
+            .zip(&made_up.state)
+        {
+            contractions(model, name, constraint, at, &mut findings)?;
+        }
+    }
+    let mut all = findings.all;
+    for (name, kind) in JacobianKind::by_name() {
+        // Of the others one is the truth and one is for comparison only.
+        if let JacobianKind::ControlForm | JacobianKind::TheoremB4 = kind {
+            all.extend(compare_jacobians(
+                model,
+                &format!("{name} with constraints"),
+                &mut *kind.build_constrained(model, &made_up),
+                &mut *JacobianKind::Dual.build_constrained(model, &made_up),
+                BOUND,
+                options,
+            )?);
+        }
+    }
+    Ok(all)
+}
+
+/// Nothing is divided here; what is small beside metres and radians may be what rounding leaves of zero.
+const TOLERANCE: Tolerance = Tolerance {
+    bound: BOUND,
+    floor: VANISHING,
+};
+
+/// Constraints of every kind on any robot.
+fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
+    let n = model.dof();
+    let node = state.node();
+    let mut balls = Ball::joint_frames(model);
+    for capsule in Capsule::along_links(model, 0.05) {
+        let length = (capsule.ends[1] - capsule.ends[0]).norm();
+        balls.extend(capsule.balls(length.max(0.1))?);
+    }
+    let mut evaluator = Evaluator::new(model);
+    let here = evaluator.at(node.x)?;
+    let (mut mean, mut reach) = (Vector3::zeros(), 0.1_f64);
+    for ball in &balls {
+        let p = here.state().point(ball.body, &ball.centre)?;
+        mean += p / balls.len() as f64;
+        reach = reach.max(p.norm());
+    }
+    let sphere = |x, y, z, part| Sphere {
+        centre: mean + Vector3::new(x, y, z) * reach,
+        radius: part * reach,
+    };
+    let normal = Vector3::new(2.0, -1.0, 2.0) / 3.0;
+    let half_space = HalfSpace {
+        normal,
+        offset: normal.dot(&mean),
+    };
+    let near = |entry: usize| Bound {
+        entry,
+        side: if entry.is_multiple_of(2) {
+            Side::Upper
+        } else {
+            Side::Lower
+        },
+        value: state.x[entry] + 0.3 * (entry as f64).sin(),
+    };
+    let mut u = vec![0.0; n];
+    let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+    rnea(model, &mut Data::new(model), q, v, a, &mut u)?;
+    let largest = u.iter().fold(1.0_f64, |m, u| m.max(u.abs()));
+    let limit = |(i, u): (usize, &f64)| {
+        (i % 4 != 1).then(|| u.abs() + largest * (0.1 * (i as f64).sin() + 0.02))
+    };
+    Ok(Penalised {
+        state: vec![
+            BuiltIn::Spheres(SphereBalls {
+                balls: balls.clone(),
+                spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
+            }),
+            BuiltIn::HalfSpace(HalfSpaceBalls { balls, half_space }),
+            BuiltIn::Bounds(Bounds((0..2 * n).map(near).collect())),
+        ],
+        penalty: Penalty {
+            k_cons: 10.0,
+            c_cons: 2.0,
+        },
+        torque: TorquePenalty {
+            limits: TorqueLimits(u.iter().enumerate().map(limit).collect()),
+            penalty: Penalty {
+                k_cons: 2.0,
+                c_cons: 1.0 / largest,
+            },
+        },
+    })
+}
+
+/// Weighted sums of derivatives: the gradient against duals of the rows, the Hessian with the products of gradients against
+/// duals of a gradient whose weights move with the rows, $w_j + c_j (g_j(x) - g_j)$.
+fn contractions(
+    model: &Model,
+    name: &str,
+    constraint: &BuiltIn,
+    at: At<'_>,
+    findings: &mut Findings,
+) -> Result<()> {
+    let (x, rows) = (at.state.node().x, constraint.rows());
+    let wave = |f: f64| {
+        (1..=rows)
+            .map(move |j| (f * j as f64).sin())
+            .collect::<Vec<_>>()
+    };
+    let (w, c) = (wave(0.7), wave(1.9));
+    let mut evaluator = Evaluator::new(model);
+    let mut here = evaluator.at(x)?;
+    let mut g = vec![0.0; rows];
+    here.value(constraint, &mut g)?;
+    let weights = Weights { w: &w, c: Some(&c) };
+    let ours = here.contract(constraint, weights)?;
+
+    let truth = by_duals(x, |x| {
+        let mut evaluator = Evaluator::new(model);
+        let mut g = vec![Dual64::from(0.0); rows];
+        evaluator.at(x)?.value(constraint, &mut g)?;
+        let sum = g
+            .iter()
+            .zip(&w)
+            .fold(Dual64::from(0.0), |sum, (g, w)| sum + *g * *w);
+        Ok(vec![sum])
+    })?;
+    let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
+    let quantity = format!("{name}: weighted gradient");
+    findings.compare(TOLERANCE, &quantity, at, row.as_view(), truth.as_view());
+
+    let truth = by_duals(x, |x| {
+        let mut evaluator = Evaluator::new(model);
+        let mut here = evaluator.at(x)?;
+        let mut moved = vec![Dual64::from(0.0); rows];
+        here.value(constraint, &mut moved)?;
+        for (moved, ((w, c), g)) in moved.iter_mut().zip(w.iter().zip(&c).zip(&g)) {
+            *moved = (*moved - *g) * *c + *w;
+        }
+        let weights = Weights { w: &moved, c: None };
+        let gradient = here.contract(constraint, weights)?.gradient();
+        Ok(gradient.as_slice().to_vec())
+    })?;
+    let quantity = format!("{name}: weighted Hessian");
+    findings.compare(
+        TOLERANCE,
+        &quantity,
+        at,
+        ours.hessian().as_view(),
+        truth.as_view(),
+    );
+    Ok(())
+}

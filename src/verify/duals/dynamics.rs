@@ -1,0 +1,205 @@
+//! The derivatives of the dynamics against dual numbers.
+
+use super::tensors::second_derivatives;
+use super::{At, BOUND, CheckOptions, Finding, Findings, State};
+use crate::dynamics::{
+    ContractedGradient, ContractedHessian, Data, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, aba, aba_derivatives, crba, crba_contracted, crba_derivatives,
+    rnea, rnea_contracted_gradient, rnea_contracted_hessian, rnea_derivatives,
+};
+use crate::error::Result;
+use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
+use crate::model::Model;
+use nalgebra::{DMatrix, DVector};
+use num_dual::Dual64;
+
+/// Compares the derivatives of the dynamics with duals, and the two forms of $\Omega$ with each other.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        inverse_dynamics(model, at, &mut findings)?;
+        forward_dynamics(model, at, &mut findings)?;
+        mass_matrix(model, at, &mut findings)?;
+        contractions(model, at, &mut findings)?;
+        second_derivatives(model, at, &mut findings)?;
+        for k in &options.penalties {
+            omega(model, *k, at.under(*k), &mut findings)?;
+        }
+    }
+    Ok(findings.all)
+}
+
+fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let state = state_of(at);
+    let (q, v, a) = split(&state);
+    let mut id = InverseDynamicsDerivatives::new(n);
+    rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
+    let truth = by_duals(&state, |state| {
+        let (mut tau, (q, v, a)) = (zeros(n), split(state));
+        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
+        Ok(tau)
+    })?;
+    let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
+    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &truth);
+    Ok(())
+}
+
+fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    // The third part of the state serves as a torque.
+    let state = state_of(at);
+    let (q, v, tau) = split(&state);
+    let mut fd = ForwardDynamicsDerivatives::new(n);
+    aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
+    let truth = by_duals(&state, |state| {
+        let (mut a, (q, v, tau)) = (zeros(n), split(state));
+        aba(model, &mut Data::new(model), q, v, tau, &mut a)?;
+        Ok(a)
+    })?;
+    let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
+    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &truth);
+    Ok(())
+}
+
+fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let node = at.state.node();
+    let (q, w) = (node.x_p1(), node.xdot_p1());
+    let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    crba_derivatives(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
+    let truth = by_duals(q, |q| {
+        let mut h = DMatrix::zeros(n, n);
+        crba(model, &mut Data::new(model), q, &mut h)?;
+        Ok(h.as_slice().to_vec())
+    })?;
+    let rate =
+        DMatrix::from_column_slice(n, n, (&truth * DVector::from_column_slice(w)).as_slice());
+    let tolerance = at.direct();
+    findings.compare(
+        tolerance,
+        "mass matrix: rate",
+        at,
+        hdot.as_view(),
+        rate.as_view(),
+    );
+
+    let mut k = DMatrix::zeros(n, n);
+    crba_contracted(model, &mut Data::new(model), q, w, &mut k)?;
+    let truth = DMatrix::from_fn(n, n, |i, j| {
+        (0..n).map(|m| truth[(i + m * n, j)] * w[m]).sum()
+    });
+    findings.compare(
+        tolerance,
+        "mass matrix: d(H w)/dq",
+        at,
+        k.as_view(),
+        truth.as_view(),
+    );
+    Ok(())
+}
+
+/// The gradient of `w^T ID` against duals of `rnea`, its Hessian against duals of the products with `rnea_derivatives`.
+fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let state = state_of(at);
+    let (q, v, a) = split(&state);
+    let w = DVector::from_column_slice(at.state.node().xdot_p1());
+    let data = &mut Data::new(model);
+    let mut gradient = ContractedGradient::new(n);
+    rnea_contracted_gradient(model, data, q, v, a, w.as_slice(), &mut gradient)?;
+    let truth = by_duals(&state, |state| {
+        let (mut tau, (q, v, a)) = (zeros(n), split(state));
+        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
+        Ok(vec![
+            tau.iter()
+                .zip(&w)
+                .fold(Dual64::from(0.0), |sum, (t, w)| sum + *t * *w),
+        ])
+    })?;
+    let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
+    let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
+    let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
+    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &truth);
+
+    let mut hessian = ContractedHessian::new(n);
+    rnea_contracted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
+    let w = w.map(Dual64::from);
+    let truth = by_duals(&state, |state| {
+        let (q, v, a) = split(state);
+        let mut id = InverseDynamicsDerivatives::new(n);
+        rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
+        let (by_q, by_v) = (id.dq.tr_mul(&w), id.dv.tr_mul(&w));
+        Ok(by_q.iter().chain(&by_v).copied().collect())
+    })?;
+    let blocks = [
+        ("qq", &hessian.qq, 0, 0),
+        ("qv", &hessian.qv, 0, n),
+        ("vv", &hessian.vv, n, n),
+        ("qa", &hessian.qa, 0, 2 * n),
+    ];
+    for (name, ours, row, column) in blocks {
+        let quantity = format!("w^T ID: second derivatives {name}");
+        let truth = truth.view((row, column), (n, n));
+        findings.compare(at.direct(), &quantity, at, ours.as_view(), truth);
+    }
+    Ok(())
+}
+
+fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let (mut control, mut b1) = (DMatrix::zeros(2 * n, 1), DMatrix::zeros(2 * n, 1));
+    let node = at.state.node();
+    ControlForm::new(model).omega(node, k, control.as_mut_slice())?;
+    AlgorithmB1::new(model).omega(node, k, b1.as_mut_slice())?;
+    for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
+        let quantity = format!("{part}: control form and Algorithm B1");
+        let (control, b1) = (control.rows(row, n), b1.rows(row, n));
+        findings.compare(
+            at.divided_twice(BOUND),
+            &quantity,
+            at,
+            control.as_view(),
+            b1.as_view(),
+        );
+    }
+    Ok(())
+}
+
+/// `q`, `v` and `a` behind one another.
+pub(super) fn state_of(at: At<'_>) -> Vec<f64> {
+    let node = at.state.node();
+    [node.x, node.xdot_p2()].concat()
+}
+
+/// Three parts of equal length.
+pub(super) fn split<S>(state: &[S]) -> (&[S], &[S], &[S]) {
+    let n = state.len() / 3;
+    (&state[..n], &state[n..2 * n], &state[2 * n..])
+}
+
+fn zeros(n: usize) -> Vec<Dual64> {
+    vec![Dual64::from(0.0); n]
+}
+
+/// The Jacobian of `f` at `x`, one dual number a column.
+pub(super) fn by_duals(
+    x: &[f64],
+    f: impl Fn(&[Dual64]) -> Result<Vec<Dual64>>,
+) -> Result<DMatrix<f64>> {
+    let mut input: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
+    let mut columns = Vec::with_capacity(x.len());
+    for j in 0..x.len() {
+        input[j].eps = 1.0;
+        columns.push(DVector::from_vec(
+            f(&input)?.iter().map(|y| y.eps).collect(),
+        ));
+        input[j].eps = 0.0;
+    }
+    Ok(DMatrix::from_columns(&columns))
+}

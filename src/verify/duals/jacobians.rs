@@ -1,0 +1,127 @@
+//! Jacobians of the right-hand side against each other.
+
+use super::{At, BOUND, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, State, Tolerance};
+use crate::error::Result;
+use crate::flow::Node;
+use crate::flow::jacobian::{CentralDifference, ForwardDual, NodeBlocks, NodeJacobian};
+use crate::model::Model;
+use nalgebra::DMatrix;
+
+/// Compares a Jacobian with duals of the control form at random states: the worst of each block at each penalty, the rows
+/// of $\Omega_{P1}$ and $\Omega_{P2}$ apart. `name` stands before the names of the blocks.
+///
+/// # Errors
+/// `jacobian` is for another model.
+pub fn check_jacobian(
+    model: &Model,
+    name: &str,
+    jacobian: &mut dyn NodeJacobian,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    compare_jacobians(
+        model,
+        name,
+        jacobian,
+        &mut ForwardDual::new(model),
+        BOUND,
+        options,
+    )
+}
+
+pub(super) fn compare_jacobians(
+    model: &Model,
+    name: &str,
+    jacobian: &mut dyn NodeJacobian,
+    truth: &mut dyn NodeJacobian,
+    bound: f64,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let n = model.dof();
+    let mut findings = Findings::default();
+    each_pair(model, jacobian, truth, options, &mut |at, ours, truth| {
+        for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
+            for (by, a, b) in pairs(ours, truth) {
+                let quantity = format!("{name}: d{part}/{by}");
+                let (a, b) = (a.rows(row, n), b.rows(row, n));
+                let tolerance = at.divided_twice(bound);
+                findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
+            }
+        }
+    })?;
+    Ok(findings.all)
+}
+
+/// The step of central differences at an argument up to one.
+const STEP: f64 = 7.4e-4;
+
+/// Central differences are held to less: they lose what is small beside the largest entry of all blocks.
+pub(super) fn check_differences(
+    model: &Model,
+    name: &str,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Findings::default();
+    let jacobian = &mut CentralDifference::new(model);
+    let duals = &mut ForwardDual::new(model);
+    each_pair(model, jacobian, duals, options, &mut |at, ours, truth| {
+        let pairs = pairs(ours, truth);
+        let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
+        for (by, a, b) in pairs {
+            let quantity = format!("{name}: dOmega/{by}");
+            let tolerance = Tolerance {
+                floor: largest,
+                // The mass matrix loses rank over a distance of about one over the root of its condition number. The error is of
+                // order four in the step over that distance; where the step crosses it the bound says that nothing is said.
+                bound: DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2),
+            };
+            findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
+        }
+    })?;
+    Ok(findings.all)
+}
+
+/// The blocks of two Jacobians by the name of what they are derivatives in.
+fn pairs<'a>(
+    a: &'a NodeBlocks,
+    b: &'a NodeBlocks,
+) -> [(&'static str, &'a DMatrix<f64>, &'a DMatrix<f64>); 3] {
+    [
+        ("dx", &a.dx, &b.dx),
+        ("dxdot", &a.dxdot, &b.dxdot),
+        ("dxddot", &a.dxddot, &b.dxddot),
+    ]
+}
+
+/// Evaluates two Jacobians at all states and penalties and shows what they give to `look`.
+fn each_pair(
+    model: &Model,
+    jacobian: &mut dyn NodeJacobian,
+    truth: &mut dyn NodeJacobian,
+    options: &CheckOptions,
+    look: &mut dyn FnMut(At<'_>, &NodeBlocks, &NodeBlocks),
+) -> Result<()> {
+    let (mut a, mut b) = (NodeBlocks::new(model.dof()), NodeBlocks::new(model.dof()));
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        for k in &options.penalties {
+            jacobian.at(state.node(), *k, &mut a)?;
+            truth.at(state.node(), *k, &mut b)?;
+            look(at.under(*k), &a, &b);
+        }
+    }
+    Ok(())
+}
+
+/// The Jacobian of Algorithm B1 but for $d\Omega / d\ddot x = 2 I$ (B80): multiplying by $H H$ what is divided by it again
+/// leaves little of numbers that are known.
+pub(super) struct Printed<J>(pub J);
+
+impl<J: NodeJacobian> NodeJacobian for Printed<J> {
+    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
+        self.0.at(node, k, out)?;
+        out.dxddot.fill(0.0);
+        out.dxddot.fill_diagonal(2.0);
+        Ok(())
+    }
+}

@@ -1,0 +1,307 @@
+//! Analytic derivatives against dual numbers, at random states of any robot.
+//!
+//! The dual numbers are those of `num-dual`, which nothing analytic here is built from. Errors are relative to the largest
+//! entry of what is compared. The rows of $\Omega_{P1}$ and of $\Omega_{P2}$ are compared apart, since the first have the size
+//! `1 / k`, in which a wrong term of the others would drown.
+
+mod constraints;
+mod dynamics;
+mod jacobians;
+mod relaxation;
+mod tensors;
+
+pub use constraints::check_constraints;
+pub use dynamics::check_dynamics;
+pub use jacobians::check_jacobian;
+pub use relaxation::check_relaxation;
+
+use crate::dynamics::{Data, crba, forward_kinematics};
+use crate::error::Result;
+use crate::flow::jacobian::{ForwardDual, JacobianKind};
+use crate::flow::{AlgorithmB1, Node};
+use crate::model::Model;
+use crate::spatial::Placement;
+use jacobians::{Printed, check_differences, compare_jacobians};
+use nalgebra::{DMatrix, DMatrixView};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// The largest relative error that rounding explains; more where what is divided by a mass matrix of large condition number.
+pub const BOUND: f64 = 1e-9;
+/// What duals of the control form and of Algorithm B1 may differ by: the latter multiplies by $H H$, as it is printed, what it
+/// divides by it again, which costs the square of the condition number of `H`.
+pub const FORMS_BOUND: f64 = 1e-7;
+/// No bound is larger, however ill-conditioned the mass matrix is.
+pub const LARGEST_BOUND: f64 = 1e-2;
+/// What is so small beside the inertia of the robot may be what rounding leaves of zero.
+const VANISHING: f64 = 1e-6;
+/// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
+pub const DIFFERENCE_BOUND: f64 = 1e-4;
+
+/// What to check with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckOptions {
+    /// How many random states.
+    pub samples: usize,
+    /// The seed of the states: the same seed gives the same states.
+    pub seed: u64,
+    /// The penalties at which Jacobians are checked; at 1 no term hides behind `1 / k`.
+    pub penalties: Vec<f64>,
+}
+
+impl Default for CheckOptions {
+    /// Twenty states, at `k = 1` and at the paper's penalties for Digit and Kinova.
+    fn default() -> Self {
+        Self {
+            samples: 20,
+            seed: 1,
+            penalties: vec![1.0, 1e7, 1e9],
+        }
+    }
+}
+
+/// A random state: what the flow reads at a node, `2 N` entries each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct State {
+    /// $x = [q; v]$.
+    pub x: Vec<f64>,
+    /// $\dot x$.
+    pub xdot: Vec<f64>,
+    /// $\ddot x$.
+    pub xddot: Vec<f64>,
+}
+
+impl State {
+    /// State number `sample` of those that `seed` gives for `model`: positions within the limits of the joints, or within
+    /// half a turn where there are none, everything else from -3 to 3.
+    #[must_use]
+    pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(sample as u64);
+        let n = model.dof();
+        let mut numbers = |count: usize| -> Vec<f64> {
+            (0..count).map(|_| rng.random_range(-3.0..3.0)).collect()
+        };
+        let (mut x, xdot, xddot) = (numbers(2 * n), numbers(2 * n), numbers(2 * n));
+        for (q, joint) in x.iter_mut().zip(model.joints()) {
+            let limits = joint.limits();
+            let (lower, upper) = (limits.lower.max(-PI), limits.upper.min(PI));
+            // Limits that lie outside half a turn have no part in it.
+            if lower < upper {
+                *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
+            }
+        }
+        Self { x, xdot, xddot }
+    }
+
+    /// The state as the flow reads it.
+    #[must_use]
+    pub fn node(&self) -> Node<'_, f64> {
+        Node {
+            x: &self.x,
+            xdot: &self.xdot,
+            xddot: &self.xddot,
+        }
+    }
+}
+
+/// The worst that was seen of one quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What was compared.
+    pub quantity: String,
+    /// The penalty, where it matters.
+    pub k: Option<f64>,
+    /// The worst relative error.
+    pub error: f64,
+    /// What it may be.
+    pub bound: f64,
+    /// Row and column of the worst entry.
+    pub entry: (usize, usize),
+    /// The number of the state that gave it.
+    pub sample: usize,
+    /// That state.
+    pub state: State,
+}
+
+impl Finding {
+    /// Whether the error is within its bound; one that is not a number is not.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.error <= self.bound
+    }
+}
+
+/// Collects the worst of each quantity, in the order of first sight.
+#[derive(Default)]
+pub(crate) struct Findings {
+    place: BTreeMap<(String, u64), usize>,
+    pub(crate) all: Vec<Finding>,
+}
+
+/// What an error may be, and how small entries may get before they count as zero.
+#[derive(Clone, Copy)]
+pub(crate) struct Tolerance {
+    bound: f64,
+    floor: f64,
+}
+
+/// Where a comparison is made.
+#[derive(Clone, Copy)]
+pub(crate) struct At<'a> {
+    k: Option<f64>,
+    sample: usize,
+    state: &'a State,
+    /// The smallest and the largest eigenvalue of the mass matrix there.
+    eigenvalues: [f64; 2],
+    /// The inertia of all bodies about the origin of the base, in which everything is computed.
+    inertia: f64,
+}
+
+impl<'a> At<'a> {
+    pub(crate) fn new(model: &Model, sample: usize, state: &'a State) -> Result<Self> {
+        let n = model.dof();
+        let mut h = DMatrix::zeros(n, n);
+        crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
+        let eigenvalues = h.symmetric_eigenvalues();
+        let mut placements = vec![Placement::identity(); n];
+        forward_kinematics(model, &state.x[..n], &mut placements)?;
+        let inertias = model.inertias().iter().zip(&placements);
+        let about_base = inertias.map(|(i, placement)| i.placed(placement).rotational.trace());
+        Ok(Self {
+            k: None,
+            sample,
+            state,
+            eigenvalues: [eigenvalues.min(), eigenvalues.max()],
+            inertia: about_base.sum::<f64>().max(eigenvalues.max()),
+        })
+    }
+
+    /// The same under a penalty.
+    pub(crate) fn under(self, k: f64) -> Self {
+        Self { k: Some(k), ..self }
+    }
+
+    /// The condition number of the mass matrix.
+    fn condition(&self) -> f64 {
+        let [smallest, largest] = self.eigenvalues;
+        largest / smallest.abs()
+    }
+
+    /// Of sums of products with inertias.
+    fn direct(&self) -> Tolerance {
+        Tolerance {
+            bound: BOUND,
+            floor: VANISHING * self.inertia,
+        }
+    }
+
+    /// Of what is divided by the mass matrix: rounding grows with its condition number.
+    fn divided(&self) -> Tolerance {
+        Tolerance {
+            bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
+            floor: VANISHING * self.inertia / self.eigenvalues[0].abs(),
+        }
+    }
+
+    /// Of what is divided by it twice: rounding grows with the square. Of what double precision could lose, all is allowed
+    /// between the two forms and a hundredth elsewhere, since errors do not all add up.
+    pub(crate) fn divided_twice(&self, bound: f64) -> Tolerance {
+        Tolerance {
+            bound: (bound * (1.0 + 1e-9 * self.condition().powi(2))).min(LARGEST_BOUND),
+            floor: 0.0,
+        }
+    }
+}
+
+impl Findings {
+    /// Compares derivatives by their names with the blocks of `n` columns of `truth`, in the same order.
+    fn compare_columns(
+        &mut self,
+        tolerance: Tolerance,
+        of: &str,
+        at: At<'_>,
+        ours: &[(&str, &DMatrix<f64>)],
+        truth: &DMatrix<f64>,
+    ) {
+        for (block, (by, ours)) in ours.iter().enumerate() {
+            let columns = truth.columns(block * ours.ncols(), ours.ncols());
+            let quantity = format!("{of}: d/{by}");
+            self.compare(tolerance, &quantity, at, ours.as_view(), columns.as_view());
+        }
+    }
+
+    /// Compares `a` with `b`, which is right. Of several findings the one that is worst beside its bound is kept.
+    pub(crate) fn compare(
+        &mut self,
+        tolerance: Tolerance,
+        quantity: &str,
+        at: At<'_>,
+        a: DMatrixView<'_, f64>,
+        b: DMatrixView<'_, f64>,
+    ) {
+        let difference = a - b;
+        // A NaN is the worst of all.
+        let key = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
+        let (entry, worst) =
+            (difference.iter().map(key).enumerate()).fold((0, 0.0), |worst, next| {
+                if next.1 > worst.1 { next } else { worst }
+            });
+        let size = b.iter().map(key).fold(tolerance.floor, f64::max);
+        let error = if worst == 0.0 { 0.0 } else { worst / size };
+        let rows = difference.nrows().max(1);
+        let finding = Finding {
+            quantity: quantity.to_owned(),
+            k: at.k,
+            error,
+            bound: tolerance.bound,
+            entry: (entry % rows, entry / rows),
+            sample: at.sample,
+            state: at.state.clone(),
+        };
+        let key = (quantity.to_owned(), at.k.unwrap_or(0.0).to_bits());
+        match self.place.get(&key) {
+            None => {
+                self.place.insert(key, self.all.len());
+                self.all.push(finding);
+            }
+            Some(place) => {
+                let worst = &mut self.all[*place];
+                if finding.error / finding.bound > worst.error / worst.bound {
+                    *worst = finding;
+                }
+            }
+        }
+    }
+}
+
+/// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
+/// Jacobian of [`JacobianKind`], and the derivatives of constraints. Duals of the control form are themselves compared with duals of Algorithm B1.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let mut findings = check_dynamics(model, options)?;
+    for (name, kind) in JacobianKind::by_name() {
+        findings.extend(match kind {
+            JacobianKind::Difference => check_differences(model, &name, options)?,
+            JacobianKind::Dual => {
+                let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
+                compare_jacobians(
+                    model,
+                    &name,
+                    &mut ForwardDual::new(model),
+                    &mut Printed(as_printed),
+                    FORMS_BOUND,
+                    options,
+                )?
+            }
+            _ => check_jacobian(model, &name, kind.build(model).as_mut(), options)?,
+        });
+    }
+    findings.extend(check_constraints(model, options)?);
+    Ok(findings)
+}

@@ -1,0 +1,140 @@
+//! What ties the relaxation to the flow, on any robot.
+
+use super::{At, BOUND, CheckOptions, Finding, Findings, State};
+use crate::curve::Basis;
+use crate::curve::gauss_legendre;
+use crate::dynamics::{Data, crba, rnea};
+use crate::error::Result;
+use crate::flow::{ControlForm, Node, RightHandSide};
+use crate::model::Model;
+use crate::motion::Problem;
+use crate::relax::{Derivatives, Grid, Objective, Path, SquaredControl, curve_of};
+use nalgebra::{DMatrix, DVector};
+
+/// Points on each piece: on curves that turn by a few radians their quadrature is exact to rounding.
+const POINTS: usize = 40;
+
+/// Compares the gradient of the control effort on random curves of two pieces with the right-hand side of the flow there, in the
+/// weak form: for each function $\varphi$ of the basis and each joint of the robot, with $\delta x = (\varphi, \dot \varphi)$,
+///
+/// $$ \delta \int |u|^2 dt = -\int \delta x^T G\, \Omega\, dt - 2 \dot \varphi^T H\, \Delta u, $$
+///
+/// where $\Delta u$ is by how much the control jumps from the first piece to the second. So where the effort is least, the flow is at rest
+/// for all variations that keep $v = \dot q$.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let n = model.dof();
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        let path = curve_about(state);
+        let grid = Grid::new(&path.basis, POINTS, 1.0);
+        let mut derivatives = Derivatives::new(&grid, n);
+        let mut effort = Objective::new(&grid, SquaredControl::new(model), n);
+        effort.derivatives(&path.coefficients, &mut derivatives)?;
+        let gradient = derivatives
+            .gradient
+            .reshape_generic(nalgebra::Dyn(n), nalgebra::Dyn(path.basis.free().len()));
+        for k in &options.penalties {
+            let at = at.under(*k);
+            findings.compare(
+                at.divided_twice(BOUND),
+                "Omega on a curve, weak form: gradient of the effort",
+                at,
+                weak_form(model, &path, *k)?.as_view(),
+                gradient.as_view(),
+            );
+        }
+    }
+    Ok(findings.all)
+}
+
+/// Two pieces of degree 5 that begin in a random state and go on at random, in one second.
+fn curve_about(state: &State) -> Path {
+    let basis = Basis::new(2, 5, false);
+    let n = state.x.len() / 2;
+    let part = |x: &[f64], half: usize| DVector::from_column_slice(&x[half * n..(half + 1) * n]);
+    let q = part(&state.x, 0);
+    let slopes = [
+        part(&state.x, 1),
+        part(&state.xdot, 1),
+        part(&state.xddot, 0),
+    ];
+    let away = [0.0, 0.1, -0.2].map(|size| part(&state.xdot, 0) * size);
+    let bend = part(&state.xddot, 1);
+    let mut coefficients = DMatrix::zeros(n, basis.count());
+    for (e, (slope, away)) in slopes.iter().zip(&away).enumerate() {
+        coefficients.set_column(basis.first(e), slope);
+        coefficients.set_column(basis.first(e) + 1, &(&q + away));
+    }
+    for (i, column) in [2, 3, 6, 7].into_iter().enumerate() {
+        coefficients.set_column(column, &(&bend * (i as f64).cos()));
+    }
+    Path {
+        basis,
+        coefficients,
+    }
+}
+
+/// The right side of the formula, a column for each free function.
+fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
+    let (n, basis) = (model.dof(), &path.basis);
+    let end = |time: f64| {
+        let [q, v, _] = basis.evaluate(&path.coefficients, time);
+        [q.as_slice(), v.as_slice()].concat()
+    };
+    let curve = curve_of(&Problem::new(model, end(0.0), end(1.0), 1.0)?, path)?;
+    let chebyshev = curve.chebyshev();
+    let (mut data, mut flow) = (Data::new(model), ControlForm::new(model));
+    let (mut h, mut omega) = (DMatrix::zeros(n, n), DVector::zeros(2 * n));
+    let mut interpolation = DVector::zeros(basis.degree() + 1);
+    let mut sum = DMatrix::zeros(n, basis.count());
+    let (nodes, weights) = gauss_legendre(POINTS);
+    for e in 0..basis.pieces() {
+        let own = path
+            .coefficients
+            .columns(basis.first(e), basis.degree() + 1);
+        let second = curve.part(e) * chebyshev.d2().transpose();
+        for (s, weight) in nodes.iter().zip(&weights) {
+            let table = basis.local(*s);
+            let state = own * table.transpose();
+            chebyshev.interpolation(basis.half() * (1.0 + s), &mut interpolation);
+            let jerk = second.rows(n, n) * &interpolation;
+            let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
+            let node = Node {
+                x: &[q, v].concat(),
+                xdot: &[v, a].concat(),
+                xddot: &[a, jerk.as_slice()].concat(),
+            };
+            flow.omega(node, k, omega.as_mut_slice())?;
+            crba(model, &mut data, q, &mut h)?;
+            let (upper, lower) = (omega.rows(0, n) * k, &h * (&h * omega.rows(n, n)));
+            for m in 0..=basis.degree() {
+                let push = &upper * table[(0, m)] + &lower * table[(1, m)];
+                let mut column = sum.column_mut(basis.first(e) + m);
+                column.axpy(-weight * basis.half(), &push, 1.0);
+            }
+        }
+    }
+    for e in 1..basis.pieces() {
+        let mut control = |piece: usize, s: f64| -> Result<DVector<f64>> {
+            let own = path
+                .coefficients
+                .columns(basis.first(piece), basis.degree() + 1);
+            let state = own * basis.local(s).transpose();
+            let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
+            let mut u = DVector::zeros(n);
+            rnea(model, &mut data, q, v, a, u.as_mut_slice())?;
+            crba(model, &mut data, q, &mut h)?;
+            Ok(u)
+        };
+        let jump = control(e, -1.0)? - control(e - 1, 1.0)?;
+        // Only the slope of the breakpoint has a slope there, of one.
+        let mut column = sum.column_mut(basis.first(e));
+        column.axpy(-2.0, &(&h * jump), 1.0);
+    }
+    Ok(sum.columns_range(basis.free()).into_owned())
+}

@@ -1,0 +1,132 @@
+//! Algorithm B3 and the pseudospectral assembly.
+
+use super::reference::jacobian;
+use super::{Claim, F, Identity, J, Point};
+use crate::curve::Chebyshev;
+use crate::dynamics::{Data, bias, crba, rnea};
+use crate::error::Result;
+use crate::flow::jacobian::{ControlForm as ControlFormJacobian, NodeBlocks, TheoremB4};
+use crate::flow::{Collocation, assemble_jacobian};
+use crate::flow::{ControlForm, RightHandSide};
+use crate::scalar::{Jet, Scalar};
+use nalgebra::{DMatrix, DVector};
+
+/// The degree of the curves: two interior nodes, so that each has a neighbour.
+const P: usize = 3;
+
+/// The identities of this file.
+pub(super) fn identities() -> Vec<Identity> {
+    let step = |label, statement, claims| Identity {
+        label,
+        statement,
+        convention: "nodes by increasing time; unknowns are the states at the interior nodes, one after the other",
+        claims,
+    };
+    vec![
+        step(
+            "Algorithm B3 line 1",
+            "the nodes start on the curve",
+            line_1,
+        ),
+        step(
+            "Algorithm B3 line 2",
+            "(23) at each node, and its assembled Jacobian",
+            line_2,
+        ),
+        step(
+            "Algorithm B3 line 3",
+            "u = H xdot_P2 + C is inverse dynamics",
+            line_3,
+        ),
+    ]
+}
+
+/// The nodes, and unknowns made of the numbers of `p`.
+fn curve(p: &Point) -> Result<(Chebyshev, Vec<F>)> {
+    let nodes = Chebyshev::new(P, 2.0)?;
+    Ok((nodes, [p.xddot.as_slice(), p.xdot.as_slice()].concat()))
+}
+
+/// The nodes hold what they are given, the ends the boundary states, and derivatives are those of `D` and `D^2`.
+fn line_1(p: &Point) -> Result<Vec<Claim>> {
+    let (nodes, unknowns) = curve(p)?;
+    let mut collocation = Collocation::<F, F>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
+    collocation.set(&unknowns)?;
+    let columns = [&p.x, &p.xddot, &p.xdot, &p.xdot].map(Clone::clone);
+    let xi = DMatrix::from_columns(&columns);
+    let rates = |d: &DMatrix<f64>| &xi * d.map(F::from_f64).transpose();
+    let (xdot, xddot) = (rates(nodes.d()), rates(nodes.d2()));
+    let mut claims = vec![Claim::new("xi", collocation.xi().clone(), xi)];
+    for i in collocation.interior() {
+        let node = collocation.node(i);
+        let column = |x: &[F]| DMatrix::from_column_slice(x.len(), 1, x);
+        claims.push(Claim::new(
+            "D xi",
+            column(node.xdot),
+            xdot.columns(i, 1).into_owned(),
+        ));
+        claims.push(Claim::new(
+            "D^2 xi",
+            column(node.xddot),
+            xddot.columns(i, 1).into_owned(),
+        ));
+    }
+    Ok(claims)
+}
+
+/// The rates are Omega at each node; the assembled Jacobian is that of the whole system, for both analytic Jacobians.
+fn line_2(p: &Point) -> Result<Vec<Claim>> {
+    let (nodes, unknowns) = curve(p)?;
+    let (start, goal) = (p.x.as_slice(), p.xdot.as_slice());
+    let mut collocation = Collocation::<F, F>::new(&nodes, start, goal)?;
+    collocation.set(&unknowns)?;
+    let size = collocation.unknowns();
+    let mut rhs = ControlForm::new(&p.model);
+    let mut rates = DVector::zeros(size);
+    collocation.rates(&mut rhs, p.k, rates.as_mut_slice())?;
+    let mut at_nodes = Vec::with_capacity(size);
+    for i in collocation.interior() {
+        let mut omega = vec![F::default(); p.x.len()];
+        rhs.omega(collocation.node(i), p.k, &mut omega)?;
+        at_nodes.extend(omega);
+    }
+
+    let truth = jacobian(&unknowns, |unknowns| {
+        let lift = |x: &[F]| -> Vec<J> { x.iter().map(|x| Jet::constant(*x)).collect() };
+        let mut moving = Collocation::<F, J>::new(&nodes, &lift(start), &lift(goal))?;
+        moving.set(unknowns)?;
+        let mut out = vec![Jet::constant(F::default()); size];
+        moving.rates(&mut ControlForm::new(&p.model), p.k, &mut out)?;
+        Ok(out)
+    })?;
+    let blocks = &mut NodeBlocks::new(p.dof());
+    let (mut by_control, mut by_b4) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+    let control = &mut ControlFormJacobian::new(&p.model);
+    assemble_jacobian(&collocation, control, p.k, blocks, &mut by_control)?;
+    assemble_jacobian(
+        &collocation,
+        &mut TheoremB4::new(&p.model),
+        p.k,
+        blocks,
+        &mut by_b4,
+    )?;
+    Ok(vec![
+        Claim::vectors("rates", &rates, &DVector::from_vec(at_nodes)),
+        Claim::new("Jacobian by the control form", by_control, truth.clone()),
+        Claim::new("Jacobian by Theorem B4", by_b4, truth),
+    ])
+}
+
+fn line_3(p: &Point) -> Result<Vec<Claim>> {
+    let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
+    let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+    let (mut u, mut c, mut h) = (DVector::zeros(n), DVector::zeros(n), DMatrix::zeros(n, n));
+    rnea(&p.model, data, q, v, a, u.as_mut_slice())?;
+    bias(&p.model, data, q, v, c.as_mut_slice())?;
+    crba(&p.model, data, q, &mut h)?;
+    Ok(vec![Claim::vectors(
+        "u",
+        &u,
+        &(h * DVector::from_column_slice(a) + c),
+    )])
+}

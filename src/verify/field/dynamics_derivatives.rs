@@ -1,0 +1,242 @@
+//! The analytic derivatives of the dynamics, and the Jacobian of the control form.
+
+use super::reference::jacobian;
+use super::reference_b4::{
+    In, all, bias_force, constant, derivative, drift, flow, gathered, inverse_dynamics, mass,
+    unfold, vector,
+};
+use super::{Claim, F, Identity, J, Point};
+use crate::dynamics::{
+    ContractedGradient, ContractedHessian, Data, ForwardDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba, aba_derivatives, crba_contracted,
+    crba_second_derivatives, rnea_contracted_gradient, rnea_contracted_hessian,
+    rnea_second_derivatives,
+};
+use crate::error::Result;
+use crate::flow::RightHandSide;
+use crate::flow::jacobian::{ControlForm, NodeBlocks};
+use crate::scalar::Jet;
+use nalgebra::DMatrix;
+
+/// The identities of this file.
+pub(super) fn identities() -> Vec<Identity> {
+    let law = |label, statement, claims| Identity {
+        label,
+        statement,
+        convention: "rows are those of the function; the derivative index of a tensor comes last",
+        claims,
+    };
+    vec![
+        law("ABA_D", "dFD/dq, dFD/dv and H^-1", aba_d),
+        law("CRBA_2D", "Hdot, dH/dq and d2H/dq2", crba_2d),
+        law("RNEA_2D", "second derivatives of ID", rnea_2d),
+        law("ABA_2D", "second derivatives of FD_0", aba_2d),
+        law("contracted gradient", "gradient of w^T ID", gradient),
+        law("contracted Hessian", "Hessian of w^T ID", hessian),
+        law("crba contracted", "d(H w)/dq", contracted_mass),
+        law("control form Jacobian", "its three blocks", control_form),
+    ]
+}
+
+fn aba_d(p: &Point) -> Result<Vec<Claim>> {
+    let (n, node, tau) = (p.dof(), p.node(), p.w.as_slice());
+    let (q, v) = (node.x_p1(), node.x_p2());
+    let mut fd = ForwardDynamicsDerivatives::new(n);
+    aba_derivatives(&p.model, &mut Data::new(&p.model), q, v, tau, &mut fd)?;
+    let by_duals = jacobian(&[q, v, tau].concat(), |s| {
+        let mut a = constant(&vec![F::default(); n]);
+        let (q, v, tau) = (&s[..n], &s[n..2 * n], &s[2 * n..]);
+        aba(&p.model, &mut Data::new(&p.model), q, v, tau, &mut a)?;
+        Ok(a)
+    })?;
+    let part = |i: usize| by_duals.columns(i * n, n).into_owned();
+    let force = inverse_dynamics(&p.model, q, v, fd.a.as_slice())?;
+    Ok(vec![
+        Claim::vectors("FD", &vector(&force), &p.w),
+        Claim::new("dFD/dq", fd.dq, part(0)),
+        Claim::new("dFD/dv", fd.dv, part(1)),
+        Claim::new("dFD/dtau", fd.h_inverse, part(2)),
+    ])
+}
+
+fn crba_2d(p: &Point) -> Result<Vec<Claim>> {
+    let (q, rate) = (p.node().x_p1(), p.w.as_slice());
+    let mut found = MassMatrixDerivatives::new(p.dof());
+    crba_second_derivatives(&p.model, &mut Data::new(&p.model), q, rate, &mut found)?;
+    of_mass(p, rate, &found)
+}
+
+/// What CRBA_2D gives, against duals.
+pub(super) fn of_mass(
+    p: &Point,
+    rate: &[F],
+    found: &MassMatrixDerivatives<F>,
+) -> Result<Vec<Claim>> {
+    let (n, q) = (p.dof(), p.node().x_p1());
+    let first = jacobian(q, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
+    let second = jacobian(q, |q| {
+        let inner = jacobian(q, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
+        Ok(inner.as_slice().to_vec())
+    })?;
+    let along = super::reference_b4::rate(q, rate, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
+    Ok(vec![
+        Claim::new("H", found.h.clone(), mass(&p.model, q)?),
+        Claim::new("Hdot", found.hdot.clone(), DMatrix::from_vec(n, n, along)),
+        Claim::new("dH/dq", unfold(n, found.dq.entries()), first),
+        Claim::new("d2H/dq2", unfold(n, found.dqdq.entries()), second),
+    ])
+}
+
+fn rnea_2d(p: &Point) -> Result<Vec<Claim>> {
+    let (node, a) = (p.node(), p.node().xdot_p2());
+    let (q, v) = (node.x_p1(), node.x_p2());
+    let mut found = InverseDynamicsSecondDerivatives::new(p.dof());
+    rnea_second_derivatives(&p.model, &mut Data::new(&p.model), q, v, a, &mut found)?;
+    of_inverse_dynamics(p, a, &found)
+}
+
+/// What RNEA_2D gives at the acceleration `a`, against duals of duals.
+pub(super) fn of_inverse_dynamics(
+    p: &Point,
+    a: &[F],
+    found: &InverseDynamicsSecondDerivatives<F>,
+) -> Result<Vec<Claim>> {
+    let (n, node) = (p.dof(), p.node());
+    let f = |s: &[Jet<J, 1>]| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]);
+    let all = second(&[node.x_p1(), node.x_p2(), a].concat(), f)?;
+    let claim =
+        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+    let zero = vec![F::default(); n * n * n];
+    Ok(vec![
+        claim("d2ID/dqdq", found.dqdq.entries(), 0, 0),
+        claim("d2ID/dvdv", found.dvdv.entries(), 1, 1),
+        claim("d2ID/dqdv", found.dqdv.entries(), 0, 1),
+        claim("d2ID/dadq", found.dadq.entries(), 2, 0),
+        claim("d2ID/dadv", &zero, 2, 1),
+        claim("d2ID/dada", &zero, 2, 2),
+    ])
+}
+
+/// The second derivatives of the bias force alone, without an acceleration, against those found.
+pub(super) fn of_bias(
+    p: &Point,
+    found: &InverseDynamicsSecondDerivatives<F>,
+) -> Result<Vec<Claim>> {
+    let n = p.dof();
+    let all = second(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
+    let claim =
+        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+    Ok(vec![
+        claim("d2C/dqdq", found.dqdq.entries(), 0, 0),
+        claim("d2C/dvdv", found.dvdv.entries(), 1, 1),
+        claim("d2C/dqdv", found.dqdv.entries(), 0, 1),
+    ])
+}
+
+pub(super) fn aba_2d(p: &Point) -> Result<Vec<Claim>> {
+    let (n, found) = (p.dof(), gathered(p)?.d2fd0);
+    let all = second(p.node().x, |x| drift(&p.model, &x[..n], &x[n..]))?;
+    let claim =
+        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+    Ok(vec![
+        claim("d2FD/dqdq", found.dqdq.entries(), 0, 0),
+        claim("d2FD/dvdv", found.dvdv.entries(), 1, 1),
+        claim("d2FD/dqdv", found.dqdv.entries(), 0, 1),
+    ])
+}
+
+/// All second derivatives of `f`: a column for the last coordinate, rows for the function and within for the first one.
+fn second(x: &[F], f: impl Fn(&[Jet<J, 1>]) -> Result<Vec<Jet<J, 1>>>) -> Result<DMatrix<F>> {
+    jacobian(x, |x| Ok(jacobian(x, &f)?.as_slice().to_vec()))
+}
+
+/// The part of [`second`] in groups `j` and `k` of `N` coordinates, for a function with `N` entries.
+fn part(all: &DMatrix<F>, n: usize, j: usize, k: usize) -> DMatrix<F> {
+    all.view((j * n * n, k * n), (n * n, n)).into_owned()
+}
+
+/// $w^T ID$ at `[q; v; a]`.
+fn contracted<S: crate::scalar::Over<F>>(p: &Point, s: &[S]) -> Result<Vec<S>> {
+    let n = p.dof();
+    let tau = inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])?;
+    let sum = tau
+        .iter()
+        .zip(&p.w)
+        .fold(S::zero(), |sum, (t, w)| sum + t.scale(*w));
+    Ok(vec![sum])
+}
+
+fn gradient(p: &Point) -> Result<Vec<Claim>> {
+    let (n, node) = (p.dof(), p.node());
+    let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
+    let mut found = ContractedGradient::new(n);
+    rnea_contracted_gradient(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
+    let by_duals = jacobian(&[q, v, a].concat(), |s| contracted(p, s))?.transpose();
+    let part = |i: usize| vector(&by_duals.as_slice()[i * n..(i + 1) * n]);
+    Ok(vec![
+        Claim::vectors("in q", &found.q, &part(0)),
+        Claim::vectors("in v", &found.v, &part(1)),
+        Claim::vectors("in a", &found.a, &part(2)),
+    ])
+}
+
+fn hessian(p: &Point) -> Result<Vec<Claim>> {
+    let (n, node) = (p.dof(), p.node());
+    let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
+    let mut found = ContractedHessian::new(n);
+    rnea_contracted_hessian(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
+    let all = second(&[q, v, a].concat(), |s| contracted(p, s))?;
+    let part = |i: usize, j: usize| all.view((i * n, j * n), (n, n)).into_owned();
+    let zero = DMatrix::zeros(n, n);
+    Ok(vec![
+        Claim::new("in q, q", found.qq, part(0, 0)),
+        Claim::new("in q, v", found.qv, part(0, 1)),
+        Claim::new("in v, v", found.vv, part(1, 1)),
+        Claim::new("in q, a", found.qa, part(0, 2)),
+        Claim::new("in v, a", zero.clone(), part(1, 2)),
+        Claim::new("in a, a", zero, part(2, 2)),
+    ])
+}
+
+fn contracted_mass(p: &Point) -> Result<Vec<Claim>> {
+    let (n, q) = (p.dof(), p.node().x_p1());
+    let mut found = DMatrix::zeros(n, n);
+    crba_contracted(
+        &p.model,
+        &mut Data::new(&p.model),
+        q,
+        p.w.as_slice(),
+        &mut found,
+    )?;
+    let w = vector(&constant(p.w.as_slice()));
+    let by_duals = jacobian(q, |q| Ok((mass(&p.model, q)? * &w).as_slice().to_vec()))?;
+    Ok(vec![Claim::new("K", found, by_duals)])
+}
+
+/// The right-hand side in the control form, whose Jacobian is claimed.
+fn control_form_omega(p: &Point, z: &[J]) -> Result<Vec<J>> {
+    let (m, mut omega) = (2 * p.dof(), constant(&vec![F::default(); 2 * p.dof()]));
+    let node = crate::flow::Node {
+        x: &z[..m],
+        xdot: &z[m..2 * m],
+        xddot: &z[2 * m..],
+    };
+    crate::flow::ControlForm::new(&p.model).omega(node, p.k, &mut omega)?;
+    Ok(omega)
+}
+
+fn control_form(p: &Point) -> Result<Vec<Claim>> {
+    let (t, mut found) = (gathered(p)?, NodeBlocks::new(p.dof()));
+    ControlForm::new(&p.model).blocks(p.node(), p.k, &mut found)?;
+    let by = |part| derivative(p, part, control_form_omega);
+    let omega = vector(&control_form_omega(p, &constant(&all(p)))?).map(|o| o.re);
+    Ok(vec![
+        Claim::vectors("Omega", &omega, &vector(&flow(p, &all(p))?)),
+        Claim::new("dx by duals", found.dx.clone(), by(In::X)?),
+        Claim::new("dxdot by duals", found.dxdot.clone(), by(In::Xdot)?),
+        Claim::new("dxddot by duals", found.dxddot.clone(), by(In::Xddot)?),
+        Claim::new("dx by Theorem B4", found.dx, t.domega_dx(p.k)),
+        Claim::new("dxdot by Theorem B4", found.dxdot, t.domega_dxdot(p.k)),
+        Claim::new("dxddot by Theorem B4", found.dxddot, t.domega_dxddot()),
+    ])
+}

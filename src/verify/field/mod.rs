@@ -1,0 +1,175 @@
+//! Every numbered equation as an identity over a prime field.
+//!
+//! Left side and right side of an equation are computed by independent routes at random points: random robots, states and
+//! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
+//! equation with its conventions; a test holds pages and identities together.
+
+mod algorithm_b1;
+mod algorithm_b2;
+mod algorithm_b3;
+mod constraint_kinds;
+mod constraints;
+mod dynamics;
+mod dynamics_derivatives;
+mod instance;
+mod reference;
+mod reference_b4;
+mod relaxation;
+mod running_cost;
+mod theorem_b3;
+mod theorem_b3_gradient;
+mod theorem_b4;
+
+pub use instance::Point;
+
+use crate::error::Result;
+use crate::scalar::{Jet, PrimeField};
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+/// The field.
+pub(crate) type F = PrimeField;
+/// Its numbers with one tangent.
+pub(crate) type J = Jet<F, 1>;
+
+/// No identity here has a numerator of a larger degree in the random inputs; `proofs/README.md` works it out.
+pub const DEGREE: u64 = 1 << 17;
+
+/// Two sides that should be equal, entry by entry.
+pub struct Claim {
+    what: &'static str,
+    left: DMatrix<F>,
+    right: DMatrix<F>,
+}
+
+impl Claim {
+    /// Two matrices that should be equal. `what` names the block where an equation has several.
+    #[must_use]
+    pub fn new(what: &'static str, left: DMatrix<F>, right: DMatrix<F>) -> Self {
+        Self { what, left, right }
+    }
+
+    /// Two vectors that should be equal.
+    #[must_use]
+    pub fn vectors(what: &'static str, left: &DVector<F>, right: &DVector<F>) -> Self {
+        let column = |v: &DVector<F>| DMatrix::from_column_slice(v.len(), 1, v.as_slice());
+        Self::new(what, column(left), column(right))
+    }
+
+    /// Two numbers that should be equal.
+    #[must_use]
+    pub fn numbers(what: &'static str, left: F, right: F) -> Self {
+        Self::new(
+            what,
+            DMatrix::from_element(1, 1, left),
+            DMatrix::from_element(1, 1, right),
+        )
+    }
+
+    /// The first entry that differs, if one does, or the sizes if these do.
+    fn difference(&self) -> Option<String> {
+        if self.left.shape() != self.right.shape() {
+            let (left, right) = (self.left.shape(), self.right.shape());
+            return Some(format!("{}: sizes {left:?} and {right:?}", self.what));
+        }
+        let (rows, what) = (self.left.nrows().max(1), self.what);
+        let mut pairs = self.left.iter().zip(&self.right).enumerate();
+        let (i, (left, right)) = pairs.find(|(_, (left, right))| left != right)?;
+        Some(format!(
+            "{what}: entry ({}, {}) is {left:?} left and {right:?} right",
+            i % rows,
+            i / rows
+        ))
+    }
+}
+
+/// One numbered equation, step of an algorithm, or law of the dynamics.
+pub struct Identity {
+    /// Its label: `B5`, `A1`, `Algorithm B1 line 4`, `rnea`.
+    pub label: &'static str,
+    /// What is equal, in a few words.
+    pub statement: &'static str,
+    /// The index convention, where there is a choice.
+    pub convention: &'static str,
+    /// Both sides at a point.
+    pub claims: fn(&Point) -> Result<Vec<Claim>>,
+}
+
+/// What came of proving one identity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// The label of the identity.
+    pub label: String,
+    /// What is equal.
+    pub statement: String,
+    /// At how many random points.
+    pub points: usize,
+    /// How many entries were compared.
+    pub entries: usize,
+    /// The largest probability with which a false identity would have passed.
+    pub bound: f64,
+    /// Where the sides differ first: the conventions, the point and the entry.
+    pub failure: Option<String>,
+}
+
+/// All identities, in the order of the supplement, those of the dynamics first.
+#[must_use]
+pub fn identities() -> Vec<Identity> {
+    let mut all = Vec::new();
+    all.extend(dynamics::identities());
+    all.extend(dynamics_derivatives::identities());
+    all.extend(constraints::identities());
+    all.extend(constraint_kinds::identities());
+    all.extend(theorem_b3::identities());
+    all.extend(theorem_b3_gradient::identities());
+    all.extend(theorem_b4::identities());
+    all.extend(algorithm_b1::identities());
+    all.extend(algorithm_b2::identities());
+    all.extend(algorithm_b3::identities());
+    all.extend(relaxation::identities());
+    all.extend(running_cost::identities());
+    all
+}
+
+/// Proves every identity at `points` random points; the same seed gives the same points.
+///
+/// # Errors
+/// None that the identities give.
+pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let points = (0..points)
+        .map(|_| Point::random(&mut rng))
+        .collect::<Result<Vec<_>>>()?;
+    identities()
+        .iter()
+        .map(|identity| verdict(identity, &points))
+        .collect()
+}
+
+fn verdict(identity: &Identity, points: &[Point]) -> Result<Verdict> {
+    let mut verdict = Verdict {
+        label: identity.label.to_owned(),
+        statement: identity.statement.to_owned(),
+        points: points.len(),
+        entries: 0,
+        bound: (DEGREE as f64 / F::ORDER as f64).powf(points.len() as f64),
+        failure: None,
+    };
+    for (number, point) in points.iter().enumerate() {
+        for claim in (identity.claims)(point)? {
+            verdict.entries += claim.left.len();
+            if let (None, Some(difference)) = (&verdict.failure, claim.difference()) {
+                verdict.failure = Some(format!(
+                    "({}) {} [{}] fails at point {number}, {} joints: {difference}",
+                    identity.label,
+                    identity.statement,
+                    identity.convention,
+                    point.dof()
+                ));
+            }
+        }
+    }
+    Ok(verdict)
+}

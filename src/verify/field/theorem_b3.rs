@@ -1,0 +1,245 @@
+//! (B5) to (B16): the right-hand side of the flow, and its terms in the velocity of the curve.
+
+use super::reference::{
+    Truth, blocks, drift, gradient, gradient_and_rate, inertia_force, stack, still, two, unit,
+    vector,
+};
+use super::{Claim, F, Identity, J, Point};
+use crate::dynamics::{Data, aba, rnea};
+use crate::error::Result;
+use crate::flow::{
+    AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian_of_control,
+};
+use crate::linalg::Ldlt;
+use nalgebra::{DMatrix, DVector};
+use num_traits::Zero;
+
+/// An identity of Theorem B3 or its proof.
+pub(super) fn identity(
+    label: &'static str,
+    statement: &'static str,
+    claims: fn(&Point) -> Result<Vec<Claim>>,
+) -> Identity {
+    Identity {
+        label,
+        statement,
+        convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
+        claims,
+    }
+}
+
+/// The identities of this file.
+pub(super) fn identities() -> Vec<Identity> {
+    vec![
+        identity("B5", "flow = Omega_1 - (Omega_2 - Omega_3 + Omega_4)", b5),
+        identity("B6", "Omega_1 = G^-1 d/dt dL/dxdot", b6),
+        identity("B7", "Omega_2: through FD_0", b7),
+        identity("B8", "Omega_3: through x_P2 in F_d", b8),
+        identity("B9", "Omega_4: through G", b9),
+        identity("B10", "flow = G^-1 (d/dt dL/dxdot - dL/dx)", b10),
+        identity("B11", "L = (xdot - F_d)^T G (xdot - F_d)", b11),
+        identity("B12", "G = Fbar^-T K Fbar^-1", b12),
+        identity("B13", "2 G = d^2 L / dxdot^2", b13),
+        identity("B14", "dL/dxdot = 2 G (xdot - F_d)", b14),
+        identity("B15", "d/dt dL/dxdot", b15),
+        identity("B16", "G^-1 d/dt dL/dxdot", b16),
+    ]
+}
+
+/// What a right-hand side gives at a point.
+pub(super) fn omega_of(p: &Point, mut rhs: impl RightHandSide<F, F>) -> Result<DVector<F>> {
+    let mut omega = DVector::zeros(2 * p.dof());
+    rhs.omega(p.node(), p.k, omega.as_mut_slice())?;
+    Ok(omega)
+}
+
+/// The terms of Theorem B3 from its quantities.
+pub(super) fn terms(p: &Point, t: &mut TheoremB3<F>) -> [DVector<F>; 4] {
+    let (node, k): (Node<'_, F>, F) = (p.node(), p.k);
+    let mut terms = [(); 4].map(|()| DVector::zeros(2 * p.dof()));
+    t.omega_1(node, &mut terms[0]);
+    t.omega_2(node, k, &mut terms[1]);
+    t.omega_3(node, k, &mut terms[2]);
+    t.omega_4(node, k, &mut terms[3]);
+    terms
+}
+
+/// What the terms of Theorem B3 mean: $G^{-1}$ times the rate of $\partial L / \partial \dot x$, and times gradients of `L`
+/// in `x` through $FD_0$, through $x_{P2}$ (the sign turned) and through $G$, everything else held fixed.
+pub(super) fn meanings(truth: &Truth<'_>) -> Result<[DVector<F>; 4]> {
+    let (n, k) = (truth.n, truth.p.k);
+    let xdot = truth.p.xdot.map(J::constant);
+    let h = truth.h.map(J::constant);
+    let through_fd0 = truth.by_drift(|fd| {
+        let force = &h * (xdot.rows(n, n) - fd.rows(n, n));
+        force.dot(&force)
+    })?;
+    let through_x_p2 = truth.by_drift(|fd| {
+        let slip = xdot.rows(0, n) - fd.rows(0, n);
+        slip.dot(&slip) * J::constant(k)
+    })?;
+    Ok([
+        truth.raise(&truth.variation()?.momentum_rate),
+        truth.raise(&through_fd0),
+        -truth.raise(&through_x_p2),
+        truth.raise(&truth.by_metric()?),
+    ])
+}
+
+/// Term `i` of Theorem B3 against what it means.
+fn term(p: &Point, what: &'static str, i: usize) -> Result<Vec<Claim>> {
+    let truth = Truth::at(p)?;
+    let right = &terms(p, &mut truth.theorem())[i];
+    Ok(vec![Claim::vectors(what, &meanings(&truth)?[i], right)])
+}
+
+fn b5(p: &Point) -> Result<Vec<Claim>> {
+    let truth = Truth::at(p)?;
+    let mut omega = DVector::zeros(2 * p.dof());
+    truth.theorem().omega(p.node(), p.k, omega.as_mut_slice())?;
+    Ok(vec![Claim::vectors("Omega", &truth.omega()?, &omega)])
+}
+
+fn b6(p: &Point) -> Result<Vec<Claim>> {
+    term(p, "Omega_1", 0)
+}
+
+fn b7(p: &Point) -> Result<Vec<Claim>> {
+    term(p, "Omega_2", 1)
+}
+
+fn b8(p: &Point) -> Result<Vec<Claim>> {
+    term(p, "Omega_3", 2)
+}
+
+fn b9(p: &Point) -> Result<Vec<Claim>> {
+    term(p, "Omega_4", 3)
+}
+
+fn b10(p: &Point) -> Result<Vec<Claim>> {
+    let left = Truth::at(p)?.omega()?;
+    let algorithm = omega_of(p, AlgorithmB1::new(&p.model))?;
+    let control = omega_of(p, ControlForm::new(&p.model))?;
+    Ok(vec![
+        Claim::vectors("Algorithm B1", &left, &algorithm),
+        Claim::vectors("control form", &left, &control),
+    ])
+}
+
+fn b11(p: &Point) -> Result<Vec<Claim>> {
+    let (truth, node) = (Truth::at(p)?, p.node());
+    let slip = truth.slip();
+    let explicit = slip.dot(&(truth.metric() * &slip));
+    let by_definition = super::reference::effort(p, node.x, node.xdot)?;
+    let mut u = vec![F::zero(); p.dof()];
+    let data = &mut Data::new(&p.model);
+    rnea(
+        &p.model,
+        data,
+        node.x_p1(),
+        node.x_p2(),
+        node.xdot_p2(),
+        &mut u,
+    )?;
+    let of_control = lagrangian_of_control(node.xdot_p1(), node.x_p2(), &u, p.k)?;
+    Ok(vec![
+        Claim::numbers("lagrangian", explicit, by_definition),
+        Claim::numbers("lagrangian of the control", explicit, of_control),
+    ])
+}
+
+/// $H^{-1}$ column by column from ABA: what each unit torque adds.
+fn h_inverse(p: &Point) -> Result<DMatrix<F>> {
+    let (n, node) = (p.dof(), p.node());
+    let fd0 = &drift(&p.model, node.x)?[n..];
+    let mut inverse = DMatrix::zeros(n, n);
+    for j in 0..n {
+        let mut a = DVector::zeros(n);
+        let (data, tau) = (&mut Data::new(&p.model), unit(n, j));
+        aba(
+            &p.model,
+            data,
+            node.x_p1(),
+            node.x_p2(),
+            &tau,
+            a.as_mut_slice(),
+        )?;
+        inverse.set_column(j, &(a - vector(fd0)));
+    }
+    Ok(inverse)
+}
+
+fn b12(p: &Point) -> Result<Vec<Claim>> {
+    let (n, truth) = (p.dof(), Truth::at(p)?);
+    let (zero, identity) = (DMatrix::zeros(n, n), DMatrix::identity(n, n));
+    let fbar = blocks([[&identity, &zero], [&zero, &h_inverse(p)?]]);
+    let mut factors = Ldlt::new(2 * n);
+    factors.factorise(&fbar);
+    let mut inverse = DMatrix::identity(2 * n, 2 * n);
+    factors.solve_columns(&mut inverse);
+    let k = blocks([[&(&identity * p.k), &zero], [&zero, &identity]]);
+    let left = inverse.transpose() * k * inverse;
+    Ok(vec![Claim::new("G", left, truth.metric())])
+}
+
+fn b13(p: &Point) -> Result<Vec<Claim>> {
+    let (n, truth) = (p.dof(), Truth::at(p)?);
+    let along = stack(&DVector::zeros(2 * n), &p.xddot);
+    let at = stack(&p.x, &p.xdot);
+    let [_, rates] = gradient_and_rate(at.as_slice(), along.as_slice(), |x, xdot| {
+        super::reference::effort(p, x, xdot)
+    })?;
+    let right = truth.metric() * &p.xddot * two();
+    let left = rates.rows(2 * n, 2 * n).into_owned();
+    // The block H^T H again, from inverse dynamics: the gradient of |H w|^2 in w is 2 H^T H w.
+    let by_w = gradient(truth.w.as_slice(), |w| {
+        let force = inertia_force(&p.model, &still(p.x.as_slice()), w)?;
+        Ok(force.dot(&force))
+    })?;
+    Ok(vec![
+        Claim::vectors("2 G d", &left, &right),
+        Claim::vectors("2 H^T H w", &by_w, &(truth.hth() * &truth.w * two())),
+    ])
+}
+
+fn b14(p: &Point) -> Result<Vec<Claim>> {
+    let truth = Truth::at(p)?;
+    let [xdot_p1, xdot_p2, ..] = truth.rates();
+    let left = truth.variation()?.by_xdot;
+    let middle = truth.metric() * truth.slip() * two();
+    let ht = truth.h.transpose();
+    let right = stack(
+        &((xdot_p1 - truth.x_p2()) * p.k),
+        &(&ht * &truth.h * xdot_p2 + ht * &truth.c),
+    ) * two();
+    Ok(vec![
+        Claim::vectors("2 G (xdot - F_d)", &left, &middle),
+        Claim::vectors("blocks", &left, &right),
+    ])
+}
+
+/// $\gamma$: half the second block of (B15).
+fn gamma(truth: &Truth<'_>) -> DVector<F> {
+    let [_, xdot_p2, _, xddot_p2] = truth.rates();
+    let (ht, hdot_t) = (truth.h.transpose(), truth.hdot.transpose());
+    (&hdot_t * &truth.h + &ht * &truth.hdot) * xdot_p2
+        + &ht * &truth.h * xddot_p2
+        + hdot_t * &truth.c
+        + ht * &truth.cdot
+}
+
+fn b15(p: &Point) -> Result<Vec<Claim>> {
+    let truth = Truth::at(p)?;
+    let [_, xdot_p2, xddot_p1, _] = truth.rates();
+    let right = stack(&((xddot_p1 - xdot_p2) * p.k), &gamma(&truth)) * two();
+    let left = truth.variation()?.momentum_rate;
+    Ok(vec![Claim::vectors("d/dt dL/dxdot", &left, &right)])
+}
+
+fn b16(p: &Point) -> Result<Vec<Claim>> {
+    let truth = Truth::at(p)?;
+    let [_, xdot_p2, xddot_p1, _] = truth.rates();
+    let right = stack(&(xddot_p1 - xdot_p2), &truth.solve_hth(&gamma(&truth))) * two();
+    let left = truth.raise(&truth.variation()?.momentum_rate);
+    Ok(vec![Claim::vectors("Omega_1", &left, &right)])
+}
