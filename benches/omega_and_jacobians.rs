@@ -4,7 +4,7 @@
 //! the growth `N^e` that fits the four largest robots of each row best.
 
 use aghf::constraint::TorqueLimits;
-use aghf::constraint::{Ball, Capsule, Sphere, SphereBalls};
+use aghf::constraint::{Capsule, CollisionSphere, Sphere, SphereClearance};
 use aghf::flow::Penalty;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
@@ -106,7 +106,7 @@ fn main() {
                 n,
                 || {
                     jacobian
-                        .at(black_box(node), K, &mut blocks)
+                        .evaluate(black_box(node), K, &mut blocks)
                         .expect("lengths agree");
                 },
             );
@@ -119,7 +119,7 @@ fn main() {
 /// The terms of ten spheres alone, and the flow with them and limits on the torque: for the joint frames and for swept links.
 fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node: Node<'_, f64>) {
     let n = model.dof();
-    let swept: Vec<Ball> = Capsule::along_links(model, 0.05)
+    let swept: Vec<CollisionSphere> = Capsule::along_links(model, 0.05)
         .iter()
         .flat_map(|capsule| capsule.balls(0.1).expect("positive"))
         .collect();
@@ -132,13 +132,13 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
         c_cons: 20.0,
     };
     for (name, balls) in [
-        ("joint frames", Ball::joint_frames(model)),
+        ("joint frames", CollisionSphere::joint_frames(model)),
         ("swept", swept),
     ] {
         println!("{name}: {} rows for {n} joints", 10 * balls.len());
         let spheres = (1..=10).map(sphere).collect();
         let constraints = Penalised {
-            state: SphereBalls { balls, spheres },
+            state: SphereClearance { balls, spheres },
             penalty,
             torque: TorquePenalty {
                 limits: TorqueLimits::of(model),
@@ -159,7 +159,7 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
             n,
             || {
                 terms
-                    .at(black_box(node), K, &mut blocks)
+                    .evaluate(black_box(node), K, &mut blocks)
                     .expect("lengths agree");
             },
         );
@@ -182,7 +182,7 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
             n,
             || {
                 jacobian
-                    .at(black_box(node), K, &mut blocks)
+                    .evaluate(black_box(node), K, &mut blocks)
                     .expect("lengths agree");
             },
         );

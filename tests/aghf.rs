@@ -9,7 +9,7 @@ use aghf::flow::{
 };
 use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
-use aghf::scalar::Over;
+use aghf::scalar::AlgebraOver;
 use common::{
     any_model, config, constants, dual_jacobian, dual_rate, model_and_node, node, robot, robots,
     solve_bound,
@@ -167,7 +167,7 @@ proptest! {
         let k = 10.0;
         let split = |flat: &[f64]| [flat[..m].to_vec(), flat[m..2 * m].to_vec(), flat[2 * m..].to_vec()];
         let mut blocks = NodeBlocks::new(model.dof());
-        ForwardDual::new(&model).at(node(&split(&parts)), k, &mut blocks).expect("lengths agree");
+        ForwardDual::new(&model).evaluate(node(&split(&parts)), k, &mut blocks).expect("lengths agree");
         let [x, xdot, xddot] = split(&direction).map(DVector::from_vec);
         let derivative = &blocks.dx * x + &blocks.dxdot * xdot + &blocks.dxddot * xddot;
         let step = 1e-6;
@@ -250,10 +250,11 @@ fn the_jacobian_does_not_depend_on_the_form() {
         for k in PENALTIES {
             let (mut one, mut two) = (NodeBlocks::new(n), NodeBlocks::new(n));
             ForwardDual::new(&model)
-                .at(node(&parts), k, &mut one)
+                .evaluate(node(&parts), k, &mut one)
                 .expect("lengths agree");
             let mut b1 = ForwardDual::of(AlgorithmB1::new(&model), n);
-            b1.at(node(&parts), k, &mut two).expect("lengths agree");
+            b1.evaluate(node(&parts), k, &mut two)
+                .expect("lengths agree");
             let bound = 10.0 * bound(&model, &parts[0]);
             assert_close!(&one.dx, &two.dx, bound);
             assert_close!(&one.dxdot, &two.dxdot, bound);
@@ -286,7 +287,7 @@ fn omega_of_a_resting_pendulum_by_hand() {
 
 #[test]
 fn wrong_lengths_are_errors() {
-    fn refused<S: Over<f64>>(model: &Model, short: &[S], long: &[S]) {
+    fn refused<S: AlgebraOver<f64>>(model: &Model, short: &[S], long: &[S]) {
         let node = Node {
             x: long,
             xdot: short,

@@ -4,7 +4,7 @@ mod common;
 
 use aghf::flow::Node;
 use aghf::flow::jacobian::{ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::flow::{AlgorithmB1, ControlEffort, Definition};
+use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
 use aghf::verify::duals::check_relaxation;
@@ -117,8 +117,8 @@ struct OneWrong<'m> {
 }
 
 impl NodeJacobian for OneWrong<'_> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> aghf::Result<()> {
-        self.right.at(node, k, out)?;
+    fn evaluate(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> aghf::Result<()> {
+        self.right.evaluate(node, k, out)?;
         out.dx[self.entry] += self.by;
         Ok(())
     }
@@ -189,12 +189,12 @@ fn the_definition_gives_the_same_flow() {
     fn jacobian_of(model: &Model, k: f64, state: &State) -> [NodeBlocks; 2] {
         let n = model.dof();
         let (mut one, mut two) = (NodeBlocks::new(n), NodeBlocks::new(n));
-        let mut definition = ForwardDual::of(Definition::new(model, ControlEffort), n);
+        let mut definition = ForwardDual::of(LagrangianFlow::new(model, AghfLagrangian), n);
         definition
-            .at(state.node(), k, &mut one)
+            .evaluate(state.node(), k, &mut one)
             .expect("same robot");
         ForwardDual::of(AlgorithmB1::new(model), n)
-            .at(state.node(), k, &mut two)
+            .evaluate(state.node(), k, &mut two)
             .expect("same robot");
         [one, two]
     }

@@ -70,12 +70,12 @@ fn bad_options_exit_with_2() {
     }
     for (option, value, words) in [
         ("--method", "magic", "--method; 'magic'; relax; flow"),
-        ("--p", "3", "p: it is 3; at least 4"),
-        ("--starts", "0", "starts: it is 0; at least 1"),
-        ("--pieces", "0", "pieces: it is 0; at least 1"),
-        ("--pieces", "17", "pieces: it is 17; at most 16"),
-        ("--adaptive", "0", "adaptive: it is 0; positive"),
-        ("--adaptive", "-1", "adaptive: it is -1; positive"),
+        ("--p", "3", "degree: it is 3; at least 4"),
+        ("--starts", "0", "num_starts: it is 0; at least 1"),
+        ("--pieces", "0", "segments: it is 0; at least 1"),
+        ("--pieces", "17", "segments: it is 17; at most 16"),
+        ("--adaptive", "0", "degree_tolerance: it is 0; positive"),
+        ("--adaptive", "-1", "degree_tolerance: it is -1; positive"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--k", "1e5", "k: the method 'relax' has no such parameter"),
     ] {
@@ -102,9 +102,9 @@ fn bad_options_exit_with_2() {
     for (size, words) in [
         ("9", "size: '9'; such as 4x9"),
         ("2x", "size: '2x'"),
-        ("0x9", "pieces: it is 0; at least 1"),
-        ("29x9", "pieces: it is 29; at most 28"),
-        ("1x3", "p: it is 3; at least 4"),
+        ("0x9", "segments: it is 0; at least 1"),
+        ("29x9", "segments: it is 29; at most 28"),
+        ("1x3", "degree: it is 3; at least 4"),
     ] {
         assert_bad_input(
             &folder,

@@ -4,19 +4,19 @@ mod common;
 
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
-    Ball, Bound, Bounds, BuiltIn, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side, Sphere,
-    SphereBalls,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::Penalty;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{
-    AlgorithmB1, ControlCost, ControlEffort, ControlForm, Definition, Lagrangian, Penalised,
+    AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, Lagrangian, LagrangianFlow, Penalised,
     RightHandSide, Sum, TorquePenalty, constrained_lagrangian, penalty,
 };
 use aghf::flow::{FlowSettings, flow, flow_constrained};
 use aghf::model::{Model, random_tree};
-use aghf::scalar::Over;
+use aghf::scalar::AlgebraOver;
 use aghf::scenario::Scenario;
 use common::{config, model_and_node, node, robot, solve_bound};
 use nalgebra::Vector3;
@@ -24,10 +24,10 @@ use proptest::prelude::*;
 
 /// Several spheres, a slanted floor, bounds on both halves of the state, and limits on most torques, so close that about half
 /// of the rows are violated, with penalties of the size of the effort so that no term drowns.
-fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<BuiltIn>, Bounds)> {
+fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstraint>, Bounds)> {
     let n = model.dof();
-    let mut balls = Ball::joint_frames(model);
-    balls.push(Ball {
+    let mut balls = CollisionSphere::joint_frames(model);
+    balls.push(CollisionSphere {
         body: Some(n - 1),
         centre: Vector3::new(0.3, -0.2, 0.1),
         radius: 0.2,
@@ -37,11 +37,11 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<BuiltIn>, B
         radius,
     });
     let state = vec![
-        BuiltIn::Spheres(SphereBalls {
+        AnyConstraint::Spheres(SphereClearance {
             balls: balls.clone(),
             spheres: spheres.to_vec(),
         }),
-        BuiltIn::HalfSpace(HalfSpaceBalls {
+        AnyConstraint::HalfSpace(HalfSpaceClearance {
             balls,
             half_space: HalfSpace {
                 normal: Vector3::new(2.0, -1.0, 2.0) / 3.0,
@@ -83,11 +83,17 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<BuiltIn>, B
 
 /// $L_{cons}$ of (A1), with the rows of the torque written out.
 impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
-    fn value<S: Over<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> aghf::Result<S> {
+    fn value<S: AlgebraOver<f64>>(
+        &self,
+        model: &Model,
+        x: &[S],
+        xdot: &[S],
+        k: f64,
+    ) -> aghf::Result<S> {
         let all = self.0;
         let n = model.dof();
         let mut evaluator = Evaluator::new(model);
-        let mut g = vec![S::zero(); all.state.rows()];
+        let mut g = vec![S::zero(); all.state.dim()];
         evaluator.at(x)?.value(&all.state, &mut g)?;
         let mut u = vec![S::zero(); n];
         rnea(
@@ -98,9 +104,9 @@ impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
             &xdot[n..],
             &mut u,
         )?;
-        let mut torque = vec![S::zero(); all.torque.limits.rows()];
+        let mut torque = vec![S::zero(); all.torque.limits.dim()];
         all.torque.limits.value(&u, &mut torque)?;
-        let effort = ControlEffort.value(model, x, xdot, k)?;
+        let effort = AghfLagrangian.value(model, x, xdot, k)?;
         let Penalty { k_cons, c_cons } = all.penalty;
         let of_state = constrained_lagrangian(effort, g, k_cons, c_cons);
         let Penalty { k_cons, c_cons } = all.torque.penalty;
@@ -134,7 +140,7 @@ fn assert_halves(what: &str, a: &[f64], b: &[f64], rows: usize, bound: f64) {
 fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
     let mut out = NodeBlocks::new(parts[0].len() / 2);
     jacobian
-        .at(node(parts), k, &mut out)
+        .evaluate(node(parts), k, &mut out)
         .expect("lengths agree");
     out
 }
@@ -151,7 +157,7 @@ fn check_everything(model: &Model, parts: &[Vec<f64>; 3]) {
                 .expect("lengths agree");
             omega
         };
-        let truth = omega(&mut Definition::new(model, &Wrapped(constraints)));
+        let truth = omega(&mut LagrangianFlow::new(model, &Wrapped(constraints)));
         let ours = omega(&mut constraints.right_hand_side(model));
         assert_halves("Omega", &ours, &truth, m, bound);
         // The same terms on top of the paper's route.
@@ -247,7 +253,7 @@ fn differences_come_close() {
 fn costs_by_their_values() {
     struct ValueAlone(TorquePenalty);
     impl ControlCost for ValueAlone {
-        fn value<S: Over<f64>>(&self, joint: usize, u: S) -> S {
+        fn value<S: AlgebraOver<f64>>(&self, joint: usize, u: S) -> S {
             let Penalty { k_cons, c_cons } = self.0.penalty;
             let limit = S::from_f64(self.0.limits.0[joint].unwrap_or(0.0));
             penalty(u - limit, k_cons, c_cons) + penalty(-u - limit, k_cons, c_cons)
@@ -273,7 +279,7 @@ fn costs_by_their_values() {
     assert!(!torque.is_zero());
     assert!(ControlCost::<f64>::is_zero(&()));
     let none = TorqueLimits::<f64>::of(&random_tree(3, 1).expect("three joints"));
-    assert_eq!((none.rows(), none.0.len()), (0, 3));
+    assert_eq!((none.dim(), none.0.len()), (0, 3));
     let kinova = robot("kinova_gen3");
     assert_eq!(
         TorqueLimits::of(&kinova).0[0],

@@ -3,12 +3,12 @@
 mod common;
 
 use aghf::constraint::{
-    Ball, Bound, Bounds, BuiltIn, Capsule, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side,
-    Sphere, SphereBalls, State, Weights,
+    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
+    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, Weights,
 };
 use aghf::dynamics::forward_kinematics;
 use aghf::model::Model;
-use aghf::scalar::Over;
+use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use common::{any_model, config, numbers, robot};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -17,17 +17,17 @@ use proptest::prelude::*;
 
 /// Every kind that is built in: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
 /// on both halves of the state.
-fn every_kind(model: &Model) -> Vec<BuiltIn> {
-    let mut balls = Ball::joint_frames(model);
+fn every_kind(model: &Model) -> Vec<AnyConstraint> {
+    let mut balls = CollisionSphere::joint_frames(model);
     for body in 0..model.dof() {
         let offset = 0.1 * body as f64;
-        balls.push(Ball {
+        balls.push(CollisionSphere {
             body: Some(body),
             centre: Vector3::new(0.3, -0.2 + offset, 0.1 - offset),
             radius: 0.05 + offset,
         });
     }
-    balls.push(Ball {
+    balls.push(CollisionSphere {
         body: None,
         centre: Vector3::new(0.5, 0.5, 0.5),
         radius: 0.1,
@@ -39,25 +39,25 @@ fn every_kind(model: &Model) -> Vec<BuiltIn> {
     let bound = |entry, side, value| Bound { entry, side, value };
     let m = 2 * model.dof();
     vec![
-        BuiltIn::Spheres(SphereBalls {
+        AnyConstraint::Spheres(SphereClearance {
             balls: balls.clone(),
             spheres: vec![sphere(0.4, 0.1, -0.7, 0.3), sphere(-1.0, 0.8, 0.5, 1.1)],
         }),
-        BuiltIn::HalfSpace(HalfSpaceBalls {
+        AnyConstraint::HalfSpace(HalfSpaceClearance {
             balls,
             half_space: HalfSpace {
                 normal: Vector3::new(2.0, -1.0, 2.0) / 3.0,
                 offset: -0.4,
             },
         }),
-        BuiltIn::Bounds(Bounds(vec![
+        AnyConstraint::Bounds(Bounds(vec![
             bound(0, Side::Upper, 0.7),
             bound(m / 2 - 1, Side::Lower, -0.2),
             bound(m - 1, Side::Upper, 1.5),
             bound(m / 2, Side::Lower, -1.5),
         ])),
-        BuiltIn::Bounds(Bounds::positions(model)),
-        BuiltIn::Bounds(Bounds::velocities(model)),
+        AnyConstraint::Bounds(Bounds::positions(model)),
+        AnyConstraint::Bounds(Bounds::velocities(model)),
     ]
 }
 
@@ -65,11 +65,15 @@ fn every_kind(model: &Model) -> Vec<BuiltIn> {
 struct ValueAlone<K>(K);
 
 impl<K: Constraint> Constraint for ValueAlone<K> {
-    fn rows(&self) -> usize {
-        self.0.rows()
+    fn dim(&self) -> usize {
+        self.0.dim()
     }
 
-    fn value<S: Over<f64>>(&self, at: &State<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(
+        &self,
+        at: &PlacedState<'_, f64, S>,
+        g: &mut [S],
+    ) -> aghf::Result<()> {
         self.0.value(at, g)
     }
 }
@@ -83,7 +87,9 @@ fn contracted(
 ) -> (DVector<f64>, DMatrix<f64>) {
     let mut evaluator = Evaluator::new(model);
     let mut here = evaluator.at(x).expect("lengths agree");
-    let out = here.contract(constraint, weights).expect("same robot");
+    let out = here
+        .weighted_derivatives(constraint, weights)
+        .expect("same robot");
     (out.gradient().clone(), out.hessian().clone())
 }
 
@@ -98,7 +104,7 @@ fn by_hyper_duals(
     let m = x.len();
     let (mut gradient, mut hessian) = (DVector::zeros(m), DMatrix::zeros(m, m));
     let mut evaluator = Evaluator::new(model);
-    let mut g = vec![HyperDual64::from(0.0); constraint.rows()];
+    let mut g = vec![HyperDual64::from(0.0); constraint.dim()];
     for i in 0..m {
         for j in 0..m {
             let mut moving: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
@@ -131,8 +137,8 @@ proptest! {
     })) {
         let all = every_kind(&model);
         for one in all.iter().map(std::slice::from_ref).chain([&all[..]]) {
-            let (w, c) = (wave(one.rows(), 0.7), wave(one.rows(), 1.9));
-            let weights = Weights { w: &w, c: Some(&c) };
+            let (w, c) = (wave(one.dim(), 0.7), wave(one.dim(), 1.9));
+            let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
             let (gradient, hessian) = contracted(&model, &one, &x, weights);
             let (truth, truth2) = by_hyper_duals(&model, &one, &x, &w, &c);
             assert_close!(&gradient, &truth, 1e-12);
@@ -140,7 +146,7 @@ proptest! {
             let (by_jets, by_jets2) = contracted(&model, &ValueAlone(one), &x, weights);
             assert_close!(&by_jets, &truth, 1e-12);
             assert_close!(&by_jets2, &truth2, 1e-12);
-            let (alone, nothing) = contracted(&model, &one, &x, Weights { w: &w, c: None });
+            let (alone, nothing) = contracted(&model, &one, &x, Weights { first_order: &w, gauss_newton: None });
             prop_assert_eq!(alone, gradient);
             prop_assert_eq!(nothing.amax(), 0.0);
         }
@@ -150,7 +156,7 @@ proptest! {
 #[test]
 fn a_sphere_by_hand() {
     let model = robot("pendulum_1");
-    let balls = vec![Ball {
+    let balls = vec![CollisionSphere {
         body: Some(0),
         centre: Vector3::new(-1.0, 0.0, 0.0),
         radius: 0.2,
@@ -159,7 +165,7 @@ fn a_sphere_by_hand() {
         centre: Vector3::new(0.0, 0.0, 2.0),
         radius: 0.3,
     };
-    let constraint = SphereBalls {
+    let constraint = SphereClearance {
         balls,
         spheres: vec![sphere],
     };
@@ -175,8 +181,8 @@ fn a_sphere_by_hand() {
         .expect("one row");
     assert_close!(&g, &[0.25 - 5.0 + 4.0 * q.sin()], 1e-14);
     let weights = Weights {
-        w: &[2.0],
-        c: Some(&[3.0]),
+        first_order: &[2.0],
+        gauss_newton: Some(&[3.0]),
     };
     let (gradient, hessian) = contracted(&model, &constraint, &x, weights);
     assert_close!(&gradient, &[8.0 * q.cos(), 0.0], 1e-14);
@@ -207,7 +213,7 @@ fn limits_become_rows() {
     let speed = model.joints()[0].limits().velocity;
     x[7] = speed + 0.25;
     let bounds = Bounds::velocities(&model);
-    let mut g = vec![0.0; bounds.rows()];
+    let mut g = vec![0.0; bounds.dim()];
     let mut evaluator = Evaluator::new(&model);
     evaluator
         .at(&x)
@@ -243,7 +249,7 @@ fn balls_cover_a_capsule() {
                 let width = (0.01 - beyond * beyond).max(0.0).sqrt();
                 let (sin, cos) = (f64::from(angle) * 0.5).sin_cos();
                 let p = from + along * t + (across * cos + third * sin) * width;
-                let inside = |b: &Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                let inside = |b: &CollisionSphere| (p - b.centre).norm() <= b.radius + 1e-12;
                 assert!(balls.iter().any(inside), "{p} with spacing {spacing}");
             }
         }
@@ -334,12 +340,12 @@ fn clearance_is_exact_and_balls_are_conservative() {
 fn links_are_found_by_name_and_other_robots_are_errors() {
     let model = robot("kinova_gen3");
     let frame = model.frames().last().expect("it has links");
-    let ball = Ball::at_link(&model, &frame.name, 0.1).expect("it is there");
+    let ball = CollisionSphere::at_link(&model, &frame.name, 0.1).expect("it is there");
     assert_eq!(
         (ball.body, ball.centre),
         (frame.body, frame.placement.translation)
     );
-    let error = Ball::at_link(&model, "tail", 0.1).expect_err("no such link");
+    let error = CollisionSphere::at_link(&model, "tail", 0.1).expect_err("no such link");
     assert!(
         error
             .to_string()
@@ -351,7 +357,7 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
     let mut evaluator = Evaluator::<f64, f64>::new(&small);
     let x = [0.0; 4];
     let mut here = evaluator.at(&x).expect("two joints");
-    let constraint = SphereBalls {
+    let constraint = SphereClearance {
         balls: vec![ball],
         spheres: vec![Sphere {
             centre: Vector3::zeros(),
@@ -361,12 +367,12 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
     here.value(&constraint, &mut [0.0])
         .expect_err("no seventh body");
     let weights = Weights {
-        w: &[1.0],
-        c: Some(&[1.0]),
+        first_order: &[1.0],
+        gauss_newton: Some(&[1.0]),
     };
-    here.contract(&constraint, weights)
+    here.weighted_derivatives(&constraint, weights)
         .expect_err("no seventh body");
-    here.contract(
+    here.weighted_derivatives(
         &Bounds(vec![Bound {
             entry: 4,
             side: Side::Upper,
@@ -375,8 +381,9 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
         weights,
     )
     .expect_err("no fifth entry");
-    here.contract(&ValueAlone(constraint), weights)
+    here.weighted_derivatives(&ValueAlone(constraint), weights)
         .expect_err("no seventh body");
     here.value(&(), &mut [0.0]).expect_err("no rows");
-    here.contract(&(), weights).expect_err("no rows");
+    here.weighted_derivatives(&(), weights)
+        .expect_err("no rows");
 }

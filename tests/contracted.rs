@@ -3,8 +3,9 @@
 mod common;
 
 use aghf::dynamics::{
-    ContractedGradient, ContractedHessian, Data, InverseDynamicsDerivatives, crba, crba_contracted,
-    rnea, rnea_contracted_gradient, rnea_contracted_hessian, rnea_derivatives, rnea_second_order,
+    Data, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian, crba,
+    mass_matrix_product_derivative, rnea, rnea_derivatives, rnea_second_order, rnea_vjp,
+    rnea_weighted_hessian,
 };
 use aghf::model::Model;
 use common::{any_model, config, dual_jacobian, numbers};
@@ -51,11 +52,11 @@ proptest! {
         let n = model.dof();
         let (q, v, a) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
         let data = &mut Data::new(&model);
-        let (mut first, mut second) = (InverseDynamicsDerivatives::new(n), ContractedHessian::new(n));
+        let (mut first, mut second) = (InverseDynamicsDerivatives::new(n), RneaWeightedHessian::new(n));
         let (mut first_alone, mut second_alone) = (first.clone(), second.clone());
         rnea_derivatives(&model, data, q, v, a, &mut first_alone).expect("lengths");
         let w: Vec<f64> = first_alone.tau.iter().map(|u| 2.0 * u).collect();
-        rnea_contracted_hessian(&model, data, q, v, a, &w, &mut second_alone).expect("lengths");
+        rnea_weighted_hessian(&model, data, q, v, a, &w, &mut second_alone).expect("lengths");
         let weigh = |tau: &DVector<f64>, w: &mut [f64]| w.copy_from_slice((tau * 2.0).as_slice());
         rnea_second_order(&model, data, [q, v, a], weigh, &mut first, &mut second).expect("lengths");
         prop_assert_eq!((first, second), (first_alone, second_alone));
@@ -64,9 +65,9 @@ proptest! {
     #[test]
     fn the_gradient_matches_duals((model, state, w) in model_state_weights()) {
         let n = model.dof();
-        let mut gradient = ContractedGradient::new(n);
+        let mut gradient = RneaVjp::new(n);
         let (q, v, a) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
-        rnea_contracted_gradient(&model, &mut Data::new(&model), q, v, a, &w, &mut gradient).expect("lengths");
+        rnea_vjp(&model, &mut Data::new(&model), q, v, a, &w, &mut gradient).expect("lengths");
         let by_duals: Vec<f64> = (0..3 * n).map(|i| contraction(&model, &state, &w, i, i).eps1).collect();
         assert_close!(&gradient.q, &by_duals[..n], 1e-10);
         assert_close!(&gradient.v, &by_duals[n..2 * n], 1e-10);
@@ -76,12 +77,12 @@ proptest! {
     #[test]
     fn the_hessian_matches_hyper_duals((model, state, w) in model_state_weights()) {
         let n = model.dof();
-        let mut hessian = ContractedHessian::new(n);
+        let mut hessian = RneaWeightedHessian::new(n);
         let (q, v, a) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
         // A used workspace must not matter.
         let mut data = Data::new(&model);
-        rnea_contracted_hessian(&model, &mut data, a, q, v, &w, &mut hessian).expect("lengths agree");
-        rnea_contracted_hessian(&model, &mut data, q, v, a, &w, &mut hessian).expect("lengths agree");
+        rnea_weighted_hessian(&model, &mut data, a, q, v, &w, &mut hessian).expect("lengths agree");
+        rnea_weighted_hessian(&model, &mut data, q, v, a, &w, &mut hessian).expect("lengths agree");
         assert_close!(&hessian.qq, &block(&model, &state, &w, 0, 0), 1e-10);
         assert_close!(&hessian.qv, &block(&model, &state, &w, 0, n), 1e-10);
         assert_close!(&hessian.vv, &block(&model, &state, &w, n, n), 1e-10);
@@ -95,7 +96,7 @@ proptest! {
     fn the_contracted_mass_matrix_matches_duals((model, state, w) in model_state_weights()) {
         let n = model.dof();
         let mut k = DMatrix::zeros(n, n);
-        crba_contracted(&model, &mut Data::new(&model), &state[..n], &w, &mut k).expect("lengths agree");
+        mass_matrix_product_derivative(&model, &mut Data::new(&model), &state[..n], &w, &mut k).expect("lengths agree");
         let times_w = |q: &[Dual64]| {
             let mut h = DMatrix::zeros(n, n);
             crba(&model, &mut Data::new(&model), q, &mut h).expect("lengths agree");
@@ -110,15 +111,16 @@ fn wrong_lengths_are_errors() {
     let model = common::robot("pendulum_2");
     let data = &mut Data::new(&model);
     let (x, short) = ([0.0; 2], [0.0; 1]);
-    let mut gradient = ContractedGradient::new(2);
-    let error = rnea_contracted_gradient(&model, data, &x, &x, &x, &short, &mut gradient);
+    let mut gradient = RneaVjp::new(2);
+    let error = rnea_vjp(&model, data, &x, &x, &x, &short, &mut gradient);
     assert!(
         error
             .expect_err("short")
             .to_string()
             .contains("w: expected 2 entries, found 1")
     );
-    let mut small = ContractedHessian::new(1);
-    rnea_contracted_hessian(&model, data, &x, &x, &x, &x, &mut small).expect_err("small");
-    crba_contracted(&model, data, &x, &short, &mut DMatrix::zeros(2, 2)).expect_err("short");
+    let mut small = RneaWeightedHessian::new(1);
+    rnea_weighted_hessian(&model, data, &x, &x, &x, &x, &mut small).expect_err("small");
+    mass_matrix_product_derivative(&model, data, &x, &short, &mut DMatrix::zeros(2, 2))
+        .expect_err("short");
 }

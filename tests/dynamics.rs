@@ -4,30 +4,30 @@ mod common;
 
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
-    crba_derivatives, forward_kinematics, frame_jacobian, frame_placement, kinetic_energy,
+    forward_kinematics, frame_jacobian, frame_placement, kinetic_energy, mass_matrix_and_rate,
     potential_energy, rnea, rnea_derivatives,
 };
 use aghf::model::{Frame, Model};
-use aghf::scalar::Over;
+use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use common::{config, constants, dual_jacobian, dual_rate, model_and_state};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-fn rnea_of<S: Over<f64>>(model: &Model, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
+fn rnea_of<S: AlgebraOver<f64>>(model: &Model, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
     let mut tau = vec![S::zero(); model.dof()];
     rnea(model, &mut Data::new(model), q, v, a, &mut tau).expect("lengths agree");
     tau
 }
 
-fn aba_of<S: Over<f64>>(model: &Model, q: &[S], v: &[S], tau: &[S]) -> Vec<S> {
+fn aba_of<S: AlgebraOver<f64>>(model: &Model, q: &[S], v: &[S], tau: &[S]) -> Vec<S> {
     let mut a = vec![S::zero(); model.dof()];
     aba(model, &mut Data::new(model), q, v, tau, &mut a).expect("lengths agree");
     a
 }
 
-fn crba_of<S: Over<f64>>(model: &Model, q: &[S]) -> DMatrix<S> {
+fn crba_of<S: AlgebraOver<f64>>(model: &Model, q: &[S]) -> DMatrix<S> {
     let mut h = DMatrix::zeros(model.dof(), model.dof());
     crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
     h
@@ -122,7 +122,7 @@ proptest! {
     fn hdot_is_the_rate_of_h((model, q, v, _) in model_and_state()) {
         let n = model.dof();
         let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-        crba_derivatives(&model, &mut Data::new(&model), &q, &v, &mut h, &mut hdot).expect("lengths agree");
+        mass_matrix_and_rate(&model, &mut Data::new(&model), &q, &v, &mut h, &mut hdot).expect("lengths agree");
         let rate = dual_rate(|q| crba_of(&model, q).iter().copied().collect(), &q, &v);
         assert_close!(&hdot, &rate, 1e-10);
         assert_close!(&h, &crba_of(&model, &q), 1e-13);
@@ -213,7 +213,7 @@ proptest! {
             rnea(&model, data, q, v, a, &mut tau).expect("lengths agree");
             bias(&model, data, q, v, &mut c).expect("lengths agree");
             aba(&model, data, q, v, a, &mut acc).expect("lengths agree");
-            crba_derivatives(&model, data, q, v, &mut h, &mut hdot).expect("lengths agree");
+            mass_matrix_and_rate(&model, data, q, v, &mut h, &mut hdot).expect("lengths agree");
             rnea_derivatives(&model, data, q, v, a, &mut id).expect("lengths agree");
             aba_derivatives(&model, data, q, v, a, &mut fd).expect("lengths agree");
             let energy = kinetic_energy(&model, data, q, v).expect("lengths agree");

@@ -1,12 +1,12 @@
 //! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the same.
 
-use aghf::constraint::{Ball, BuiltIn, Capsule, SphereBalls};
+use aghf::constraint::{AnyConstraint, Capsule, CollisionSphere, SphereClearance};
 use aghf::scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};
 
 /// The smallest clearance of configurations, m.
 fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
     let configurations = configurations.iter().map(Vec::as_slice);
-    let smallest = (scenario.surroundings).smallest_clearance(&scenario.model, configurations);
+    let smallest = (scenario.environment).smallest_clearance(&scenario.model, configurations);
     smallest
         .expect("it is the robot's")
         .expect("there are obstacles")
@@ -48,7 +48,7 @@ fn the_balls_of_a_scenario_cover_its_links() {
     for name in ["kinova_cross_01", "digit_box_01"] {
         let scenario = Scenario::load(name).expect("it can be generated");
         let constraints = scenario.state_constraints().expect("good");
-        let [BuiltIn::Spheres(SphereBalls { balls, .. })] = &constraints[..] else {
+        let [AnyConstraint::Spheres(SphereClearance { balls, .. })] = &constraints[..] else {
             panic!("{name}: {constraints:?}");
         };
         let RobotShape::SweptLinks {
@@ -61,7 +61,7 @@ fn the_balls_of_a_scenario_cover_its_links() {
         let mut shared = 0;
         for capsule in Capsule::along_links(&scenario.model, radius_m) {
             for ball in capsule.balls(spacing_m).expect("positive") {
-                let there = |b: &Ball| (b.body, b.centre) == (ball.body, ball.centre);
+                let there = |b: &CollisionSphere| (b.body, b.centre) == (ball.body, ball.centre);
                 let known: Vec<_> = balls.iter().filter(|b| there(b)).collect();
                 assert_eq!(known.len(), 1, "{name}");
                 assert!(known[0].radius >= ball.radius, "{name}");

@@ -16,7 +16,7 @@ const PENALTIES: [f64; 4] = [1.0, 1e3, 1e7, 1e9];
 fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
     let mut out = NodeBlocks::new(parts[0].len() / 2);
     jacobian
-        .at(node(parts), k, &mut out)
+        .evaluate(node(parts), k, &mut out)
         .expect("lengths agree");
     out
 }
@@ -142,7 +142,7 @@ fn wrong_sizes_are_errors() {
             xddot: &x,
         };
         let error = jacobian
-            .at(node, 1.0, &mut NodeBlocks::new(2))
+            .evaluate(node, 1.0, &mut NodeBlocks::new(2))
             .expect_err("short");
         assert!(
             error
@@ -156,7 +156,7 @@ fn wrong_sizes_are_errors() {
             xddot: &x,
         };
         jacobian
-            .at(node, 1.0, &mut NodeBlocks::new(3))
+            .evaluate(node, 1.0, &mut NodeBlocks::new(3))
             .expect_err("too large");
     }
 }

@@ -1,6 +1,6 @@
 //! Readings of the printed equations that `proofs/` does not follow: they fail, exactly, over the field.
 
-use aghf::dynamics::{Data, aba, crba, crba_contracted, crba_derivatives};
+use aghf::dynamics::{Data, aba, crba, mass_matrix_and_rate, mass_matrix_product_derivative};
 use aghf::flow::{TheoremB3, activation};
 use aghf::scalar::PrimeField;
 use aghf::verify::field::Point;
@@ -40,9 +40,10 @@ fn omega_4_depends_on_the_index_that_is_contracted() {
     let w = DVector::from_column_slice(node.xdot_p2()) - &t.fd0;
 
     let mut ours = DMatrix::zeros(n, n);
-    crba_contracted(&p.model, data, q, w.as_slice(), &mut ours).expect("lengths agree");
+    mass_matrix_product_derivative(&p.model, data, q, w.as_slice(), &mut ours)
+        .expect("lengths agree");
     let (mut h, mut over_derivatives) = (ours.clone(), ours.clone());
-    crba_derivatives(
+    mass_matrix_and_rate(
         &p.model,
         data,
         q,
@@ -62,6 +63,6 @@ fn omega_4_depends_on_the_index_that_is_contracted() {
 #[test]
 fn the_activation_does_not_vanish_on_the_boundary() {
     let p = point();
-    assert!(!activation(PrimeField::zero(), p.spare[0]).is_zero());
+    assert!(!activation(PrimeField::zero(), p.extra[0]).is_zero());
     assert!(activation(-1e-3, 200.0) > 0.4);
 }

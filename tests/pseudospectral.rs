@@ -155,12 +155,12 @@ fn three_parts() -> (Curve, impl Fn(usize, f64) -> [f64; 3]) {
 #[test]
 fn a_curve_of_parts_is_each_of_its_parts() {
     let (curve, cubic) = three_parts();
-    assert_eq!((curve.pieces(), curve.dof()), (3, 1));
+    assert_eq!((curve.segments(), curve.dof()), (3, 1));
     assert_eq!((curve.horizon(), curve.chebyshev().degree()), (HORIZON, 4));
     assert_eq!(curve.x().column(4), curve.x().column(5));
     for i in 0..=60 {
         let t = HORIZON * f64::from(i) / 60.0;
-        let e = curve.part_at(t);
+        let e = curve.segment_at(t);
         let ((x, xdot), [q, v, a]) = (curve.at(t), cubic(e, t));
         for (ours, exact) in [(x[0], q), (x[1], v), (xdot[0], v), (xdot[1], a)] {
             assert!((ours - exact).abs() < 1e-12, "{t}: {ours} {exact}");
@@ -168,9 +168,9 @@ fn a_curve_of_parts_is_each_of_its_parts() {
     }
     // Where two meet the state is that of both, to the last bit, and the acceleration that of the part that is asked.
     for part in 1..3 {
-        let t = curve.joints()[part];
-        assert_eq!(curve.part_at(t), part);
-        let (before, after) = (curve.at_of(part - 1, t), curve.at_of(part, t));
+        let t = curve.breakpoints()[part];
+        assert_eq!(curve.segment_at(t), part);
+        let (before, after) = (curve.at_in(part - 1, t), curve.at_in(part, t));
         assert_close!(&before.0, &after.0, 1e-14);
         assert_eq!(curve.at(t), after);
         for (e, (_, xdot)) in [(part - 1, before), (part, after)] {
@@ -178,7 +178,7 @@ fn a_curve_of_parts_is_each_of_its_parts() {
         }
         assert!((cubic(part - 1, t)[2] - cubic(part, t)[2]).abs() > 0.5);
     }
-    assert_eq!((curve.part_at(0.0), curve.part_at(HORIZON)), (0, 2));
+    assert_eq!((curve.segment_at(0.0), curve.segment_at(HORIZON)), (0, 2));
 }
 
 #[test]
@@ -193,15 +193,15 @@ fn one_part_is_the_curve_of_one_polynomial() {
 #[test]
 fn bad_parts_are_errors() {
     let x = |columns| DMatrix::from_fn(2, columns, |_, j| j as f64);
-    for (pieces, x, words) in [
-        (0, x(5), "pieces: it is 0"),
+    for (segments, x, words) in [
+        (0, x(5), "segments: it is 0"),
         (2, x(11), "x: expected 10 entries, found 11"),
         (2, x(4), "p: it is 1"),
         (2, x(0), "p: it is 0"),
         (2, x(10), "the state jumps where part 1 begins"),
         (1, DMatrix::zeros(3, 4), "odd number of rows"),
     ] {
-        let error = Curve::piecewise(HORIZON, pieces, x).expect_err(words);
+        let error = Curve::piecewise(HORIZON, segments, x).expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");
     }
     assert!(Curve::piecewise(-1.0, 2, x(10)).is_err());

@@ -4,11 +4,11 @@ mod common;
 
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, crba};
-use aghf::flow::measure;
+use aghf::flow::effort_of;
 use aghf::flow::{ControlForm, Node, RightHandSide};
 use aghf::motion::Problem;
 use aghf::relax::relax;
-use aghf::relax::{Point, PointCost, PointDerivatives, SquaredControl};
+use aghf::relax::{ControlEffort, Point, PointCost, PointDerivatives};
 use aghf::relax::{RelaxSettings, RelaxSolution, relax_with};
 use aghf::scenario::Scenario;
 use common::{robot, slider};
@@ -21,7 +21,7 @@ fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
 
 fn degree(p: usize) -> RelaxSettings {
     RelaxSettings {
-        p,
+        degree: p,
         ..Default::default()
     }
 }
@@ -86,7 +86,7 @@ fn it_ends_at_a_minimum() {
     let x = solution.curve.x();
     assert_eq!(x.column(0).as_slice(), problem.start());
     assert_eq!(x.column(9).as_slice(), problem.goal());
-    let effort = measure(&scenario.model, &solution.curve, 1.0).expect("the same robot");
+    let effort = effort_of(&scenario.model, &solution.curve, 1.0).expect("the same robot");
     assert!((effort.control_effort - solution.cost).abs() <= 1e-3 * solution.cost);
     let again = solved(&problem, &settings);
     assert_eq!(again.curve.x(), x);
@@ -121,11 +121,11 @@ fn more_starts_are_no_worse() {
         solved(
             &problem,
             &RelaxSettings {
-                starts,
+                num_starts: starts,
                 ..degree(7)
             },
         )
-        .starts
+        .start_costs
     };
     let (one, five) = (starts(1), starts(5));
     assert_eq!((one.len(), five.len()), (1, 5));
@@ -139,7 +139,7 @@ fn more_starts_are_no_worse() {
 /// A cost of one's own: squared velocities beside the effort, with derivatives by hand.
 #[derive(Clone)]
 struct WithVelocity<'m> {
-    effort: SquaredControl<'m, f64, f64>,
+    effort: ControlEffort<'m, f64, f64>,
     weight: f64,
 }
 
@@ -192,7 +192,7 @@ fn a_saddle_is_left() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![0.0; 2], 4.0).expect("valid");
     let settings = RelaxSettings {
-        starts: 1,
+        num_starts: 1,
         ..degree(12)
     };
     let solution = relax_with(&problem, &settings, &TwoWells, &mut |_| {}).expect("valid");
@@ -211,7 +211,7 @@ fn another_running_cost_has_its_own_optimum() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![1.0, 0.0], 1.0).expect("valid");
     let cost = WithVelocity {
-        effort: SquaredControl::new(&model),
+        effort: ControlEffort::new(&model),
         weight: 25.0,
     };
     let solution = relax_with(&problem, &degree(16), &cost, &mut |_| {}).expect("valid");
@@ -234,7 +234,7 @@ fn the_flow_of_the_optimum_vanishes_on_the_basis() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
     let fine = RelaxSettings {
-        agreement: 1e-9,
+        quadrature_tolerance: 1e-9,
         ..degree(12)
     };
     let curve = solved(&problem, &fine).curve;
@@ -289,8 +289,8 @@ fn bad_settings_are_errors() {
         &degree(5),
     );
     let cases = [
-        (degree(3), "settings: p: it is 3, at least 4 and at most 64"),
-        (degree(65), "settings: p: it is 65"),
+        (degree(3), "settings: degree: it is 3, at least 4 and at most 64"),
+        (degree(65), "settings: degree: it is 65"),
         (
             RelaxSettings {
                 tolerance: 0.0,
@@ -307,24 +307,24 @@ fn bad_settings_are_errors() {
         ),
         (
             RelaxSettings {
-                agreement: -1.0,
+                quadrature_tolerance: -1.0,
                 ..base.clone()
             },
-            "agreement: it is -1",
+            "quadrature_tolerance: it is -1",
         ),
         (
             RelaxSettings {
-                bend: f64::INFINITY,
+                start_amplitude: f64::INFINITY,
                 ..base.clone()
             },
-            "bend: it is inf",
+            "start_amplitude: it is inf",
         ),
         (
             RelaxSettings {
-                starts: 0,
+                num_starts: 0,
                 ..base.clone()
             },
-            "starts: it is 0, at least 1",
+            "num_starts: it is 0, at least 1",
         ),
         (
             RelaxSettings {
@@ -355,7 +355,7 @@ fn too_few_iterations_are_told() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let settings = RelaxSettings {
         iterations: 1,
-        starts: 1,
+        num_starts: 1,
         ..degree(9)
     };
     let solution = solved(&scenario.problem().expect("valid"), &settings);

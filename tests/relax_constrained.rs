@@ -4,23 +4,23 @@ mod common;
 
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
-    Ball, Bound, Bounds, BuiltIn, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side, Sphere,
-    SphereBalls,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::motion::{Problem, sample};
 use aghf::relax::relax;
 use aghf::relax::{Augmented, Point, PointCost, PointDerivatives};
-use aghf::relax::{RelaxSettings, RelaxSolution, Requirements, relax_constrained};
-use aghf::scalar::{Jet, Over};
+use aghf::relax::{Constraints, RelaxSettings, RelaxSolution, relax_constrained};
+use aghf::scalar::{AlgebraOver, Jet};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use aghf::spatial::{Inertia, Placement};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-type Kept = Requirements<Vec<BuiltIn>>;
+type Kept = Constraints<Vec<AnyConstraint>>;
 
 /// A point of mass one on sliders along these axes, without gravity: $u = \ddot q$.
 fn point_mass(axes: &[Vector3<f64>]) -> Model {
@@ -41,8 +41,8 @@ fn point_mass(axes: &[Vector3<f64>]) -> Model {
     Model::from_joints("point mass", specs).expect("it is a tree")
 }
 
-fn state(constraint: BuiltIn) -> Kept {
-    Requirements {
+fn state(constraint: AnyConstraint) -> Kept {
+    Constraints {
         state: vec![constraint],
         torque: TorqueLimits(Vec::new()),
     }
@@ -54,7 +54,7 @@ fn solved(problem: &Problem<'_>, kept: &Kept) -> RelaxSolution {
 }
 
 /// The cost by its formula, with the rows counted in that are active.
-fn by_formula<S: Over<f64>>(
+fn by_formula<S: AlgebraOver<f64>>(
     model: &Model,
     kept: &Kept,
     rho: f64,
@@ -66,8 +66,8 @@ fn by_formula<S: Over<f64>>(
     let (q, rest) = z.split_at(n);
     let (v, a) = rest.split_at(n);
     rnea(model, &mut Data::new(model), q, v, a, &mut u).expect("sizes agree");
-    let mut h = vec![S::zero(); kept.rows()];
-    let states = kept.state.rows();
+    let mut h = vec![S::zero(); kept.dim()];
+    let states = kept.state.dim();
     let mut evaluator = Evaluator::new(model);
     let placed = evaluator.at(&z[..2 * n]).expect("sizes agree");
     placed
@@ -77,7 +77,7 @@ fn by_formula<S: Over<f64>>(
         .value(&u, &mut h[states..])
         .expect("sizes agree");
     let mut slopes = vec![1.0; states];
-    kept.state.slopes(&mut slopes);
+    kept.state.row_scales(&mut slopes);
     slopes.extend(kept.torque.0.iter().flatten().flat_map(|limit| [*limit; 2]));
     let mut cost = u.iter().fold(S::zero(), |sum, u| sum + *u * *u);
     for (j, h) in h.into_iter().enumerate() {
@@ -97,8 +97,8 @@ fn derivatives_are_those_of_duals() {
         let model = random_tree(n, seed).expect("n > 0");
         let mut number = || rng.random_range(-1.0..1.0);
         let mut vector = || Vector3::from_fn(|_, _| number());
-        let balls: Vec<Ball> = (0..n)
-            .map(|body| Ball {
+        let balls: Vec<CollisionSphere> = (0..n)
+            .map(|body| CollisionSphere {
                 body: Some(body),
                 centre: vector(),
                 radius: 0.1,
@@ -120,20 +120,20 @@ fn derivatives_are_those_of_duals() {
             normal: vector().normalize(),
             offset: 0.1,
         };
-        let kept = Requirements {
+        let kept = Constraints {
             state: vec![
-                BuiltIn::Spheres(SphereBalls {
+                AnyConstraint::Spheres(SphereClearance {
                     balls: balls.clone(),
                     spheres,
                 }),
-                BuiltIn::HalfSpace(HalfSpaceBalls { balls, half_space }),
-                BuiltIn::Bounds(Bounds(bounds.collect())),
+                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::Bounds(Bounds(bounds.collect())),
             ],
             torque: TorqueLimits((0..n).map(|i| (i > 0).then_some(0.5 * i as f64)).collect()),
         };
         let rho = 7.0;
         let mut cost = Augmented::new(&model, &kept, rho, 1).expect("sizes agree");
-        let rows = kept.rows();
+        let rows = kept.dim();
         cost.multipliers = (0..rows).map(|_| rng.random_range(-0.5..3.0)).collect();
         cost.margins = (0..rows).map(|_| rng.random_range(0.0..0.1)).collect();
         let z: Vec<f64> = (0..3 * n).map(|_| rng.random_range(-1.0..1.0)).collect();
@@ -175,8 +175,10 @@ fn derivatives_are_those_of_duals() {
         let mut gradient = vec![0.0; 3 * n];
         for i in 0..3 * n {
             for j in 0..3 * n {
-                let mut moved: Vec<Twice> =
-                    z.iter().map(|z| <Twice as Over<f64>>::lift(*z)).collect();
+                let mut moved: Vec<Twice> = z
+                    .iter()
+                    .map(|z| <Twice as AlgebraOver<f64>>::lift(*z))
+                    .collect();
                 moved[i].re.eps[0] += 1.0;
                 moved[j].eps[0].re += 1.0;
                 let dual = by_formula(&model, &kept, rho, with, &moved);
@@ -197,12 +199,12 @@ fn a_point_goes_around_a_ball() {
     let start = vec![0.0, 0.0, 0.0, 0.0];
     let problem = Problem::new(&model, start, vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
     let (centre, radius) = (Vector3::new(0.5, 0.05, 0.0), 0.2);
-    let ball = Ball {
+    let ball = CollisionSphere {
         body: Some(1),
         centre: Vector3::zeros(),
         radius: 0.0,
     };
-    let kept = state(BuiltIn::Spheres(SphereBalls {
+    let kept = state(AnyConstraint::Spheres(SphereClearance {
         balls: vec![ball],
         spheres: vec![Sphere { centre, radius }],
     }));
@@ -242,7 +244,7 @@ fn a_velocity_limit_is_kept_at_the_known_cost() {
             side: Side::Upper,
             value,
         };
-        solved(&problem, &state(BuiltIn::Bounds(Bounds(vec![bound]))))
+        solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))))
     };
     let solution = limited(1.2);
     assert!(
@@ -265,7 +267,7 @@ fn a_velocity_limit_is_kept_at_the_known_cost() {
 fn a_torque_limit_is_kept() {
     let model = point_mass(&[Vector3::x()]);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let kept = Requirements {
+    let kept = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(5.0)]),
     };
@@ -284,16 +286,16 @@ fn a_torque_limit_is_kept() {
         solution.cost
     );
     // Four would do for the distance if it were forward for one half and backward for the other.
-    let kept = Requirements {
+    let kept = Constraints {
         torque: TorqueLimits(vec![Some(3.9)]),
         ..kept
     };
     assert!(!solved(&problem, &kept).converged);
-    let kept = Requirements {
+    let kept = Constraints {
         torque: TorqueLimits(vec![None; 2]),
         ..kept
     };
-    let limits = Requirements {
+    let limits = Constraints {
         torque: TorqueLimits(vec![Some(1.0); 2]),
         ..kept
     };
@@ -316,12 +318,12 @@ fn an_arm_among_spheres_keeps_clear() {
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
     let scenario = Scenario::load("kinova_obstacles_04").expect("built in");
-    let requirements = Requirements {
+    let requirements = Constraints {
         state: scenario.state_constraints().expect("valid"),
         torque: scenario.torque_limits(),
     };
     let settings = RelaxSettings {
-        bend: 1.25,
+        start_amplitude: 1.25,
         ..SolveOptions::default().relax_settings(&scenario)
     };
     let problem = scenario.problem().expect("valid");
@@ -339,6 +341,6 @@ fn an_end_in_an_obstacle_is_a_failure() {
         side: Side::Upper,
         value: 0.9,
     };
-    let solution = solved(&problem, &state(BuiltIn::Bounds(Bounds(vec![bound]))));
+    let solution = solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))));
     assert!(!solution.converged && solution.largest_violation >= 0.1 - 1e-9);
 }

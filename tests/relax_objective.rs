@@ -5,8 +5,8 @@ mod common;
 use aghf::curve::Basis;
 use aghf::linalg::BlockTridiagonal;
 use aghf::model::{Model, random_tree};
-use aghf::relax::{Derivatives, Grid, Objective, PointHessians, SquaredControl};
-use aghf::scalar::{Jet, Over};
+use aghf::relax::{ControlEffort, Derivatives, Grid, Objective, PackedHessian};
+use aghf::scalar::{AlgebraOver, Jet};
 use common::slider;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
@@ -24,29 +24,29 @@ fn second_order(
     moving: [usize; 2],
 ) -> Jet<Jet<f64, 1>, 1> {
     type Twice = Jet<Jet<f64, 1>, 1>;
-    let grid = Grid::new(basis, 7, 1.3).map(<Twice as Over<f64>>::lift);
-    let mut lifted = coefficients.map(<Twice as Over<f64>>::lift);
+    let grid = Grid::new(basis, 7, 1.3).map(<Twice as AlgebraOver<f64>>::lift);
+    let mut lifted = coefficients.map(<Twice as AlgebraOver<f64>>::lift);
     let first = basis.free().start * model.dof();
     lifted.as_mut_slice()[first + moving[0]].re.eps[0] += 1.0;
     lifted.as_mut_slice()[first + moving[1]].eps[0].re += 1.0;
-    let cost = SquaredControl::<f64, Twice>::new(model);
+    let cost = ControlEffort::<f64, Twice>::new(model);
     Objective::new(&grid, cost, model.dof())
         .value(&lifted)
         .expect("sizes agree")
 }
 
-/// Gradient and Hessian of one and of several pieces, with and without a free final velocity.
+/// Gradient and Hessian of one and of several segments, with and without a free final velocity.
 #[test]
 fn derivatives_are_those_of_duals() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    for (n, seed, pieces, degree, free) in
+    for (n, seed, segments, degree, free) in
         [(3, 1, 1, 6, false), (4, 2, 1, 5, true), (2, 5, 3, 4, true)]
     {
         let model = random_tree(n, seed).expect("n > 0");
-        let basis = Basis::new(pieces, degree, free);
+        let basis = Basis::new(segments, degree, free);
         let grid = Grid::new(&basis, 7, 1.3);
         let coefficients = random(&mut rng, n, basis.count());
-        let mut objective = Objective::new(&grid, SquaredControl::new(&model), n);
+        let mut objective = Objective::new(&grid, ControlEffort::new(&model), n);
         let mut derivatives = Derivatives::new(&grid, n);
         let value = objective
             .derivatives(&coefficients, &mut derivatives)
@@ -79,7 +79,7 @@ fn on_a_linear_robot_metric_and_hessian_are_one() {
     let grid = Grid::new(&basis, 8, 0.7);
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut derivatives = Derivatives::new(&grid, 1);
-    Objective::new(&grid, SquaredControl::new(&model), 1)
+    Objective::new(&grid, ControlEffort::new(&model), 1)
         .derivatives(&random(&mut rng, 1, basis.count()), &mut derivatives)
         .expect("sizes agree");
     let (hessian, metric) = (
@@ -101,7 +101,7 @@ fn the_factors_of_a_block_tridiagonal_matrix_solve() {
     let basis = Basis::new(3, 16, true);
     let grid = Grid::new(&basis, 20, 1.0);
     let mut derivatives = Derivatives::new(&grid, 4);
-    Objective::new(&grid, SquaredControl::new(&model), 4)
+    Objective::new(&grid, ControlEffort::new(&model), 4)
         .derivatives(&random(&mut rng, 4, basis.count()), &mut derivatives)
         .expect("sizes agree");
     let metric: BlockTridiagonal<f64> = derivatives.metric;
@@ -123,7 +123,7 @@ fn the_factors_of_a_block_tridiagonal_matrix_solve() {
 fn hessians_at_points_are_kept_whole() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     for n in [1, 2, 3] {
-        let mut kept = PointHessians::new(n, 5);
+        let mut kept = PackedHessian::new(n, 5);
         let half = random(&mut rng, 3 * n, 3 * n);
         let whole = &half + half.transpose();
         kept.set(2, &whole);

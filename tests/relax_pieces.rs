@@ -3,14 +3,14 @@
 mod common;
 
 use aghf::constraint::TorqueLimits;
-use aghf::constraint::{Bound, Bounds, BuiltIn, Side};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::dynamics::{Data, aba};
-use aghf::flow::measure;
+use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
 use aghf::relax::relax;
-use aghf::relax::{RelaxSettings, RelaxSolution, Requirements, relax_constrained};
+use aghf::relax::{Constraints, RelaxSettings, RelaxSolution, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use common::{robot, slider};
 use nalgebra::{DMatrix, DVector};
@@ -19,10 +19,10 @@ fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
     relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn size(pieces: usize, p: usize) -> RelaxSettings {
+fn size(segments: usize, p: usize) -> RelaxSettings {
     RelaxSettings {
-        p,
-        pieces,
+        degree: p,
+        segments,
         ..Default::default()
     }
 }
@@ -31,10 +31,10 @@ const HORIZON: f64 = 2.4;
 
 /// Parts of degree 4, all joints alike: a line with bends $b_e s^2 (h - s)^2$, so that the acceleration jumps where two meet.
 fn bent(model: &Model, bends: &[f64]) -> Curve {
-    let (n, pieces) = (model.dof(), bends.len());
-    let h = HORIZON / pieces as f64;
+    let (n, segments) = (model.dof(), bends.len());
+    let h = HORIZON / segments as f64;
     let nodes = Chebyshev::new(4, h).expect("valid");
-    let x = DMatrix::from_fn(2 * n, 5 * pieces, |row, column| {
+    let x = DMatrix::from_fn(2 * n, 5 * segments, |row, column| {
         let (e, node) = (column / 5, column % 5);
         // At both ends of a part there is nothing of its bend.
         let s = if node == 4 { 0.0 } else { nodes.times()[node] };
@@ -45,7 +45,7 @@ fn bent(model: &Model, bends: &[f64]) -> Curve {
             0.2 + 2.0 * bends[e] * s * (h - s) * (h - 2.0 * s)
         }
     });
-    Curve::piecewise(HORIZON, pieces, x).expect("valid")
+    Curve::piecewise(HORIZON, segments, x).expect("valid")
 }
 
 /// With $u = m a$ the effort of such a curve is $m^2 \sum_e \tfrac45 b_e^2 h^5$. Simpson's rule across a jump would be off by
@@ -55,7 +55,7 @@ fn measures_of_a_curve_of_parts() {
     let (mass, bends) = (3.0, [1.0, -2.0, 0.5, 1.5, -0.7, 2.0, -1.0]);
     let model = slider(mass);
     let curve = bent(&model, &bends);
-    let effort = measure(&model, &curve, 10.0).expect("same robot");
+    let effort = effort_of(&model, &curve, 10.0).expect("same robot");
     let squares: f64 = bends.iter().map(|b| b * b).sum();
     let exact = 0.8 * mass * mass * squares * (HORIZON / 7.0).powi(5);
     // On 286 intervals a part Simpson's rule itself is off by 24 / 286^4.
@@ -65,7 +65,7 @@ fn measures_of_a_curve_of_parts() {
     assert!((effort.action_at_nodes - exact).abs() < 1e-12 * exact);
     assert!(effort.dynamics_defect < 1e-13);
     let samples = sample(&model, &curve, 70).expect("same robot");
-    let after = curve.at_of(3, curve.joints()[3]).1[1];
+    let after = curve.at_in(3, curve.breakpoints()[3]).1[1];
     assert!((samples[30].a[0] - after).abs() < 1e-9 && (samples[70].t, samples[0].t) == (2.4, 0.0));
 }
 
@@ -102,12 +102,12 @@ fn the_cubic_is_found_on_pieces() {
     let model = slider(mass);
     let problem = Problem::new(&model, vec![0.2, 0.0], vec![1.0, 0.0], horizon).expect("valid");
     let exact = 12.0 * (mass * 0.8_f64).powi(2) / horizon.powi(3);
-    for (pieces, p) in [(3, 5), (2, 4), (7, 4), (6, 9)] {
-        let solution = solved(&problem, &size(pieces, p));
+    for (segments, p) in [(3, 5), (2, 4), (7, 4), (6, 9)] {
+        let solution = solved(&problem, &size(segments, p));
         assert!(solution.converged && (solution.cost - exact).abs() < 1e-11 * exact);
         assert_eq!(
-            (solution.curve.pieces(), solution.unknowns),
-            (pieces, pieces * (p - 1) - 2)
+            (solution.curve.segments(), solution.unknowns),
+            (segments, segments * (p - 1) - 2)
         );
         for s in [0.0, 0.1, 0.5, 0.7, 1.0_f64] {
             let (x, xdot) = solution.curve.at(s * horizon);
@@ -126,18 +126,18 @@ fn the_cubic_is_found_on_pieces() {
 fn finer_pieces_cost_no_more() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let problem = scenario.problem().expect("valid");
-    let from = |start: &RelaxSolution, pieces, p| {
+    let from = |start: &RelaxSolution, segments, p| {
         let settings = RelaxSettings {
             start: Some(start.curve.clone()),
-            agreement: 1e-7,
-            ..size(pieces, p)
+            quadrature_tolerance: 1e-7,
+            ..size(segments, p)
         };
         let solution = solved(&problem, &settings);
-        assert!(solution.converged, "{pieces} {p}");
+        assert!(solution.converged, "{segments} {p}");
         solution
     };
     let first = from(&solved(&problem, &size(1, 9)), 1, 9);
-    let [two, three] = [2, 3].map(|pieces| from(&first, pieces, 9));
+    let [two, three] = [2, 3].map(|segments| from(&first, segments, 9));
     let [four, six, higher] = [(4, 9), (6, 9), (2, 12)].map(|(n, p)| from(&two, n, p));
     // As well as the quadratures agree.
     for (finer, coarser) in [
@@ -150,11 +150,11 @@ fn finer_pieces_cost_no_more() {
         assert!(finer.cost <= coarser.cost * (1.0 + 1e-6));
     }
     assert!(two.cost < 0.99 * first.cost && four.cost < two.cost);
-    let effort = measure(&scenario.model, &four.curve, 1.0).expect("same robot");
+    let effort = effort_of(&scenario.model, &four.curve, 1.0).expect("same robot");
     assert!((effort.control_effort - four.cost).abs() < 1e-5 * four.cost);
     assert!(effort.dynamics_defect < 1e-9);
 
-    // From its own end there is nothing left to do; fewer pieces are a start like any other.
+    // From its own end there is nothing left to do; fewer segments are a start like any other.
     let again = from(&four, 4, 9);
     assert!(again.iterations.len() <= 2, "{:?}", again.iterations);
     assert_close!(again.curve.x(), four.curve.x(), 1e-8);
@@ -162,18 +162,18 @@ fn finer_pieces_cost_no_more() {
     assert!(from(&four, 3, 7).converged);
 }
 
-fn limited(pieces: usize, requirements: &Requirements<Vec<BuiltIn>>) -> RelaxSolution {
+fn limited(segments: usize, requirements: &Constraints<Vec<AnyConstraint>>) -> RelaxSolution {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     let settings = RelaxSettings {
-        p: 6,
-        pieces,
+        degree: 6,
+        segments,
         ..RelaxSettings::constrained()
     };
     relax_constrained(&problem, &settings, requirements, &mut |_| {}).expect("valid")
 }
 
-/// The velocity rises as a parabola for a quarter, stays at the limit and falls: exactly so on four pieces.
+/// The velocity rises as a parabola for a quarter, stays at the limit and falls: exactly so on four segments.
 #[test]
 fn limits_are_kept_on_pieces() {
     let bound = Bound {
@@ -181,8 +181,8 @@ fn limits_are_kept_on_pieces() {
         side: Side::Upper,
         value: 1.2,
     };
-    let velocity = Requirements {
-        state: vec![BuiltIn::Bounds(Bounds(vec![bound]))],
+    let velocity = Constraints {
+        state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
     };
     let exact = 8.0 * 1.44 / 3.0 / 0.25;
@@ -194,25 +194,25 @@ fn limits_are_kept_on_pieces() {
     let excess = solution.cost / exact - 1.0;
     // What the reserve of the rows costs.
     assert!((-1e-6..1e-5).contains(&excess), "{excess:e}");
-    assert!(solution.starts.is_sorted());
+    assert!(solution.start_costs.is_sorted());
 
-    // The control jumps where pieces meet: its limit holds on both sides.
-    let torque = Requirements {
+    // The control jumps where segments meet: its limit holds on both sides.
+    let torque = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(4.6)]),
     };
-    for pieces in [2, 3, 5] {
-        let solution = limited(pieces, &torque);
+    for segments in [2, 3, 5] {
+        let solution = limited(segments, &torque);
         assert!(
             solution.converged && solution.largest_violation <= 1e-6,
             "{solution:?}"
         );
         let curve = &solution.curve;
-        for (part, ends) in curve.joints().windows(2).enumerate() {
+        for (part, ends) in curve.breakpoints().windows(2).enumerate() {
             for i in 0..=1000 {
                 let t = ends[0] + (ends[1] - ends[0]) * f64::from(i) / 1000.0;
-                let u = curve.at_of(part, t).1[1];
-                assert!(u.abs() <= 4.6 + 2e-6, "{pieces} {part} {t}: {u}");
+                let u = curve.at_in(part, t).1[1];
+                assert!(u.abs() <= 4.6 + 2e-6, "{segments} {part} {t}: {u}");
             }
         }
     }
@@ -222,8 +222,8 @@ fn limits_are_kept_on_pieces() {
 fn an_arm_keeps_clear_on_pieces() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
     let options = SolveOptions {
-        p: Some(9),
-        pieces: Some(2),
+        degree: Some(9),
+        segments: Some(2),
         ..Default::default()
     };
     let summary = solve(&scenario, &options, &mut |_| {})
@@ -240,12 +240,12 @@ fn an_adaptive_degree_ends_where_it_is_enough() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let problem = scenario.problem().expect("valid");
     let settings = RelaxSettings {
-        adaptive: Some(0.01),
+        degree_tolerance: Some(0.01),
         ..size(1, 9)
     };
     let solution = solved(&problem, &settings);
     let adapted = solution.adapted.expect("it was asked for");
-    assert!(adapted.settled && solution.converged && adapted.tolerance == 0.01);
+    assert!(adapted.converged && solution.converged && adapted.tolerance == 0.01);
     let reached = solution.curve.chebyshev().degree();
     assert!(adapted.degrees.first() == Some(&9) && adapted.degrees.last() == Some(&reached));
     assert!((16..64).contains(&reached), "{adapted:?}");
@@ -262,26 +262,26 @@ fn an_adaptive_degree_ends_where_it_is_enough() {
 fn a_degree_that_is_not_enough_is_told() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let problem = scenario.problem().expect("valid");
-    for (pieces, p, degrees) in [(1, 48, vec![48, 64]), (8, 24, vec![24, 32])] {
+    for (segments, p, degrees) in [(1, 48, vec![48, 64]), (8, 24, vec![24, 32])] {
         let settings = RelaxSettings {
-            adaptive: Some(1e-9),
-            ..size(pieces, p)
+            degree_tolerance: Some(1e-9),
+            ..size(segments, p)
         };
         let solution = solved(&problem, &settings);
         let adapted = solution.adapted.expect("it was asked for");
         assert!(
-            !adapted.settled && adapted.degrees == degrees,
+            !adapted.converged && adapted.degrees == degrees,
             "{adapted:?}"
         );
     }
     // A degree at which the search does not converge says nothing about the next.
     let settings = RelaxSettings {
-        adaptive: Some(0.01),
+        degree_tolerance: Some(0.01),
         iterations: 1,
         ..size(1, 9)
     };
     let adapted = solved(&problem, &settings).adapted.expect("asked for");
-    assert_eq!((adapted.settled, adapted.degrees), (false, vec![9]));
+    assert_eq!((adapted.converged, adapted.degrees), (false, vec![9]));
 }
 
 #[test]
@@ -291,20 +291,20 @@ fn an_adaptive_degree_keeps_constraints() {
         side: Side::Upper,
         value: 1.2,
     };
-    let kept = Requirements {
-        state: vec![BuiltIn::Bounds(Bounds(vec![bound]))],
+    let kept = Constraints {
+        state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
     };
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     let settings = RelaxSettings {
-        p: 9,
-        adaptive: Some(0.01),
+        degree: 9,
+        degree_tolerance: Some(0.01),
         ..RelaxSettings::constrained()
     };
     let solution = relax_constrained(&problem, &settings, &kept, &mut |_| {}).expect("valid");
     let adapted = solution.adapted.expect("it was asked for");
-    assert!(solution.converged && adapted.settled, "{adapted:?}");
+    assert!(solution.converged && adapted.converged, "{adapted:?}");
     assert!(solution.largest_violation <= 1e-6 && adapted.degrees.len() >= 2);
     // The cost falls towards that of the parabolas and the straight line between.
     let exact = 8.0 * 1.44 / 3.0 / 0.25;
@@ -373,21 +373,24 @@ fn the_error_of_an_interval_by_nodes() {
 fn bad_sizes_are_errors() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let adaptive = |tolerance| RelaxSettings {
-        adaptive: Some(tolerance),
+    let degree_tolerance = |tolerance| RelaxSettings {
+        degree_tolerance: Some(tolerance),
         ..Default::default()
     };
     for (settings, words) in [
-        (size(0, 9), "pieces: it is 0, at least 1"),
+        (size(0, 9), "segments: it is 0, at least 1"),
         (
             size(29, 9),
-            "pieces: it is 29, at least 1 and for degree 9 at most 28",
+            "segments: it is 29, at least 1 and for degree 9 at most 28",
         ),
-        (size(usize::MAX, 9), "pieces: it is 18446744073709551615"),
-        (size(2, 3), "p: it is 3, at least 4"),
-        (adaptive(0.0), "adaptive: it is 0, a positive number"),
-        (adaptive(-0.1), "adaptive: it is -0.1"),
-        (adaptive(f64::NAN), "adaptive: it is NaN"),
+        (size(usize::MAX, 9), "segments: it is 18446744073709551615"),
+        (size(2, 3), "degree: it is 3, at least 4"),
+        (
+            degree_tolerance(0.0),
+            "degree_tolerance: it is 0, a positive number",
+        ),
+        (degree_tolerance(-0.1), "degree_tolerance: it is -0.1"),
+        (degree_tolerance(f64::NAN), "degree_tolerance: it is NaN"),
     ] {
         let error = relax(&problem, &settings, &mut |_| {}).expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");

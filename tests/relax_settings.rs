@@ -8,10 +8,10 @@ use aghf::curve::Curve;
 use aghf::motion::{Feedback, Problem, simulate};
 use aghf::relax::relax;
 use aghf::relax::{
-    FreeHorizon, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax_constrained,
+    Constraints, CostThroughDynamics, FreeHorizon, RelaxSettings, RelaxSolution, relax_constrained,
     relax_with,
 };
-use aghf::relax::{HyperDual64, Moment};
+use aghf::relax::{HyperDual64, StageInput};
 use aghf::scenario::Scenario;
 use common::slider;
 
@@ -22,7 +22,7 @@ fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
 /// Any velocity at the end.
 fn arriving_anyhow(p: usize) -> RelaxSettings {
     RelaxSettings {
-        p,
+        degree: p,
         free_final_velocity: true,
         ..Default::default()
     }
@@ -66,7 +66,7 @@ fn a_free_final_velocity_is_that_of_least_effort() {
         side: Side::Lower,
         value: -0.5,
     };
-    let kept = Requirements {
+    let kept = Constraints {
         state: Bounds(vec![bound]),
         torque: TorqueLimits(Vec::new()),
     };
@@ -89,8 +89,8 @@ fn a_free_final_velocity_costs_no_more() {
     let scenario = Scenario::load("kinova_free_04").expect("built in");
     let problem = scenario.problem().expect("valid");
     let fixed = RelaxSettings {
-        p: 9,
-        starts: 1,
+        degree: 9,
+        num_starts: 1,
         ..Default::default()
     };
     let fixed = solved(&problem, &fixed);
@@ -106,7 +106,7 @@ fn a_free_final_velocity_costs_no_more() {
     let bent = solved(
         &problem,
         &RelaxSettings {
-            starts: 4,
+            num_starts: 4,
             ..arriving_anyhow(9)
         },
     );
@@ -117,7 +117,7 @@ fn a_free_final_velocity_costs_no_more() {
 
 fn horizon(shortest: f64, longest: f64, weight: f64) -> RelaxSettings {
     RelaxSettings {
-        p: 7,
+        degree: 7,
         free_horizon: Some(FreeHorizon {
             shortest,
             longest,
@@ -174,14 +174,15 @@ fn the_neighbours_of_a_free_horizon_cost_more() {
     let model = &scenario.model;
     let (start, goal) = (vec![0.1, 0.2, 0.5, -1.0], vec![0.9, -0.3, 1.0, 0.5]);
     let problem = |t| Problem::new(model, start.clone(), goal.clone(), t).expect("valid");
-    let effort = |at: &Moment<'_, HyperDual64>| at.u.iter().map(|u| *u * *u).sum::<HyperDual64>();
-    let cost = RunningCost::new(model, |at| {
+    let effort =
+        |at: &StageInput<'_, HyperDual64>| at.u.iter().map(|u| *u * *u).sum::<HyperDual64>();
+    let cost = CostThroughDynamics::new(model, |at| {
         effort(at) * (at.t * 2.0 + 1.0) + at.t * at.t * 9.0
     });
     let weight = 40.0;
     let settings = RelaxSettings {
-        starts: 1,
-        agreement: 1e-8,
+        num_starts: 1,
+        quadrature_tolerance: 1e-8,
         ..horizon(0.2, 5.0, weight)
     };
     let run = |problem: &Problem<'_>, settings: &RelaxSettings| {
@@ -214,13 +215,13 @@ fn a_free_horizon_within_constraints() {
     let problem = |t| Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], t).expect("valid");
     // From rest to rest in T it takes 4 / T^2 at least, and 6 / T^2 for the least effort.
     let limit = 6.0;
-    let kept = Requirements {
+    let kept = Constraints {
         state: Bounds(Vec::new()),
         torque: TorqueLimits(vec![Some(limit)]),
     };
     let weight = 100.0;
     let settings = RelaxSettings {
-        starts: 1,
+        num_starts: 1,
         ..RelaxSettings::constrained()
     };
     let run = |t: f64, settings: &RelaxSettings| {

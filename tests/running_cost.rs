@@ -2,18 +2,19 @@
 
 mod common;
 
-use aghf::constraint::BuiltIn;
+use aghf::constraint::AnyConstraint;
 use aghf::constraint::TorqueLimits;
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
 use aghf::motion::Problem;
 use aghf::relax::relax;
 use aghf::relax::{
-    HyperDual64, Moment, Point, PointCost, PointDerivatives, RunningCost, SquaredControl, Weighted,
+    Constraints, RelaxSettings, RelaxSolution, relax_constrained, relax_constrained_with,
+    relax_with,
 };
 use aghf::relax::{
-    RelaxSettings, RelaxSolution, Requirements, relax_constrained, relax_constrained_with,
-    relax_with,
+    ControlEffort, CostThroughDynamics, HyperDual64, Point, PointCost, PointDerivatives,
+    StageInput, WeightedSquares,
 };
 use aghf::scenario::Scenario;
 use common::slider;
@@ -24,7 +25,7 @@ use rand_chacha::ChaCha8Rng;
 
 fn degree(p: usize) -> RelaxSettings {
     RelaxSettings {
-        p,
+        degree: p,
         ..Default::default()
     }
 }
@@ -67,7 +68,7 @@ fn derivatives<P: PointCost<f64>>(cost: &mut P, z: &[f64]) -> (f64, PointDerivat
 }
 
 /// A cost of everything, with curvature of both signs.
-fn mixed(at: &Moment<'_, HyperDual64>) -> HyperDual64 {
+fn mixed(at: &StageInput<'_, HyperDual64>) -> HyperDual64 {
     let n = at.q.len();
     (0..n).fold(at.t * at.t, |sum, i| {
         let j = (i + 1) % n;
@@ -84,7 +85,7 @@ fn mixed(at: &Moment<'_, HyperDual64>) -> HyperDual64 {
 fn derivatives_are_those_of_duals_through_the_dynamics() {
     for (n, seed) in [(1, 3), (3, 1), (4, 6)] {
         let (model, z) = anywhere(n, seed);
-        let (_, out) = derivatives(&mut RunningCost::new(&model, mixed), &z);
+        let (_, out) = derivatives(&mut CostThroughDynamics::new(&model, mixed), &z);
         let (mut gradient, mut hessian) = (vec![0.0; 3 * n], DMatrix::zeros(3 * n, 3 * n));
         for i in 0..3 * n {
             for j in 0..3 * n {
@@ -96,7 +97,7 @@ fn derivatives_are_those_of_duals_through_the_dynamics() {
                 let mut u = vec![HyperDual64::from(0.0); n];
                 rnea(&model, &mut Data::new(&model), q, v, a, &mut u).expect("sizes agree");
                 let t = HyperDual64::from(0.7);
-                let l = mixed(&Moment { t, q, v, a, u: &u });
+                let l = mixed(&StageInput { t, q, v, a, u: &u });
                 hessian[(i, j)] = l.eps1eps2;
                 gradient[i] = l.eps1;
             }
@@ -120,20 +121,22 @@ fn weighted_squares_are_those_of_duals_and_of_the_effort() {
             let all = x.iter().zip(weights(from));
             all.map(|(x, w)| *x * *x * w).sum::<HyperDual64>()
         };
-        let by_hand = Weighted::new(n, weights(0.5), weights(0.0), weights(0.2)).expect("good");
-        let (value, left) = derivatives(&mut RunningCost::of(&model, by_hand), &z);
-        let by_duals = |at: &Moment<'_, HyperDual64>| {
+        let by_hand =
+            WeightedSquares::new(n, weights(0.5), weights(0.0), weights(0.2)).expect("good");
+        let (value, left) = derivatives(&mut CostThroughDynamics::of(&model, by_hand), &z);
+        let by_duals = |at: &StageInput<'_, HyperDual64>| {
             squares(at.u, 0.5) + squares(at.v, 0.0) + squares(at.a, 0.2)
         };
-        let (again, right) = derivatives(&mut RunningCost::new(&model, by_duals), &z);
+        let (again, right) = derivatives(&mut CostThroughDynamics::new(&model, by_duals), &z);
         assert!((value - again).abs() < 1e-12 * value);
         assert_close!(&left.gradient, &right.gradient, 1e-13);
         assert_close!(&left.hessian, &right.hessian, 1e-13);
         assert_close!(&left.metric, &right.metric, 1e-13);
 
-        let torques = Weighted::new(n, vec![1.0; n], vec![0.0; n], vec![0.0; n]).expect("good");
-        let (value, left) = derivatives(&mut RunningCost::of(&model, torques), &z);
-        let (again, right) = derivatives(&mut SquaredControl::<f64, f64>::new(&model), &z);
+        let torques =
+            WeightedSquares::new(n, vec![1.0; n], vec![0.0; n], vec![0.0; n]).expect("good");
+        let (value, left) = derivatives(&mut CostThroughDynamics::of(&model, torques), &z);
+        let (again, right) = derivatives(&mut ControlEffort::<f64, f64>::new(&model), &z);
         assert!((value - again).abs() < 1e-12 * value);
         assert_close!(&left.gradient, &right.gradient, 1e-13);
         assert_close!(&left.hessian, &right.hessian, 1e-13);
@@ -145,7 +148,7 @@ fn weighted_squares_are_those_of_duals_and_of_the_effort() {
 #[test]
 fn squared_velocity_alone_is_a_cost() {
     let model = slider(2.0);
-    let cost = RunningCost::new(&model, |at| at.v[0] * at.v[0]);
+    let cost = CostThroughDynamics::new(&model, |at| at.v[0] * at.v[0]);
     let straight = Problem::new(&model, vec![0.0, 0.5], vec![1.0, 0.5], 2.0).expect("valid");
     let solution = solved(&straight, &degree(9), &cost);
     assert!(solution.converged && (solution.cost - 0.5).abs() < 1e-12);
@@ -161,8 +164,9 @@ fn squared_velocity_alone_is_a_cost() {
 #[test]
 fn a_joint_may_cost_nothing() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let weighted = Weighted::new(2, vec![1.0, 0.0], vec![0.0; 2], vec![0.0; 2]).expect("good");
-    let cost = RunningCost::of(&scenario.model, weighted);
+    let weighted =
+        WeightedSquares::new(2, vec![1.0, 0.0], vec![0.0; 2], vec![0.0; 2]).expect("good");
+    let cost = CostThroughDynamics::of(&scenario.model, weighted);
     let problem = scenario.problem().expect("valid");
     let solution = solved(&problem, &degree(9), &cost);
     let both = relax(&problem, &degree(9), &mut |_| {}).expect("valid");
@@ -175,7 +179,7 @@ fn a_joint_may_cost_nothing() {
 fn least_power_is_not_least_effort() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
-    let power = RunningCost::new(model, |at| {
+    let power = CostThroughDynamics::new(model, |at| {
         let both = at.u.iter().zip(at.v);
         both.map(|(u, v)| (*u * *v).powi(2)).sum::<HyperDual64>()
     });
@@ -205,7 +209,7 @@ fn another_cost_keeps_constraints() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
     let settings = RelaxSettings {
-        p: 9,
+        degree: 9,
         ..RelaxSettings::constrained()
     };
     let free = relax(&problem, &settings, &mut |_| {}).expect("valid");
@@ -218,18 +222,18 @@ fn another_cost_keeps_constraints() {
         .iter()
         .flat_map(|s| &s.u)
         .fold(0.0_f64, |m, u| m.max(u.abs()));
-    let kept: Requirements<Vec<BuiltIn>> = Requirements {
+    let kept: Constraints<Vec<AnyConstraint>> = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(0.8 * most); 2]),
     };
     let effort = relax_constrained(&problem, &settings, &kept, &mut |_| {}).expect("valid");
-    let run = |cost: &RunningCost<'_, Weighted>| {
+    let run = |cost: &CostThroughDynamics<'_, WeightedSquares>| {
         let found = relax_constrained_with(&problem, &settings, &kept, cost, &mut |_| {});
         found.unwrap_or_else(|e| panic!("{e}"))
     };
     let weighted = |torque: f64, velocity: f64| {
-        let weighted = Weighted::new(2, vec![torque; 2], vec![velocity; 2], vec![0.0; 2]);
-        RunningCost::of(model, weighted.expect("good"))
+        let weighted = WeightedSquares::new(2, vec![torque; 2], vec![velocity; 2], vec![0.0; 2]);
+        CostThroughDynamics::of(model, weighted.expect("good"))
     };
     let twice = run(&weighted(2.0, 0.0));
     assert!(effort.converged && twice.converged, "{twice:?}");
@@ -253,8 +257,8 @@ fn another_cost_keeps_constraints() {
 fn what_makes_no_sense_is_refused() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let below = |at: &Moment<'_, HyperDual64>| at.u[0] * at.u[0] - 1e3;
-    let cost = RunningCost::new(&model, below);
+    let below = |at: &StageInput<'_, HyperDual64>| at.u[0] * at.u[0] - 1e3;
+    let cost = CostThroughDynamics::new(&model, below);
     let error = relax_with(&problem, &degree(6), &cost, &mut |_| {});
     let error = error.expect_err("it is negative").to_string();
     assert!(
@@ -262,7 +266,7 @@ fn what_makes_no_sense_is_refused() {
         "{error}"
     );
     // A constant makes it good, and does not move the optimum.
-    let cost = RunningCost::new(&model, |at| at.u[0] * at.u[0] + 1e3);
+    let cost = CostThroughDynamics::new(&model, |at| at.u[0] * at.u[0] + 1e3);
     let solution = solved(&problem, &degree(6), &cost);
     assert!(solution.converged && (solution.cost - 1012.0).abs() < 1e-6);
     for (weights, words) in [
@@ -281,7 +285,7 @@ fn what_makes_no_sense_is_refused() {
         ([vec![0.0], vec![0.0], vec![0.0]], "all: all are zero"),
     ] {
         let [torque, velocity, acceleration] = weights;
-        let error = Weighted::new(1, torque, velocity, acceleration).expect_err(words);
+        let error = WeightedSquares::new(1, torque, velocity, acceleration).expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");
     }
 }

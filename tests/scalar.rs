@@ -5,7 +5,7 @@ mod common;
 use aghf::dynamics::{Data, rnea};
 use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
-use aghf::scalar::{Lanes, Over, Scalar};
+use aghf::scalar::{AlgebraOver, Lanes, Scalar};
 use common::{config, numbers};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
@@ -82,7 +82,7 @@ proptest! {
 
     #[test]
     fn scaling_is_multiplying_by_the_promoted_constant(x in -3.0..3.0_f64, c in -3.0..3.0_f64) {
-        fn same<S: Over<f64>>(x: S, c: f64) {
+        fn same<S: AlgebraOver<f64>>(x: S, c: f64) {
             assert_eq!(x.scale(c), x * S::lift(c));
             assert_eq!(S::lift(c), <S as Scalar>::from_f64(c));
         }
@@ -91,7 +91,7 @@ proptest! {
         same(Lanes([x; 4]), c);
         // `==` looks at the real part of a dual number only, so its other parts are looked at one by one.
         let dual = HyperDual64::new(x, 2.0, 3.0, 4.0);
-        let (scaled, promoted) = (Over::scale(dual, c), dual * HyperDual64::from(c));
+        let (scaled, promoted) = (AlgebraOver::scale(dual, c), dual * HyperDual64::from(c));
         prop_assert_eq!(
             (scaled.re, scaled.eps1, scaled.eps2, scaled.eps1eps2),
             (promoted.re, promoted.eps1, promoted.eps2, promoted.eps1eps2)

@@ -105,8 +105,8 @@ fn the_summary_of_a_relaxation_is_consistent() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let mut seen = Vec::new();
     let options = SolveOptions {
-        p: Some(9),
-        starts: Some(2),
+        degree: Some(9),
+        num_starts: Some(2),
         ..Default::default()
     };
     let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
@@ -168,10 +168,10 @@ fn options_of_the_other_method_are_errors() {
     ];
     let flow_with = [(
         SolveOptions {
-            starts: Some(2),
+            num_starts: Some(2),
             ..by_flow()
         },
-        "starts",
+        "num_starts",
     )];
     for (options, what) in relax_with.into_iter().chain(flow_with) {
         let error = solve(&scenario, &options, &mut |_| {})
@@ -270,9 +270,18 @@ fn bad_options_are_errors() {
     let nan = f64::NAN;
     let base = by_flow();
     let cases = [
-        (SolveOptions { p: Some(0), ..base }, "p: it is 0"),
         (
-            SolveOptions { p: Some(1), ..base },
+            SolveOptions {
+                degree: Some(0),
+                ..base
+            },
+            "p: it is 0",
+        ),
+        (
+            SolveOptions {
+                degree: Some(1),
+                ..base
+            },
             "p: it is 1, at least 2",
         ),
         (
@@ -344,7 +353,7 @@ fn the_same_solve_gives_the_same_bits() {
         solved(
             "pendulum_1_swingup",
             &SolveOptions {
-                p: Some(5),
+                degree: Some(5),
                 ..options
             },
         );

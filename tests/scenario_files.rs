@@ -76,7 +76,7 @@ fn what_a_file_says_is_what_is_solved() {
         (7, 1e5, 10.0, 1e-4)
     );
     let options = SolveOptions {
-        p: Some(4),
+        degree: Some(4),
         k: Some(3.0),
         s_max: Some(2.0),
         tolerance: Some(1e-3),

@@ -35,8 +35,8 @@ fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
 fn solved(name: &str, keys: Value) -> (Outcome, RelaxDetails) {
     let scenario = load(name, &with(keys)).expect("it is good");
     let options = SolveOptions {
-        p: Some(9),
-        starts: Some(2),
+        degree: Some(9),
+        num_starts: Some(2),
         ..Default::default()
     };
     let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
@@ -51,9 +51,9 @@ fn solved(name: &str, keys: Value) -> (Outcome, RelaxDetails) {
 fn the_horizon_is_that_of_all_pieces() {
     let scenario = load("pieces", &plain()).expect("it is good");
     let options = SolveOptions {
-        p: Some(6),
-        pieces: Some(2),
-        starts: Some(1),
+        degree: Some(6),
+        segments: Some(2),
+        num_starts: Some(1),
         ..Default::default()
     };
     let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");

@@ -5,8 +5,8 @@ mod common;
 use aghf::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
     InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba, aba_derivatives,
-    aba_second_derivatives, bias, cdot_derivatives, crba, crba_second_derivatives,
-    hdot_derivatives, rnea, rnea_second_derivatives,
+    aba_second_derivatives, bias, bias_rate_derivatives, crba, crba_second_derivatives,
+    mass_matrix_rate_derivatives, rnea, rnea_second_derivatives,
 };
 use aghf::linalg::{Tensor3, Tensor4};
 use aghf::model::Model;
@@ -198,7 +198,8 @@ fn check_rates(model: &Model, x: &[f64], xdot: &[f64]) {
     let (q, v) = x.split_at(n);
     let (qdot, vdot) = xdot.split_at(n);
     let mut dhdot = Tensor3::new(n);
-    hdot_derivatives(&mass_tensors(model, q, v).dqdq, qdot, &mut dhdot).expect("sizes agree");
+    mass_matrix_rate_derivatives(&mass_tensors(model, q, v).dqdq, qdot, &mut dhdot)
+        .expect("sizes agree");
     let by_duals = |k| mixed(&|q: &[HyperDual64]| mass(model, q), q, qdot, &unit(n, k));
     let expected: Vec<f64> = (0..n).flat_map(by_duals).collect();
     close("dHdot/dq", dhdot.entries(), &expected, BOUND);
@@ -209,7 +210,7 @@ fn check_rates(model: &Model, x: &[f64], xdot: &[f64]) {
         c
     };
     let mut dcdot = BiasRateDerivatives::new(n);
-    cdot_derivatives(
+    bias_rate_derivatives(
         &id_tensors(model, q, v, &zeros(n)),
         &DVector::from_column_slice(qdot),
         &DVector::from_column_slice(vdot),
@@ -360,12 +361,12 @@ fn wrong_lengths_are_errors_not_panics() {
     );
     let mut small = MassMatrixDerivatives::new(2);
     crba_second_derivatives(&model, &mut data, &good, &good, &mut small).expect_err("too small");
-    hdot_derivatives(&mass.dqdq, &bad, &mut Tensor3::new(3)).expect_err("too short");
-    hdot_derivatives(&mass.dqdq, &good, &mut Tensor3::new(2)).expect_err("too small");
+    mass_matrix_rate_derivatives(&mass.dqdq, &bad, &mut Tensor3::new(3)).expect_err("too short");
+    mass_matrix_rate_derivatives(&mass.dqdq, &good, &mut Tensor3::new(2)).expect_err("too small");
     let mut rate = BiasRateDerivatives::new(3);
     let (long, short) = (DVector::zeros(3), DVector::zeros(2));
-    cdot_derivatives(&id, &long, &short, &mut rate).expect_err("too short");
-    cdot_derivatives(&id, &short, &short, &mut rate).expect_err("too short");
+    bias_rate_derivatives(&id, &long, &short, &mut rate).expect_err("too short");
+    bias_rate_derivatives(&id, &short, &short, &mut rate).expect_err("too short");
     let fd = ForwardDynamicsDerivatives::<f64>::new(2);
     let mut out = ForwardDynamicsSecondDerivatives::new(3);
     aba_second_derivatives(&fd, &id, &mut out).expect_err("sizes differ");

@@ -4,7 +4,7 @@ mod common;
 
 use aghf::curve::{Chebyshev, Curve};
 use aghf::flow::jacobian::JacobianKind;
-use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, flow, measure};
+use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, effort_of, flow};
 use aghf::model::{Model, pendulum};
 use aghf::motion::{Feedback, Guess, Problem, sample, simulate};
 use aghf::scenario::{Method, Scenario, SolveOptions, builtin_scenarios};
@@ -151,13 +151,13 @@ fn measures_of_a_known_curve() {
     let chebyshev = Chebyshev::new(4, 2.0).expect("valid");
     let x = DMatrix::from_fn(2, 5, |row, _| row as f64);
     let curve = Curve::new(chebyshev, x).expect("valid");
-    let effort = measure(&model, &curve, 100.0).expect("same robot");
+    let effort = effort_of(&model, &curve, 100.0).expect("same robot");
     assert!((effort.control_effort - 2.0 * 4.905_f64.powi(2)).abs() < 1e-10);
     assert!((effort.action - effort.control_effort - 200.0).abs() < 1e-10);
     assert!((effort.action_at_nodes - effort.action).abs() < 1e-10);
     assert!((effort.dynamics_defect - 1.0).abs() < 1e-12);
     assert!(
-        measure(&model, &consistent(&model, 0.3), 1.0)
+        effort_of(&model, &consistent(&model, 0.3), 1.0)
             .expect("same robot")
             .dynamics_defect
             < 1e-12
@@ -282,7 +282,7 @@ fn bad_problems_and_settings_are_errors() {
     }
     let other = robot("pendulum_2");
     simulate(&other, &consistent(&model, 0.1), Feedback::NONE).expect_err("another robot");
-    measure(&other, &consistent(&model, 0.1), 1.0).expect_err("another robot");
+    effort_of(&other, &consistent(&model, 0.1), 1.0).expect_err("another robot");
 }
 
 /// Acceptance: the flow solves every built-in scenario with the parameters in its file.

@@ -12,7 +12,7 @@ use aghf::flow::jacobian::theorem_b4::Quantities;
 use aghf::flow::jacobian::{ForwardDual, JacobianKind, NodeBlocks, NodeJacobian, TheoremB4};
 use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
-use aghf::scalar::Over;
+use aghf::scalar::AlgebraOver;
 use common::{config, model_and_node, robot, robots};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, Dual64};
@@ -208,7 +208,7 @@ fn check_node(model: &Model, parts: &Parts<f64>) {
 fn blocks_of(mut jacobian: impl NodeJacobian, parts: &Parts<f64>, k: f64) -> NodeBlocks {
     let mut blocks = NodeBlocks::new(parts[0].len() / 2);
     jacobian
-        .at(node(parts), k, &mut blocks)
+        .evaluate(node(parts), k, &mut blocks)
         .expect("lengths agree");
     blocks
 }
@@ -258,8 +258,8 @@ proptest! {
         let other = [parts[2].clone(), parts[0].clone(), parts[1].clone()];
         let mut jacobian = TheoremB4::new(&model);
         let mut blocks = NodeBlocks::new(model.dof());
-        jacobian.at(node(&other), 3.0, &mut blocks).expect("lengths agree");
-        jacobian.at(node(&parts), 7.0, &mut blocks).expect("lengths agree");
+        jacobian.evaluate(node(&other), 3.0, &mut blocks).expect("lengths agree");
+        jacobian.evaluate(node(&parts), 7.0, &mut blocks).expect("lengths agree");
         prop_assert_eq!(blocks, blocks_of(TheoremB4::new(&model), &parts, 7.0));
     }
 }
@@ -317,7 +317,7 @@ fn the_jacobian_of_every_robot() {
 /// The same code over other scalars: duals carry the value along bit for bit, single precision to its precision.
 #[test]
 fn it_runs_over_other_scalars() {
-    fn of<S: Over<f64>>(model: &Model, parts: &Parts<f64>) -> NodeBlocks<S> {
+    fn of<S: AlgebraOver<f64>>(model: &Model, parts: &Parts<f64>) -> NodeBlocks<S> {
         let parts = parts
             .clone()
             .map(|part| part.into_iter().map(S::lift).collect());
@@ -353,7 +353,7 @@ fn it_is_found_by_name() {
     let parts = &states(2)[4];
     let mut blocks = NodeBlocks::new(2);
     kind.build(&model)
-        .at(node(parts), 2.0, &mut blocks)
+        .evaluate(node(parts), 2.0, &mut blocks)
         .expect("lengths agree");
     assert_eq!(blocks, blocks_of(TheoremB4::new(&model), parts, 2.0));
 }
@@ -371,13 +371,13 @@ fn wrong_lengths_are_errors() {
     ] {
         let node = Node { x, xdot, xddot };
         let error = jacobian
-            .at(node, 1.0, &mut blocks)
+            .evaluate(node, 1.0, &mut blocks)
             .expect_err("one is short")
             .to_string();
         assert!(error.contains("expected 4 entries, found 3"), "{error}");
     }
     let good = [long.clone(), long.clone(), long];
     jacobian
-        .at(node(&good), 1.0, &mut NodeBlocks::new(3))
+        .evaluate(node(&good), 1.0, &mut NodeBlocks::new(3))
         .expect_err("too large");
 }

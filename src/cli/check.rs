@@ -1,6 +1,6 @@
 //! `aghf check`.
 
-use super::{OFF, Reading, print, print_json};
+use super::{CHECK_FAILED, UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_table;
 use crate::verify::duals::check_relaxation;
@@ -18,7 +18,7 @@ pub(super) struct Check {
     /// A robot that is built in, or the path of a URDF file.
     robot: String,
     #[command(flatten)]
-    reading: Reading,
+    reading: UrdfArgs,
     /// How many random states.
     #[arg(long, default_value_t = CheckOptions::default().samples)]
     samples: usize,
@@ -63,7 +63,7 @@ impl Check {
         Ok(if passed {
             ExitCode::SUCCESS
         } else {
-            ExitCode::from(OFF)
+            ExitCode::from(CHECK_FAILED)
         })
     }
 }

@@ -1,8 +1,8 @@
 //! `aghf eval`.
 
-use super::{Reading, print_json};
+use super::{UrdfArgs, print_json};
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, crba_derivatives, rnea_derivatives,
+    Data, InverseDynamicsDerivatives, aba, bias, mass_matrix_and_rate, rnea_derivatives,
 };
 use crate::error::{Error, Result};
 use crate::flow::{ControlForm, Node, RightHandSide};
@@ -24,7 +24,7 @@ pub(super) struct Eval {
     /// A robot that is built in, or the path of a URDF file.
     robot: String,
     #[command(flatten)]
-    reading: Reading,
+    reading: UrdfArgs,
     /// The JSON file.
     input: PathBuf,
 }
@@ -157,7 +157,7 @@ impl Input {
         rnea_derivatives(model, data, &q, &v, &a, &mut id)?;
         bias(model, data, &q, &v, &mut c)?;
         aba(model, data, &q, &v, &tau, &mut acceleration)?;
-        crba_derivatives(
+        mass_matrix_and_rate(
             model,
             data,
             &q,

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Exit code for a derivative that is off by more than its bound, or an identity that fails.
-const OFF: u8 = 1;
+const CHECK_FAILED: u8 = 1;
 /// Exit code for bad input.
 const BAD_INPUT: u8 = 2;
 /// Exit code for a solve that failed.
@@ -53,13 +53,13 @@ enum Command {
 
 /// How to read a robot.
 #[derive(Debug, Args)]
-struct Reading {
+struct UrdfArgs {
     /// What to do with the mimic joints of a URDF file: refuse the robot, or let them move by themselves.
     #[arg(long, value_enum, default_value_t)]
     mimic: Mimic,
 }
 
-impl Reading {
+impl UrdfArgs {
     /// The robot that is built in under this name, or else the one in this file.
     fn load(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
         let options = UrdfOptions { mimic: self.mimic };

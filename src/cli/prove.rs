@@ -1,6 +1,6 @@
 //! `aghf prove`.
 
-use super::{OFF, print, print_json};
+use super::{CHECK_FAILED, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::verdict_table;
 use crate::verify::field::prove;
@@ -58,7 +58,7 @@ impl Prove {
         Ok(if failures.is_empty() {
             ExitCode::SUCCESS
         } else {
-            ExitCode::from(OFF)
+            ExitCode::from(CHECK_FAILED)
         })
     }
 }

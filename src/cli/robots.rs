@@ -1,6 +1,6 @@
 //! `aghf robots`.
 
-use super::{Reading, print, print_json};
+use super::{UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::{robot_table, write_text};
@@ -16,7 +16,7 @@ pub(super) struct Robots {
     /// A robot that is built in, or the path of a URDF file [default: all that are built in].
     robot: Option<String>,
     #[command(flatten)]
-    reading: Reading,
+    reading: UrdfArgs,
     /// Write the robot to this file as a URDF of what the dynamics read, fixed joints merged.
     #[arg(long, requires = "robot")]
     urdf: Option<PathBuf>,

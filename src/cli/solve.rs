@@ -23,15 +23,15 @@ pub(super) struct Solve {
     /// How to solve it.
     #[arg(long, value_enum, default_value_t)]
     method: Method,
-    /// Degree of the polynomial, or of each piece [default: 16 for relax].
-    #[arg(long)]
-    p: Option<usize>,
+    /// Degree of the polynomial, or of each segment [default: 16 for relax].
+    #[arg(long, alias = "p")]
+    degree: Option<usize>,
     /// Of relax: of how many polynomials on equal parts of the horizon the motion is made [default: 1].
-    #[arg(long)]
-    pieces: Option<usize>,
+    #[arg(long, alias = "pieces")]
+    segments: Option<usize>,
     /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
-    #[arg(long, allow_negative_numbers = true)]
-    adaptive: Option<f64>,
+    #[arg(long, alias = "adaptive", allow_negative_numbers = true)]
+    degree_tolerance: Option<f64>,
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -70,9 +70,9 @@ impl Default for Solve {
         Self {
             scenario: "kinova_free_01".to_owned(),
             method: Method::default(),
-            p: None,
-            pieces: None,
-            adaptive: None,
+            degree: None,
+            segments: None,
+            degree_tolerance: None,
             tolerance: None,
             starts: None,
             jacobian: None,
@@ -92,11 +92,11 @@ impl Solve {
         let scenario = Scenario::load(&self.scenario)?;
         let options = SolveOptions {
             method: self.method,
-            p: self.p,
-            pieces: self.pieces,
-            adaptive: self.adaptive,
+            degree: self.degree,
+            segments: self.segments,
+            degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance,
-            starts: self.starts,
+            num_starts: self.starts,
             jacobian: self.jacobian,
             k: self.k,
             s_max: self.s_max,

@@ -1,16 +1,19 @@
 //! The constraints that a scenario can ask for.
 
-use super::{Bounds, Constraint, Contraction, HalfSpaceBalls, SphereBalls, State, Weights};
+use super::{
+    Bounds, Constraint, HalfSpaceClearance, PlacedState, SphereClearance, WeightedDerivatives,
+    Weights,
+};
 use crate::error::Result;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// One of the constraints that are here, so that a list can hold different ones.
 #[derive(Clone, Debug, PartialEq)]
-pub enum BuiltIn<C: Scalar = f64> {
+pub enum AnyConstraint<C: Scalar = f64> {
     /// Balls outside spheres.
-    Spheres(SphereBalls<C>),
+    Spheres(SphereClearance<C>),
     /// Balls in a half-space.
-    HalfSpace(HalfSpaceBalls<C>),
+    HalfSpace(HalfSpaceClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
 }
@@ -19,32 +22,32 @@ pub enum BuiltIn<C: Scalar = f64> {
 macro_rules! each {
     ($of:expr, $it:ident => $what:expr) => {
         match $of {
-            BuiltIn::Spheres($it) => $what,
-            BuiltIn::HalfSpace($it) => $what,
-            BuiltIn::Bounds($it) => $what,
+            AnyConstraint::Spheres($it) => $what,
+            AnyConstraint::HalfSpace($it) => $what,
+            AnyConstraint::Bounds($it) => $what,
         }
     };
 }
 
-impl<C: Scalar> Constraint<C> for BuiltIn<C> {
-    fn rows(&self) -> usize {
-        each!(self, it => it.rows())
+impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
+    fn dim(&self) -> usize {
+        each!(self, it => it.dim())
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         each!(self, it => it.value(at, g))
     }
 
-    fn slopes(&self, slopes: &mut [C]) {
-        each!(self, it => it.slopes(slopes));
+    fn row_scales(&self, slopes: &mut [C]) {
+        each!(self, it => it.row_scales(slopes));
     }
 
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        each!(self, it => it.contract(at, weights, out))
+        each!(self, it => it.add_weighted_derivatives(at, weights, out))
     }
 }

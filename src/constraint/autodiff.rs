@@ -1,9 +1,9 @@
 //! Contractions of any constraint by dual numbers of its value.
 
-use super::{Constraint, Contraction, State, Weights};
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
-use crate::scalar::{Jet, Over, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar};
 use crate::spatial::Placement;
 
 /// How many tangents one pass carries.
@@ -59,13 +59,13 @@ impl<T: Scalar> Moving<T> {
     fn value<C: Scalar, S: Scalar, K: Constraint<C> + ?Sized>(
         &mut self,
         constraint: &K,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
     ) -> Result<&[T]>
     where
-        T: Over<C>,
+        T: AlgebraOver<C>,
     {
         forward_kinematics(at.model, &self.x[..self.x.len() / 2], &mut self.placements)?;
-        let moved = State {
+        let moved = PlacedState {
             model: at.model,
             x: &self.x,
             placements: &self.placements,
@@ -76,22 +76,25 @@ impl<T: Scalar> Moving<T> {
 }
 
 /// The contractions of `constraint`, added to `out`.
-pub(super) fn contract<C: Scalar, S: Over<C>, K: Constraint<C> + ?Sized>(
+pub(super) fn add_weighted_derivatives<C: Scalar, S: AlgebraOver<C>, K: Constraint<C> + ?Sized>(
     constraint: &K,
-    at: &State<'_, C, S>,
+    at: &PlacedState<'_, C, S>,
     weights: Weights<'_, S>,
-    out: &mut Contraction<S>,
+    out: &mut WeightedDerivatives<S>,
 ) -> Result<()> {
-    if constraint.rows() == 0 {
+    if constraint.dim() == 0 {
         return Ok(());
     }
-    let Contraction {
+    let WeightedDerivatives {
         gradient,
         hessian,
         scratch,
         ..
     } = out;
-    let Weights { w, c } = weights;
+    let Weights {
+        first_order: w,
+        gauss_newton: c,
+    } = weights;
     let m = at.x.len();
     let chunks = |end: usize| {
         (0..end)
@@ -100,7 +103,7 @@ pub(super) fn contract<C: Scalar, S: Over<C>, K: Constraint<C> + ?Sized>(
     };
 
     let moving = &mut scratch.first;
-    moving.reset(at.x, Jet::constant, constraint.rows());
+    moving.reset(at.x, Jet::constant, constraint.dim());
     for chunk in chunks(m) {
         for (lane, j) in chunk.clone().enumerate() {
             moving.x[j].eps[lane] = S::one();
@@ -118,7 +121,7 @@ pub(super) fn contract<C: Scalar, S: Over<C>, K: Constraint<C> + ?Sized>(
     let Some(c) = c else { return Ok(()) };
     let moving = &mut scratch.second;
     let constant = |x| Jet::constant(Jet::constant(x));
-    moving.reset(at.x, constant, constraint.rows());
+    moving.reset(at.x, constant, constraint.dim());
     for i in 0..m {
         moving.x[i].re.eps[0] = S::one();
         for chunk in chunks(i + 1) {

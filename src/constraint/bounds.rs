@@ -1,9 +1,9 @@
 //! Bounds on single numbers: positions, velocities, torques.
 
-use super::{Constraint, Contraction, State, Weights};
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::{Limits, Model};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// Which side of a number is bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl<C: Scalar> Bound<C> {
     /// $g$, linear in the number `x` that is bounded: $x - \bar x$ or $\bar x - x$.
     #[inline]
     #[must_use]
-    pub fn row<S: Over<C>>(&self, x: S) -> S {
+    pub fn row<S: AlgebraOver<C>>(&self, x: S) -> S {
         self.signed(x - S::lift(self.value))
     }
 
@@ -95,27 +95,27 @@ pub(super) fn entry<S: Copy>(x: &[S], i: usize) -> Result<S> {
 }
 
 impl<C: Scalar> Constraint<C> for Bounds<C> {
-    fn rows(&self) -> usize {
+    fn dim(&self) -> usize {
         self.0.len()
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         for (bound, g) in self.0.iter().zip(g) {
             *g = bound.row(entry(at.x, bound.entry)?);
         }
         Ok(())
     }
 
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         for (row, bound) in self.0.iter().enumerate() {
             entry(at.x, bound.entry)?;
-            let c = weights.c.map_or(S::zero(), |c| c[row]);
-            out.add_entry(bound.entry, bound.signed(weights.w[row]), c);
+            let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
+            out.add_entry(bound.entry, bound.signed(weights.first_order[row]), c);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Links as capsules, and balls that cover them.
 
-use super::{Ball, HalfSpace, Sphere};
+use super::{CollisionSphere, HalfSpace, Sphere};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::spatial::Placement;
@@ -53,7 +53,7 @@ impl Capsule {
     ///
     /// # Errors
     /// `spacing` is not positive and finite, or the radius is negative or not finite.
-    pub fn balls(&self, spacing: f64) -> Result<Vec<Ball>> {
+    pub fn balls(&self, spacing: f64) -> Result<Vec<CollisionSphere>> {
         for (what, value, good) in [
             ("spacing", spacing, spacing > 0.0),
             ("radius", self.radius, self.radius >= 0.0),
@@ -71,7 +71,7 @@ impl Capsule {
         } else {
             0.0
         };
-        let ball = |i: u32| Ball {
+        let ball = |i: u32| CollisionSphere {
             body: self.body,
             centre: from + (to - from) * (f64::from(i) / pieces.max(1.0)),
             radius: self.radius.hypot(half),

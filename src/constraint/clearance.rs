@@ -1,14 +1,14 @@
 //! Balls that bodies carry, and what they have to stay out of.
 
-use super::{Constraint, Contraction, State, Weights};
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
 /// A ball that a body carries, in m; one with radius zero is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball<C: Scalar = f64> {
+pub struct CollisionSphere<C: Scalar = f64> {
     /// The body; `None` is the base.
     pub body: Option<usize>,
     /// Its centre in the body.
@@ -17,7 +17,7 @@ pub struct Ball<C: Scalar = f64> {
     pub radius: C,
 }
 
-impl<C: Scalar> Ball<C> {
+impl<C: Scalar> CollisionSphere<C> {
     /// The origins of all joint frames as points: what the paper keeps out of obstacles.
     #[must_use]
     pub fn joint_frames(model: &Model<C>) -> Vec<Self> {
@@ -62,19 +62,19 @@ pub struct Sphere<C: Scalar = f64> {
 /// Every ball stays out of every sphere: $g = (r + \rho)^2 - |p - c|^2$ in m^2, with $\rho$ and `p` of the ball and `r` and `c` of
 /// the sphere. Row `i m + j` is that of ball `i` and sphere `j` of `m`. The squares keep it smooth everywhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SphereBalls<C: Scalar = f64> {
+pub struct SphereClearance<C: Scalar = f64> {
     /// What the robot carries.
-    pub balls: Vec<Ball<C>>,
+    pub balls: Vec<CollisionSphere<C>>,
     /// What is in its way.
     pub spheres: Vec<Sphere<C>>,
 }
 
-impl<C: Scalar> Constraint<C> for SphereBalls<C> {
-    fn rows(&self) -> usize {
+impl<C: Scalar> Constraint<C> for SphereClearance<C> {
+    fn dim(&self) -> usize {
         self.balls.len() * self.spheres.len()
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let mut rows = g.iter_mut();
         for ball in &self.balls {
             let p = at.point(ball.body, &ball.centre)?;
@@ -88,7 +88,7 @@ impl<C: Scalar> Constraint<C> for SphereBalls<C> {
     }
 
     /// $2 (r + \rho)$, as $g$ is about that times the depth.
-    fn slopes(&self, slopes: &mut [C]) {
+    fn row_scales(&self, slopes: &mut [C]) {
         let balls = self.balls.iter();
         let reaches = balls.flat_map(|b| self.spheres.iter().map(|s| s.radius + b.radius));
         for (slope, reach) in slopes.iter_mut().zip(reaches) {
@@ -97,11 +97,11 @@ impl<C: Scalar> Constraint<C> for SphereBalls<C> {
     }
 
     /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         let (two, four) = (S::from_f64(2.0), S::from_f64(4.0));
         let mut rows = 0..;
@@ -111,10 +111,10 @@ impl<C: Scalar> Constraint<C> for SphereBalls<C> {
             let mut outer = Matrix3::zeros();
             for (sphere, row) in self.spheres.iter().zip(&mut rows) {
                 let d = p - sphere.centre.map(S::lift);
-                let w = weights.w[row];
+                let w = weights.first_order[row];
                 pull += d * w;
                 total += w;
-                if let Some(c) = weights.c {
+                if let Some(c) = weights.gauss_newton {
                     let scaled = d * c[row];
                     outer += scaled * d.transpose();
                 }
@@ -137,19 +137,19 @@ pub struct HalfSpace<C: Scalar = f64> {
 
 /// Every ball stays in a half-space: $g = \rho + \delta - n \cdot p$ in m, a row for each ball.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HalfSpaceBalls<C: Scalar = f64> {
+pub struct HalfSpaceClearance<C: Scalar = f64> {
     /// What the robot carries.
-    pub balls: Vec<Ball<C>>,
+    pub balls: Vec<CollisionSphere<C>>,
     /// Where it may be.
     pub half_space: HalfSpace<C>,
 }
 
-impl<C: Scalar> Constraint<C> for HalfSpaceBalls<C> {
-    fn rows(&self) -> usize {
+impl<C: Scalar> Constraint<C> for HalfSpaceClearance<C> {
+    fn dim(&self) -> usize {
         self.balls.len()
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let HalfSpace { normal, offset } = &self.half_space;
         for (ball, g) in self.balls.iter().zip(g) {
             let p = at.point(ball.body, &ball.centre)?;
@@ -160,18 +160,23 @@ impl<C: Scalar> Constraint<C> for HalfSpaceBalls<C> {
     }
 
     /// The gradient in `p` is $-n$.
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         let n = self.half_space.normal.map(S::lift);
         let square = n * n.transpose();
         for (row, ball) in self.balls.iter().enumerate() {
             let p = at.point(ball.body, &ball.centre)?;
-            let c = weights.c.map_or(S::zero(), |c| c[row]);
-            out.add_point(ball.body, &p, &(n * -weights.w[row]), &(square * c))?;
+            let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
+            out.add_point(
+                ball.body,
+                &p,
+                &(n * -weights.first_order[row]),
+                &(square * c),
+            )?;
         }
         Ok(())
     }

@@ -1,82 +1,82 @@
 //! Several constraints are one.
 
-use super::{Constraint, Contraction, State, Weights};
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::error::Result;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// No constraint.
 impl<C: Scalar> Constraint<C> for () {
-    fn rows(&self) -> usize {
+    fn dim(&self) -> usize {
         0
     }
 
-    fn value<S: Over<C>>(&self, _: &State<'_, C, S>, _: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, _: &PlacedState<'_, C, S>, _: &mut [S]) -> Result<()> {
         Ok(())
     }
 }
 
 /// The rows of `A`, then those of `B`.
 impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
-    fn rows(&self) -> usize {
-        self.0.rows() + self.1.rows()
+    fn dim(&self) -> usize {
+        self.0.dim() + self.1.dim()
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let (a, b) = g.split_at_mut(self.0.rows());
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let (a, b) = g.split_at_mut(self.0.dim());
         self.0.value(at, a)?;
         self.1.value(at, b)
     }
 
-    fn slopes(&self, slopes: &mut [C]) {
-        let (a, b) = slopes.split_at_mut(self.0.rows());
-        self.0.slopes(a);
-        self.1.slopes(b);
+    fn row_scales(&self, slopes: &mut [C]) {
+        let (a, b) = slopes.split_at_mut(self.0.dim());
+        self.0.row_scales(a);
+        self.1.row_scales(b);
     }
 
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        let (a, b) = weights.split_at(self.0.rows());
-        self.0.contract(at, a, out)?;
-        self.1.contract(at, b, out)
+        let (a, b) = weights.split_at(self.0.dim());
+        self.0.add_weighted_derivatives(at, a, out)?;
+        self.1.add_weighted_derivatives(at, b, out)
     }
 }
 
 /// The rows of all, in order.
 impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
-    fn rows(&self) -> usize {
-        self.iter().map(K::rows).sum()
+    fn dim(&self) -> usize {
+        self.iter().map(K::dim).sum()
     }
 
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, mut g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, mut g: &mut [S]) -> Result<()> {
         for constraint in self {
-            let (own, rest) = g.split_at_mut(constraint.rows());
+            let (own, rest) = g.split_at_mut(constraint.dim());
             constraint.value(at, own)?;
             g = rest;
         }
         Ok(())
     }
 
-    fn slopes(&self, mut slopes: &mut [C]) {
+    fn row_scales(&self, mut slopes: &mut [C]) {
         for constraint in self {
-            let (own, rest) = slopes.split_at_mut(constraint.rows());
-            constraint.slopes(own);
+            let (own, rest) = slopes.split_at_mut(constraint.dim());
+            constraint.row_scales(own);
             slopes = rest;
         }
     }
 
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         mut weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         for constraint in self {
-            let (own, rest) = weights.split_at(constraint.rows());
-            constraint.contract(at, own, out)?;
+            let (own, rest) = weights.split_at(constraint.dim());
+            constraint.add_weighted_derivatives(at, own, out)?;
             weights = rest;
         }
         Ok(())
@@ -84,32 +84,32 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
 }
 
 /// Hands everything on to what is behind a pointer.
-macro_rules! behind {
+macro_rules! delegate {
     ($type:ty, $parameter:ident $(: $bound:ident)?) => {
         impl<C: Scalar, $parameter: Constraint<C> $(+ ?$bound)?> Constraint<C> for $type {
-            fn rows(&self) -> usize {
-                (**self).rows()
+            fn dim(&self) -> usize {
+                (**self).dim()
             }
 
-            fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()> {
+            fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
                 (**self).value(at, g)
             }
 
-            fn slopes(&self, slopes: &mut [C]) {
-                (**self).slopes(slopes);
+            fn row_scales(&self, slopes: &mut [C]) {
+                (**self).row_scales(slopes);
             }
 
-            fn contract<S: Over<C>>(
+            fn add_weighted_derivatives<S: AlgebraOver<C>>(
                 &self,
-                at: &State<'_, C, S>,
+                at: &PlacedState<'_, C, S>,
                 weights: Weights<'_, S>,
-                out: &mut Contraction<S>,
+                out: &mut WeightedDerivatives<S>,
             ) -> Result<()> {
-                (**self).contract(at, weights, out)
+                (**self).add_weighted_derivatives(at, weights, out)
             }
         }
     };
 }
 
-behind!(&K, K: Sized);
-behind!(Vec<K>, K);
+delegate!(&K, K: Sized);
+delegate!(Vec<K>, K);

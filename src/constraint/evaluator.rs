@@ -1,10 +1,10 @@
 //! Values and contractions of constraints at states.
 
-use super::{Constraint, Contraction, State, Weights};
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement};
 
 /// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state.
@@ -13,10 +13,10 @@ pub struct Evaluator<'m, C: Scalar, S: Scalar> {
     model: &'m Model<C>,
     placements: Vec<Placement<S>>,
     axes: Vec<Motion<S>>,
-    contraction: Contraction<S>,
+    contraction: WeightedDerivatives<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> Evaluator<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
     /// For the states of `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -25,7 +25,7 @@ impl<'m, C: Scalar, S: Over<C>> Evaluator<'m, C, S> {
             model,
             placements: vec![Placement::identity(); n],
             axes: vec![Motion::zero(); n],
-            contraction: Contraction::new(n),
+            contraction: WeightedDerivatives::new(n),
         }
     }
 
@@ -37,7 +37,7 @@ impl<'m, C: Scalar, S: Over<C>> Evaluator<'m, C, S> {
         check_length("x", 2 * self.model.dof(), x.len())?;
         forward_kinematics(self.model, &x[..self.model.dof()], &mut self.placements)?;
         Ok(Placed {
-            state: State {
+            state: PlacedState {
                 model: self.model,
                 x,
                 placements: &self.placements,
@@ -51,15 +51,15 @@ impl<'m, C: Scalar, S: Over<C>> Evaluator<'m, C, S> {
 /// Bodies placed at a state, for any number of constraints.
 #[derive(Debug)]
 pub struct Placed<'a, C: Scalar, S: Scalar> {
-    state: State<'a, C, S>,
+    state: PlacedState<'a, C, S>,
     axes: &'a mut [Motion<S>],
-    contraction: &'a mut Contraction<S>,
+    contraction: &'a mut WeightedDerivatives<S>,
 }
 
-impl<C: Scalar, S: Over<C>> Placed<'_, C, S> {
+impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
     /// The state, as a constraint sees it.
     #[must_use]
-    pub fn state(&self) -> &State<'_, C, S> {
+    pub fn state(&self) -> &PlacedState<'_, C, S> {
         &self.state
     }
 
@@ -68,7 +68,7 @@ impl<C: Scalar, S: Over<C>> Placed<'_, C, S> {
     /// # Errors
     /// `g` has another length, or `constraint` is for another robot.
     pub fn value<K: Constraint<C> + ?Sized>(&self, constraint: &K, g: &mut [S]) -> Result<()> {
-        check_length("g", constraint.rows(), g.len())?;
+        check_length("g", constraint.dim(), g.len())?;
         constraint.value(&self.state, g)
     }
 
@@ -76,14 +76,14 @@ impl<C: Scalar, S: Over<C>> Placed<'_, C, S> {
     ///
     /// # Errors
     /// There are more or fewer weights than rows, or `constraint` is for another robot.
-    pub fn contract<K: Constraint<C> + ?Sized>(
+    pub fn weighted_derivatives<K: Constraint<C> + ?Sized>(
         &mut self,
         constraint: &K,
         weights: Weights<'_, S>,
-    ) -> Result<&Contraction<S>> {
-        weights.check(constraint.rows())?;
-        self.contraction.reset(weights.c.is_some());
-        constraint.contract(&self.state, weights, self.contraction)?;
+    ) -> Result<&WeightedDerivatives<S>> {
+        weights.check(constraint.dim())?;
+        self.contraction.reset(weights.gauss_newton.is_some());
+        constraint.add_weighted_derivatives(&self.state, weights, self.contraction)?;
         let joints = self.state.model.joints();
         for ((axis, joint), placement) in
             self.axes.iter_mut().zip(joints).zip(self.state.placements)

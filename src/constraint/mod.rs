@@ -20,34 +20,34 @@ mod evaluator;
 mod torque_limits;
 mod weighted_derivatives;
 
-pub use any::BuiltIn;
+pub use any::AnyConstraint;
 pub use bounds::{Bound, Bounds, Side};
 pub use capsules::Capsule;
-pub use clearance::{Ball, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls};
+pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance};
 pub use evaluator::{Evaluator, Placed};
 pub use torque_limits::TorqueLimits;
-pub use weighted_derivatives::Contraction;
+pub use weighted_derivatives::WeightedDerivatives;
 
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant};
 use nalgebra::Vector3;
 
 /// Inequality constraints $g_j(x) \le 0$ on a state $x = [q; v]$.
 pub trait Constraint<C: Scalar = f64> {
     /// How many rows $g_j$ there are.
-    fn rows(&self) -> usize;
+    fn dim(&self) -> usize;
 
-    /// $g(x)$ at a state, into `g`, which has [`rows`](Self::rows) entries. Positive where the constraint is violated.
+    /// $g(x)$ at a state, into `g`, which has [`dim`](Self::dim) entries. Positive where the constraint is violated.
     ///
     /// # Errors
     /// The constraint is for another robot.
-    fn value<S: Over<C>>(&self, at: &State<'_, C, S>, g: &mut [S]) -> Result<()>;
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()>;
 
     /// How fast each row grows at its boundary with what it bounds, in rad, rad/s or m, into `slopes`, which has
-    /// [`rows`](Self::rows) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
-    fn slopes(&self, slopes: &mut [C]) {
+    /// [`dim`](Self::dim) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
+    fn row_scales(&self, slopes: &mut [C]) {
         slopes.fill(C::one());
     }
 
@@ -56,19 +56,19 @@ pub trait Constraint<C: Scalar = f64> {
     ///
     /// # Errors
     /// As [`value`](Self::value).
-    fn contract<S: Over<C>>(
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
-        at: &State<'_, C, S>,
+        at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
-        out: &mut Contraction<S>,
+        out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        autodiff::contract(self, at, weights, out)
+        autodiff::add_weighted_derivatives(self, at, weights, out)
     }
 }
 
 /// What a constraint may look at: a state and where the bodies are in it.
 #[derive(Clone, Copy, Debug)]
-pub struct State<'a, C: Scalar, S: Scalar> {
+pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     /// The robot.
     pub model: &'a Model<C>,
     /// $x = [q; v]$, `2 N` entries.
@@ -77,7 +77,7 @@ pub struct State<'a, C: Scalar, S: Scalar> {
     pub placements: &'a [Placement<S>],
 }
 
-impl<'a, C: Scalar, S: Over<C>> State<'a, C, S> {
+impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
     /// The configuration.
     #[must_use]
     pub fn q(&self) -> &'a [S] {
@@ -115,29 +115,33 @@ impl<'a, C: Scalar, S: Over<C>> State<'a, C, S> {
 /// The weights of a contraction, one entry a row of the constraint.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a, S> {
-    /// $w$.
-    pub w: &'a [S],
-    /// $c$; without it only the gradient is asked for.
-    pub c: Option<&'a [S]>,
+    /// $w$, of the first and second derivatives.
+    pub first_order: &'a [S],
+    /// $c$, of the products of gradients; without it only the gradient is asked for.
+    pub gauss_newton: Option<&'a [S]>,
 }
 
 impl<'a, S> Weights<'a, S> {
     /// Those of the first `rows` rows, and of the rest.
     #[must_use]
     pub fn split_at(self, rows: usize) -> (Self, Self) {
-        let (w, w_rest) = self.w.split_at(rows);
-        let (c, c_rest) = self.c.map(|c| c.split_at(rows)).unzip();
+        let (w, w_rest) = self.first_order.split_at(rows);
+        let (c, c_rest) = self.gauss_newton.map(|c| c.split_at(rows)).unzip();
         let rest = Self {
-            w: w_rest,
-            c: c_rest,
+            first_order: w_rest,
+            gauss_newton: c_rest,
         };
-        (Self { w, c }, rest)
+        let first = Self {
+            first_order: w,
+            gauss_newton: c,
+        };
+        (first, rest)
     }
 
     /// Checks that there are as many as rows.
     fn check(&self, rows: usize) -> Result<()> {
-        check_length("weights w", rows, self.w.len())?;
-        self.c
+        check_length("weights w", rows, self.first_order.len())?;
+        self.gauss_newton
             .map_or(Ok(()), |c| check_length("weights c", rows, c.len()))
     }
 }

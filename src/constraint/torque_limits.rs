@@ -2,7 +2,7 @@
 
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// Limits $|u_i| \le \bar u_i$, in N m or N; `None` where there is none.
 ///
@@ -26,7 +26,7 @@ impl<C: Scalar> TorqueLimits<C> {
 
     /// How many rows there are: two for each limit.
     #[must_use]
-    pub fn rows(&self) -> usize {
+    pub fn dim(&self) -> usize {
         2 * self.0.iter().flatten().count()
     }
 
@@ -34,9 +34,9 @@ impl<C: Scalar> TorqueLimits<C> {
     ///
     /// # Errors
     /// The lengths are others.
-    pub fn value<S: Over<C>>(&self, u: &[S], g: &mut [S]) -> Result<()> {
+    pub fn value<S: AlgebraOver<C>>(&self, u: &[S], g: &mut [S]) -> Result<()> {
         check_length("u", self.0.len(), u.len())?;
-        check_length("g", self.rows(), g.len())?;
+        check_length("g", self.dim(), g.len())?;
         let limited = u
             .iter()
             .zip(&self.0)

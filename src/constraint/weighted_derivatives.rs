@@ -22,7 +22,7 @@ use num_traits::Zero;
 /// with $F_j$ the force on the subtree of `j`. The sums over points are the stiffness of the subtree, 6 by 6, and
 /// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\, Q)\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
 #[derive(Clone, Debug)]
-pub struct Contraction<S: Scalar> {
+pub struct WeightedDerivatives<S: Scalar> {
     pub(super) gradient: DVector<S>,
     pub(super) hessian: DMatrix<S>,
     pub(super) scratch: Scratch<S>,
@@ -49,7 +49,7 @@ impl<S: Scalar> Load<S> {
     }
 }
 
-impl<S: Scalar> Contraction<S> {
+impl<S: Scalar> WeightedDerivatives<S> {
     /// Room for a robot with `n` joints.
     pub(super) fn new(n: usize) -> Self {
         Self {

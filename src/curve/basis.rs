@@ -5,11 +5,11 @@ use super::legendre::legendre;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Polynomials of one degree on equal pieces of normalised time $\tau = t / T \in [0, 1]$, joined with continuous value and
+/// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous value and
 /// slope.
 ///
 /// Each breakpoint, both ends included, has two functions: slope one there, value one there, the cubics of Hermite beside it.
-/// Each piece has `degree - 3` bubbles besides, which vanish with their slope at both of its ends: $(1 - s^2)^2 P_n^{(2, 2)}(s)$
+/// Each segment has `degree - 3` bubbles besides, which vanish with their slope at both of its ends: $(1 - s^2)^2 P_n^{(2, 2)}(s)$
 /// on `s` in `[-1, 1]`, scaled. By the formula of Rodrigues their second derivatives are Legendre polynomials,
 ///
 /// $$ \frac{d^2}{ds^2} (1 - s^2)^2 P_n^{(2,2)}(s) = 4 (n + 1) (n + 2) P_{n+2}(s), $$
@@ -17,11 +17,11 @@ use std::ops::Range;
 /// so they are scaled to be orthonormal there; there they are orthogonal to the cubics too, and a smaller degree means fewer
 /// bubbles.
 ///
-/// Functions are numbered along time: those of breakpoint 0, the bubbles of piece 0, those of breakpoint 1, and so on, so that
-/// piece `e` owns the `degree + 1` functions from `e (degree - 1)` on.
+/// Functions are numbered along time: those of breakpoint 0, the bubbles of segment 0, those of breakpoint 1, and so on, so that
+/// segment `e` owns the `degree + 1` functions from `e (degree - 1)` on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Basis {
-    pieces: usize,
+    segments: usize,
     degree: usize,
     free_final_velocity: bool,
 }
@@ -30,26 +30,26 @@ pub struct Basis {
 pub(crate) type Local = [DVector<f64>; 3];
 
 impl Basis {
-    /// The smallest degree that leaves something free on a single piece.
+    /// The smallest degree that leaves something free on a single segment.
     pub(crate) const SMALLEST_DEGREE: usize = 4;
 
-    /// `pieces` pieces of degree `degree`, at least 4.
+    /// `segments` segments of degree `degree`, at least 4.
     #[must_use]
-    pub fn new(pieces: usize, degree: usize, free_final_velocity: bool) -> Self {
+    pub fn new(segments: usize, degree: usize, free_final_velocity: bool) -> Self {
         Self {
-            pieces,
+            segments,
             degree,
             free_final_velocity,
         }
     }
 
-    /// How many pieces there are.
+    /// How many segments there are.
     #[must_use]
-    pub fn pieces(&self) -> usize {
-        self.pieces
+    pub fn segments(&self) -> usize {
+        self.segments
     }
 
-    /// The degree of each piece.
+    /// The degree of each segment.
     #[must_use]
     pub fn degree(&self) -> usize {
         self.degree
@@ -64,7 +64,7 @@ impl Basis {
     /// How many functions there are, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.pieces * (self.degree - 1) + 2
+        self.segments * (self.degree - 1) + 2
     }
 
     /// The functions whose coefficients are unknown: all but slope and value at the start, and value, and unless it is free
@@ -74,22 +74,22 @@ impl Basis {
         2..self.count() - if self.free_final_velocity { 1 } else { 2 }
     }
 
-    /// The first function of piece `e`.
+    /// The first function of segment `e`.
     pub(crate) fn first(&self, e: usize) -> usize {
         e * (self.degree - 1)
     }
 
-    /// Half the length of a piece.
+    /// Half the length of a segment.
     pub(crate) fn half(&self) -> f64 {
-        0.5 / self.pieces as f64
+        0.5 / self.segments as f64
     }
 
-    /// Normalised time at `s` in `[-1, 1]` on piece `e`.
+    /// Normalised time at `s` in `[-1, 1]` on segment `e`.
     pub(crate) fn time(&self, e: usize, s: f64) -> f64 {
         self.half() * ((2 * e + 1) as f64 + s)
     }
 
-    /// The functions of one piece at `s` in `[-1, 1]`: value, first and second derivative in $\tau$, a column a function.
+    /// The functions of one segment at `s` in `[-1, 1]`: value, first and second derivative in $\tau$, a column a function.
     pub(crate) fn local(&self, s: f64) -> DMatrix<f64> {
         let (last, half) = (self.degree, self.half());
         let mut p = vec![0.0; self.degree + 1];
@@ -127,7 +127,7 @@ impl Basis {
 
     /// The curve with these coefficients, `N` by [`count`](Self::count), at normalised time.
     pub(crate) fn evaluate(&self, coefficients: &DMatrix<f64>, time: f64) -> Local {
-        let e = ((time * self.pieces as f64) as usize).min(self.pieces - 1);
+        let e = ((time * self.segments as f64) as usize).min(self.segments - 1);
         let s = time / self.half() - (2 * e + 1) as f64;
         let own = coefficients.columns(self.first(e), self.degree + 1);
         let table = self.local(s);
@@ -138,15 +138,15 @@ impl Basis {
     /// derivative. Exact for what the basis has, as long as a breakpoint of the curve is one of the basis.
     pub(crate) fn fit(&self, dof: usize, mut curve: impl FnMut(f64) -> Local) -> DMatrix<f64> {
         let mut coefficients = DMatrix::zeros(dof, self.count());
-        for e in 0..=self.pieces {
-            let [value, slope, _] = curve(e as f64 / self.pieces as f64);
+        for e in 0..=self.segments {
+            let [value, slope, _] = curve(e as f64 / self.segments as f64);
             coefficients.set_column(self.first(e), &slope);
             coefficients.set_column(self.first(e) + 1, &value);
         }
         let (nodes, weights) = gauss_legendre(self.degree + 1);
         for (s, weight) in nodes.iter().zip(weights) {
             let table = self.local(*s);
-            for e in 0..self.pieces {
+            for e in 0..self.segments {
                 let [_, _, second] = curve(self.time(e, *s));
                 for k in 2..self.degree - 1 {
                     let by = weight * self.half() * table[(2, k)];

@@ -3,7 +3,7 @@
 use super::{Data, kinematics};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Force, Motion};
 use nalgebra::Vector6;
 
@@ -11,7 +11,7 @@ use nalgebra::Vector6;
 ///
 /// # Errors
 /// An argument does not have one entry a joint.
-pub fn aba<C: Scalar, S: Over<C>>(
+pub fn aba<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
@@ -48,14 +48,14 @@ pub fn aba<C: Scalar, S: Over<C>>(
             data.articulated[parent] += apparent;
         }
         data.articulated_axes[i] = u_vector;
-        data.numbers[i] = d;
+        data.scalar_scratch[i] = d;
         a[i] = u;
     }
     let base = kinematics::base_acceleration(model);
     for (i, joint) in model.joints().iter().enumerate() {
         let before = joint.parent().map_or(base, |p| data.accelerations[p]);
         let drifting = before + data.axis_rates[i] * v[i];
-        a[i] = (a[i] - data.articulated_axes[i].dot(&stack(&drifting))) / data.numbers[i];
+        a[i] = (a[i] - data.articulated_axes[i].dot(&stack(&drifting))) / data.scalar_scratch[i];
         data.accelerations[i] = drifting + data.axes[i] * a[i];
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::{Data, InverseDynamicsDerivatives, aba, check_square, rnea_derivatives};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// Forward dynamics and its first derivatives.
@@ -43,7 +43,7 @@ impl<S: Scalar> ForwardDynamicsDerivatives<S> {
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
-pub fn aba_derivatives<C: Scalar, S: Over<C>>(
+pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

@@ -3,14 +3,14 @@
 use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The mass matrix $H(q)$, all `N` by `N` entries of it. Cost O(N d) with d the depth of the tree.
 ///
 /// # Errors
 /// `q` does not have one entry a joint, or `h` is not `N` by `N`.
-pub fn crba<C: Scalar, S: Over<C>>(
+pub fn crba<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

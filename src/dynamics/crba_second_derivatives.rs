@@ -4,7 +4,7 @@ use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::linalg::{Tensor3, Tensor4};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Inertia, Motion};
 use nalgebra::{DMatrix, DVectorView};
 
@@ -50,7 +50,7 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
 ///
 /// # Errors
 /// `q` or `v` does not have one entry a joint, or `out` was made for another size.
-pub fn crba_second_derivatives<C: Scalar, S: Over<C>>(
+pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

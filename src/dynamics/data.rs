@@ -41,7 +41,7 @@ pub struct Data<S: Scalar> {
     /// Articulated-body inertias times axes.
     pub(super) articulated_axes: Vec<Vector6<S>>,
     /// One number a joint.
-    pub(super) numbers: Vec<S>,
+    pub(super) scalar_scratch: Vec<S>,
     /// Factors of the mass matrix.
     pub(super) ldlt: Ldlt<S>,
 }
@@ -67,7 +67,7 @@ impl<S: Scalar> Data<S> {
             virtual_axis_rates: vec![Motion::zero(); n],
             articulated: vec![Matrix6::zeros(); n],
             articulated_axes: vec![Vector6::zeros(); n],
-            numbers: vec![S::zero(); n],
+            scalar_scratch: vec![S::zero(); n],
             ldlt: Ldlt::new(n),
         }
     }

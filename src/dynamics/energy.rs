@@ -3,13 +3,13 @@
 use super::{Data, forward_kinematics};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// The kinetic energy $\tfrac12 v^T H v$ of the moving bodies, in J. Cost O(N).
 ///
 /// # Errors
 /// `q` or `v` does not have one entry a joint.
-pub fn kinetic_energy<C: Scalar, S: Over<C>>(
+pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
@@ -27,7 +27,7 @@ pub fn kinetic_energy<C: Scalar, S: Over<C>>(
 ///
 /// # Errors
 /// `q` does not have one entry a joint.
-pub fn potential_energy<C: Scalar, S: Over<C>>(
+pub fn potential_energy<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

@@ -3,7 +3,7 @@
 use super::{Data, forward_kinematics, frame_placement, path_to_base};
 use crate::error::{Result, check_length};
 use crate::model::{Frame, Model};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The geometric Jacobian $J(q)$ of a frame, 6 by `N`: rows 0 to 2 of $J v$ are its angular velocity, rows 3 to 5 the velocity
@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 ///
 /// # Errors
 /// `q` does not have one entry a joint, `jacobian` is not 6 by `N`, or the model has no body of the frame.
-pub fn frame_jacobian<C: Scalar, S: Over<C>>(
+pub fn frame_jacobian<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

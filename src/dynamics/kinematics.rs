@@ -3,14 +3,14 @@
 use super::Data;
 use crate::error::{Error, Result};
 use crate::model::{Frame, Model};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement};
 
 /// The placements of all bodies in the base frame, into `placements`. Cost O(N).
 ///
 /// # Errors
 /// `q` or `placements` does not have one entry a joint.
-pub fn forward_kinematics<C: Scalar, S: Over<C>>(
+pub fn forward_kinematics<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     q: &[S],
     placements: &mut [Placement<S>],
@@ -31,7 +31,7 @@ pub fn forward_kinematics<C: Scalar, S: Over<C>>(
 ///
 /// # Errors
 /// `placements` is too short for the body of the frame.
-pub fn frame_placement<C: Scalar, S: Over<C>>(
+pub fn frame_placement<C: Scalar, S: AlgebraOver<C>>(
     frame: &Frame<C>,
     placements: &[Placement<S>],
 ) -> Result<Placement<S>> {
@@ -50,7 +50,7 @@ impl<S: Scalar> Data<S> {
     /// Placements, axes and inertias of the bodies at `q`.
     pub(super) fn place<C: Scalar>(&mut self, model: &Model<C>, q: &[S]) -> Result<()>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         self.check(model)?;
         forward_kinematics(model, q, &mut self.placements)?;
@@ -84,7 +84,7 @@ impl<S: Scalar> Data<S> {
         a: &[S],
     ) -> Result<()>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         model.check("a", a.len())?;
         let base = base_acceleration(model);
@@ -97,7 +97,7 @@ impl<S: Scalar> Data<S> {
 }
 
 /// The acceleration of the base that stands for gravity: $-a_g$.
-pub(super) fn base_acceleration<C: Scalar, S: Over<C>>(model: &Model<C>) -> Motion<S> {
+pub(super) fn base_acceleration<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>) -> Motion<S> {
     Motion {
         linear: model.gravity().map(|g| -S::lift(g)),
         ..Motion::zero()

@@ -13,41 +13,40 @@
 mod aba;
 mod aba_derivatives;
 mod aba_second_derivatives;
-mod cdot_derivatives;
+mod bias_rate_derivatives;
 mod crba;
-mod crba_contracted;
-mod crba_derivatives;
 mod crba_second_derivatives;
 mod data;
 mod energy;
 mod frame_jacobian;
-mod hdot_derivatives;
 mod kinematics;
+mod mass_matrix_and_rate;
+mod mass_matrix_product_derivative;
+mod mass_matrix_rate_derivatives;
 mod rnea;
-mod rnea_contracted;
 mod rnea_derivatives;
 mod rnea_second_derivatives;
+mod rnea_weighted;
 
 pub use aba::aba;
 pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
 pub use aba_second_derivatives::{ForwardDynamicsSecondDerivatives, aba_second_derivatives};
-pub use cdot_derivatives::{BiasRateDerivatives, cdot_derivatives};
+pub use bias_rate_derivatives::{BiasRateDerivatives, bias_rate_derivatives};
 pub use crba::crba;
-pub use crba_contracted::crba_contracted;
-pub use crba_derivatives::crba_derivatives;
 pub use crba_second_derivatives::{MassMatrixDerivatives, crba_second_derivatives};
 pub use data::Data;
 pub use energy::{kinetic_energy, potential_energy};
 pub use frame_jacobian::frame_jacobian;
-pub use hdot_derivatives::hdot_derivatives;
 pub use kinematics::{forward_kinematics, frame_placement};
+pub use mass_matrix_and_rate::mass_matrix_and_rate;
+pub use mass_matrix_product_derivative::mass_matrix_product_derivative;
+pub use mass_matrix_rate_derivatives::mass_matrix_rate_derivatives;
 pub use rnea::{bias, rnea};
-pub use rnea_contracted::{
-    ContractedGradient, ContractedHessian, rnea_contracted_gradient, rnea_contracted_hessian,
-    rnea_second_order,
-};
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
 pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_derivatives};
+pub use rnea_weighted::{
+    RneaVjp, RneaWeightedHessian, rnea_second_order, rnea_vjp, rnea_weighted_hessian,
+};
 
 use crate::error::{Result, check_length};
 use crate::model::Model;

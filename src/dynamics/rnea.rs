@@ -3,7 +3,7 @@
 use super::Data;
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 
 /// Inverse dynamics $\tau = H(q)\, a + C(q, v)$: the forces that make the joints accelerate by `a`, equation (1) of the
 /// paper. `C` holds Coriolis, centrifugal and gravity forces.
@@ -12,7 +12,7 @@ use crate::scalar::{Over, Scalar};
 ///
 /// # Errors
 /// An argument does not have one entry a joint.
-pub fn rnea<C: Scalar, S: Over<C>>(
+pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
@@ -43,7 +43,7 @@ pub fn rnea<C: Scalar, S: Over<C>>(
 ///
 /// # Errors
 /// An argument does not have one entry a joint.
-pub fn bias<C: Scalar, S: Over<C>>(
+pub fn bias<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
@@ -52,9 +52,9 @@ pub fn bias<C: Scalar, S: Over<C>>(
 ) -> Result<()> {
     data.check(model)?;
     // The zeros are borrowed from the scratch, which `rnea` does not read.
-    let mut zeros = std::mem::take(&mut data.numbers);
+    let mut zeros = std::mem::take(&mut data.scalar_scratch);
     zeros.fill(S::zero());
     let result = rnea(model, data, q, v, &zeros, c);
-    data.numbers = zeros;
+    data.scalar_scratch = zeros;
     result
 }

@@ -7,7 +7,7 @@
 use super::{Data, check_square, kinematics, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force, dot};
 use nalgebra::{DMatrix, DVector};
 
@@ -56,7 +56,7 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
-pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
+pub fn rnea_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
@@ -69,7 +69,7 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
     data.sum_forces(model);
     data.read_torques(&mut out.tau);
     for (i, joint) in model.joints().iter().enumerate().rev() {
-        data.push(i).meet(model, data, i, out);
+        data.push(i).fill_row_and_column(model, data, i, out);
         if let Some(parent) = joint.parent() {
             data.add_to_subtree(i, parent);
         }
@@ -78,15 +78,15 @@ pub fn rnea_derivatives<C: Scalar, S: Over<C>>(
 }
 
 /// Forces that moving a joint makes on its subtree, to be met by the joints before it.
-pub(super) struct Push<S: Scalar> {
+pub(super) struct SubtreeForceDerivatives<S: Scalar> {
     pub by_q: Force<S>,
     pub by_v: Force<S>,
     pub by_a: Force<S>,
 }
 
-impl<S: Scalar> Push<S> {
+impl<S: Scalar> SubtreeForceDerivatives<S> {
     /// The entries of the derivatives that have to do with joint `i` and those before it, with `self` that of joint `i`.
-    pub fn meet<C: Scalar>(
+    pub fn fill_row_and_column<C: Scalar>(
         &self,
         model: &Model<C>,
         data: &Data<S>,
@@ -95,15 +95,15 @@ impl<S: Scalar> Push<S> {
     ) {
         let two = S::from_f64(2.0);
         // How joint i feels the joints before it.
-        let felt = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
+        let eta = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
         for j in path_to_base(model, i) {
             let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
             out.h[(j, i)] = axis_j.dot(&self.by_a);
             out.h[(i, j)] = out.h[(j, i)];
             out.dv[(j, i)] = axis_j.dot(&self.by_v);
-            out.dv[(i, j)] = dot(&axis_j.angular, &felt) + rate_j.dot(&self.by_a) * two;
+            out.dv[(i, j)] = dot(&axis_j.angular, &eta) + rate_j.dot(&self.by_a) * two;
             out.dq[(j, i)] = axis_j.dot(&self.by_q);
-            out.dq[(i, j)] = dot(&rate_j.angular, &felt) + data.accelerations[j].dot(&self.by_a);
+            out.dq[(i, j)] = dot(&rate_j.angular, &eta) + data.accelerations[j].dot(&self.by_a);
         }
     }
 }
@@ -120,7 +120,7 @@ impl<S: Scalar> Data<S> {
         a: &[S],
     ) -> Result<()>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         self.place(model, q)?;
         self.add_velocities(model, v)?;
@@ -170,12 +170,12 @@ impl<S: Scalar> Data<S> {
 
     /// What joint `i` pushes with: inertias, Coriolis matrices and forces are those of the subtree of `i`.
     #[inline]
-    pub(super) fn push(&self, i: usize) -> Push<S> {
-        let (axis, rate, rate2) = (&self.axes[i], &self.axis_rates[i], &self.accelerations[i]);
+    pub(super) fn push(&self, i: usize) -> SubtreeForceDerivatives<S> {
+        let (axis, rate, psi_ddot) = (&self.axes[i], &self.axis_rates[i], &self.accelerations[i]);
         let (inertia, coriolis, force) = (&self.inertias[i], &self.coriolis[i], &self.forces[i]);
         let two = S::from_f64(2.0);
-        Push {
-            by_q: coriolis.apply(rate) * two + inertia.apply(rate2) + axis.cross_force(force),
+        SubtreeForceDerivatives {
+            by_q: coriolis.apply(rate) * two + inertia.apply(psi_ddot) + axis.cross_force(force),
             by_v: (coriolis.apply(axis) + inertia.apply(rate)) * two,
             by_a: inertia.apply(axis),
         }

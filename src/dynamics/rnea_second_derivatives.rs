@@ -32,7 +32,7 @@ use super::{Data, path_to_base};
 use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force, Inertia, Motion};
 
 /// The second derivatives of inverse dynamics that do not vanish.
@@ -88,7 +88,7 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
-pub fn rnea_second_derivatives<C: Scalar, S: Over<C>>(
+pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

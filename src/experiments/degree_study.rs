@@ -115,9 +115,9 @@ pub fn by_size(
     let mut rows = Vec::new();
     for size in sizes {
         let options = SolveOptions {
-            p: Some(size.p),
-            pieces: Some(size.pieces),
-            starts,
+            degree: Some(size.p),
+            segments: Some(size.pieces),
+            num_starts: starts,
             ..SolveOptions::default()
         };
         rows.extend(SizeRow::new(

@@ -6,52 +6,58 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Sample, samples_at};
 
-/// How many intervals of time [`measure`] looks at, at least.
+/// How many intervals of time [`effort_of`] looks at, at least.
 const INTERVALS: usize = 2000;
 
-/// What a curve costs and how well it keeps to the dynamics, all from a grid of 2001 times, a few more for several parts, not
+/// What a curve costs and how well it keeps to the dynamics, all from a grid of 2001 times, a few more for several segments, not
 /// from the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
+pub struct EffortSummary {
     /// $\int |u|^2 dt$, in N^2 m^2 s, by Simpson's rule.
     pub control_effort: f64,
     /// The action $\int L\, dt$, by Simpson's rule.
     pub action: f64,
-    /// The action by Clenshaw-Curtis quadrature over the nodes of each part: what the flow itself sees.
+    /// The action by Clenshaw-Curtis quadrature over the nodes of each segment: what the flow itself sees.
     pub action_at_nodes: f64,
     /// $\max_t |\dot q - v|_\infty$.
     pub dynamics_defect: f64,
 }
 
-/// The costs and the defect of a curve under the penalty `k`, each part by itself, because the control may jump where two meet.
+/// The costs and the defect of a curve under the penalty `k`, each segment by itself, because the control may jump where two meet.
 ///
 /// # Errors
 /// The curve is for another robot.
-pub fn measure(model: &Model, curve: &Curve, k: f64) -> Result<Effort> {
-    let mut effort = Effort {
+pub fn effort_of(model: &Model, curve: &Curve, k: f64) -> Result<EffortSummary> {
+    let mut effort = EffortSummary {
         control_effort: 0.0,
         action: 0.0,
         action_at_nodes: 0.0,
         dynamics_defect: 0.0,
     };
-    for part in 0..curve.pieces() {
-        add_part(model, curve, k, part, &mut effort)?;
+    for segment in 0..curve.segments() {
+        add_segment(model, curve, k, segment, &mut effort)?;
     }
     Ok(effort)
 }
 
-fn add_part(model: &Model, curve: &Curve, k: f64, part: usize, effort: &mut Effort) -> Result<()> {
+fn add_segment(
+    model: &Model,
+    curve: &Curve,
+    k: f64,
+    segment: usize,
+    effort: &mut EffortSummary,
+) -> Result<()> {
     let action = |s: &Sample| lagrangian_of_control(&s.qdot, &s.v, &s.u, k);
-    let (chebyshev, begin) = (curve.chebyshev(), curve.joints()[part]);
-    let nodes = chebyshev.times().iter().map(|t| (part, begin + t));
+    let (chebyshev, begin) = (curve.chebyshev(), curve.breakpoints()[segment]);
+    let nodes = chebyshev.times().iter().map(|t| (segment, begin + t));
     let at_nodes = samples_at(model, curve, nodes)?;
     for (sample, weight) in at_nodes.iter().zip(chebyshev.weights()) {
         effort.action_at_nodes += weight * action(sample)?;
     }
     // Even, for Simpson's rule.
-    let intervals = 2 * INTERVALS.div_ceil(2 * curve.pieces());
+    let intervals = 2 * INTERVALS.div_ceil(2 * curve.segments());
     let length = chebyshev.horizon();
-    let times = (0..=intervals).map(|i| (part, begin + length * i as f64 / intervals as f64));
+    let times = (0..=intervals).map(|i| (segment, begin + length * i as f64 / intervals as f64));
     let third = length / intervals as f64 / 3.0;
     for (i, sample) in samples_at(model, curve, times)?.iter().enumerate() {
         let simpson = match i {

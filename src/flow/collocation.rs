@@ -4,7 +4,7 @@ use super::jacobian::{NodeBlocks, NodeJacobian};
 use super::{Node, RightHandSide};
 use crate::curve::Chebyshev;
 use crate::error::{Result, check_length};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// A curve at the nodes with its derivatives in time, one column a node: $\xi$, $D \xi$ and $D^2 \xi$ transposed.
@@ -18,7 +18,7 @@ pub struct Collocation<C: Scalar, S: Scalar> {
     xi_ddot: DMatrix<S>,
 }
 
-impl<C: Scalar, S: Over<C>> Collocation<C, S> {
+impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
     /// For curves from `start` to `goal`, states with `2 N` entries, through the nodes of `chebyshev`.
     ///
     /// # Errors
@@ -101,7 +101,11 @@ impl<C: Scalar, S: Over<C>> Collocation<C, S> {
 }
 
 /// `xi` times the transpose of a differentiation matrix.
-fn differentiate<C: Scalar, S: Over<C>>(xi: &DMatrix<S>, d: &DMatrix<C>, out: &mut DMatrix<S>) {
+fn differentiate<C: Scalar, S: AlgebraOver<C>>(
+    xi: &DMatrix<S>,
+    d: &DMatrix<C>,
+    out: &mut DMatrix<S>,
+) {
     for i in 0..d.nrows() {
         for row in 0..xi.nrows() {
             out[(row, i)] =
@@ -119,7 +123,7 @@ fn differentiate<C: Scalar, S: Over<C>>(xi: &DMatrix<S>, d: &DMatrix<C>, out: &m
 ///
 /// # Errors
 /// `out` has the wrong size, or `jacobian` is for another model.
-pub fn assemble_jacobian<C: Scalar, S: Over<C>>(
+pub fn assemble_jacobian<C: Scalar, S: AlgebraOver<C>>(
     collocation: &Collocation<C, S>,
     jacobian: &mut (impl NodeJacobian<C, S> + ?Sized),
     k: C,
@@ -130,7 +134,7 @@ pub fn assemble_jacobian<C: Scalar, S: Over<C>>(
     check_length("jacobian", collocation.unknowns(), out.ncols())?;
     let m = collocation.xi.nrows();
     for i in collocation.interior() {
-        jacobian.at(collocation.node(i), k, blocks)?;
+        jacobian.evaluate(collocation.node(i), k, blocks)?;
         for j in collocation.interior() {
             let (d, d2) = (collocation.d[(i, j)], collocation.d2[(i, j)]);
             let mut target = out.view_mut(((i - 1) * m, (j - 1) * m), (m, m));

@@ -4,11 +4,11 @@ use super::Penalty;
 use super::jacobian::{NodeBlocks, NodeJacobian};
 use super::{ControlForm, Node, RightHandSide, TorquePenalty};
 use crate::constraint::{Constraint, Evaluator, Weights};
-use crate::dynamics::{Data, crba, crba_contracted};
+use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The constraints of a motion as penalties in its Lagrangian, (A1).
@@ -32,7 +32,7 @@ where
 {
     /// The right-hand side of the constrained flow for `model`.
     #[must_use]
-    pub fn right_hand_side<'a, S: Over<C>>(
+    pub fn right_hand_side<'a, S: AlgebraOver<C>>(
         &'a self,
         model: &'a Model<C>,
     ) -> Constrained<'a, C, S, &'a K> {
@@ -44,7 +44,7 @@ where
 
     /// What the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
     #[must_use]
-    pub fn state_penalty<'a, S: Over<C>>(
+    pub fn state_penalty<'a, S: AlgebraOver<C>>(
         &'a self,
         model: &'a Model<C>,
     ) -> StatePenalty<'a, C, S, &'a K> {
@@ -88,11 +88,11 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
     outer: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
+impl<'m, C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
     /// For `model`, the same penalty for each row.
     #[must_use]
     pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
-        let (n, zeros) = (model.dof(), vec![S::zero(); constraints.rows()]);
+        let (n, zeros) = (model.dof(), vec![S::zero(); constraints.dim()]);
         Self {
             model,
             constraints,
@@ -114,7 +114,9 @@ impl<'m, C: Scalar, S: Over<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
     }
 }
 
-impl<C: Scalar, S: Over<C>, K: Constraint<C>> RightHandSide<C, S> for StatePenalty<'_, C, S, K> {
+impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> RightHandSide<C, S>
+    for StatePenalty<'_, C, S, K>
+{
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let n = self.model.dof();
         node.check(n, omega.len())?;
@@ -124,10 +126,12 @@ impl<C: Scalar, S: Over<C>, K: Constraint<C>> RightHandSide<C, S> for StatePenal
             *slope = -self.penalty.derivatives(*g)[1];
         }
         let weights = Weights {
-            w: &self.slopes,
-            c: None,
+            first_order: &self.slopes,
+            gauss_newton: None,
         };
-        let by_x = here.contract(&self.constraints, weights)?.gradient();
+        let by_x = here
+            .weighted_derivatives(&self.constraints, weights)?
+            .gradient();
         omega.copy_from_slice(by_x.as_slice());
         let (by_q, by_v) = omega.split_at_mut(n);
         let per_k = C::one() / k;
@@ -140,8 +144,10 @@ impl<C: Scalar, S: Over<C>, K: Constraint<C>> RightHandSide<C, S> for StatePenal
     }
 }
 
-impl<C: Scalar, S: Over<C>, K: Constraint<C>> NodeJacobian<C, S> for StatePenalty<'_, C, S, K> {
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> NodeJacobian<C, S>
+    for StatePenalty<'_, C, S, K>
+{
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         let n = self.model.dof();
         out.check(n)?;
         node.check(n, 2 * n)?;
@@ -153,10 +159,10 @@ impl<C: Scalar, S: Over<C>, K: Constraint<C>> NodeJacobian<C, S> for StatePenalt
             (*slope, *curvature) = (-first, -second);
         }
         let weights = Weights {
-            w: &self.slopes,
-            c: Some(&self.curvatures),
+            first_order: &self.slopes,
+            gauss_newton: Some(&self.curvatures),
         };
-        let sums = here.contract(&self.constraints, weights)?;
+        let sums = here.weighted_derivatives(&self.constraints, weights)?;
         out.dx.copy_from(sums.hessian());
         out.dxdot.fill(S::zero());
         out.dxddot.fill(S::zero());
@@ -169,8 +175,8 @@ impl<C: Scalar, S: Over<C>, K: Constraint<C>> NodeJacobian<C, S> for StatePenalt
         self.y.copy_from(&self.hy);
         self.ldlt.solve(self.y.as_mut_slice());
         let (model, data) = (self.model, &mut self.data);
-        crba_contracted(model, data, q, self.y.as_slice(), &mut self.k_y)?;
-        crba_contracted(model, data, q, self.hy.as_slice(), &mut self.k_hy)?;
+        mass_matrix_product_derivative(model, data, q, self.y.as_slice(), &mut self.k_y)?;
+        mass_matrix_product_derivative(model, data, q, self.hy.as_slice(), &mut self.k_hy)?;
         let (one, zero, per_k) = (S::one(), S::zero(), C::one() / k);
         let mut upper = out.dx.rows_mut(0, n);
         upper.apply(|entry| *entry = entry.scale(per_k));
@@ -234,12 +240,12 @@ where
     A: NodeJacobian<C, S>,
     B: NodeJacobian<C, S>,
 {
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
-        self.first.at(node, k, out)?;
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+        self.first.evaluate(node, k, out)?;
         if self.blocks.check(out.dx.nrows() / 2).is_err() {
             self.blocks = NodeBlocks::new(out.dx.nrows() / 2);
         }
-        self.second.at(node, k, &mut self.blocks)?;
+        self.second.evaluate(node, k, &mut self.blocks)?;
         out.dx += &self.blocks.dx;
         out.dxdot += &self.blocks.dxdot;
         out.dxddot += &self.blocks.dxddot;

@@ -3,7 +3,7 @@
 use crate::dynamics::{Data, aba, crba, rnea};
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// A function $L(x, \dot x)$ whose integral over time a flow makes smaller.
@@ -15,15 +15,15 @@ pub trait Lagrangian {
     ///
     /// # Errors
     /// The lengths are not those of the robot.
-    fn value<S: Over<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S>;
+    fn value<S: AlgebraOver<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S>;
 }
 
 /// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ControlEffort;
+pub struct AghfLagrangian;
 
-impl Lagrangian for ControlEffort {
-    fn value<S: Over<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S> {
+impl Lagrangian for AghfLagrangian {
+    fn value<S: AlgebraOver<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S> {
         let n = model.dof();
         let mut u = vec![S::zero(); n];
         let ((q, v), (qdot, vdot)) = (split(x), split(xdot));
@@ -47,7 +47,7 @@ pub(super) fn split<S>(x: &[S]) -> (&[S], &[S]) {
 ///
 /// # Errors
 /// `x` or `xdot` does not have `2 N` entries.
-pub fn lagrangian<C: Scalar, S: Over<C>>(
+pub fn lagrangian<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     x: &[S],
@@ -75,7 +75,7 @@ pub fn lagrangian<C: Scalar, S: Over<C>>(
 ///
 /// # Errors
 /// The lengths differ.
-pub fn lagrangian_of_control<C: Scalar, S: Over<C>>(
+pub fn lagrangian_of_control<C: Scalar, S: AlgebraOver<C>>(
     xdot_p1: &[S],
     x_p2: &[S],
     u: &[S],

@@ -6,7 +6,7 @@ use crate::dynamics::{Data, crba};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Jet, Over};
+use crate::scalar::{AlgebraOver, Jet};
 use nalgebra::DMatrix;
 
 /// The heat flow (7) of any [`Lagrangian`] in the metric (11):
@@ -17,12 +17,12 @@ use nalgebra::DMatrix;
 /// Second derivatives of `L` come from nested dual numbers, `4 N` evaluations of it: slow, allocating, and right for
 /// whatever `L` is. With [`ForwardDual::of`](super::jacobian::ForwardDual::of) around it the Jacobian is right as well.
 #[derive(Clone, Debug)]
-pub struct Definition<'m, L> {
+pub struct LagrangianFlow<'m, L> {
     model: &'m Model,
     lagrangian: L,
 }
 
-impl<'m, L: Lagrangian> Definition<'m, L> {
+impl<'m, L: Lagrangian> LagrangianFlow<'m, L> {
     /// The flow of `lagrangian` for `model`.
     #[must_use]
     pub fn new(model: &'m Model, lagrangian: L) -> Self {
@@ -30,7 +30,7 @@ impl<'m, L: Lagrangian> Definition<'m, L> {
     }
 
     /// `L`, moving with the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
-    fn along<S: Over<f64>>(
+    fn along<S: AlgebraOver<f64>>(
         &self,
         node: Node<'_, S>,
         coordinate: usize,
@@ -54,7 +54,7 @@ impl<'m, L: Lagrangian> Definition<'m, L> {
     }
 }
 
-impl<S: Over<f64>, L: Lagrangian> RightHandSide<f64, S> for Definition<'_, L> {
+impl<S: AlgebraOver<f64>, L: Lagrangian> RightHandSide<f64, S> for LagrangianFlow<'_, L> {
     fn omega(&mut self, node: Node<'_, S>, k: f64, omega: &mut [S]) -> Result<()> {
         let n = self.model.dof();
         node.check(n, omega.len())?;

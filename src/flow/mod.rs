@@ -15,12 +15,12 @@ mod omega;
 mod penalty;
 mod run;
 
-pub use action::{Effort, measure};
+pub use action::{EffortSummary, effort_of};
 pub use collocation::{Collocation, assemble_jacobian};
 pub use constrained::{Constrained, Penalised, StatePenalty, Sum};
 pub use control_penalty::{ControlCost, TorquePenalty};
-pub use lagrangian::{ControlEffort, Lagrangian, lagrangian, lagrangian_of_control};
-pub use lagrangian_flow::Definition;
+pub use lagrangian::{AghfLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
+pub use lagrangian_flow::LagrangianFlow;
 pub use node::Node;
 pub use omega::{AlgorithmB1, ControlForm, TheoremB3};
 pub use penalty::{

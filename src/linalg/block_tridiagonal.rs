@@ -1,4 +1,4 @@
-//! The Hessian of a curve of pieces: each has to do with its neighbours alone.
+//! The Hessian of a curve of segments: each has to do with its neighbours alone.
 
 use crate::scalar::Scalar;
 use faer::dyn_stack::{MemBuffer, MemStack};

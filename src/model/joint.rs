@@ -1,6 +1,6 @@
 //! One degree of freedom.
 
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement, apply_to_constant, cross, cross_matrix};
 use nalgebra::{Matrix3, Vector3};
 
@@ -126,7 +126,7 @@ impl<C: Scalar> Joint<C> {
 
     /// Where body `i` is in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
     #[must_use]
-    pub fn placement<S: Over<C>>(&self, q: S) -> Placement<S> {
+    pub fn placement<S: AlgebraOver<C>>(&self, q: S) -> Placement<S> {
         let lift = |v: &Vector3<C>| v.map(S::lift);
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {
@@ -151,7 +151,7 @@ impl<C: Scalar> Joint<C> {
     /// $S_i$, the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
     /// placed at `placement`.
     #[must_use]
-    pub fn motion_subspace<S: Over<C>>(&self, placement: &Placement<S>) -> Motion<S> {
+    pub fn motion_subspace<S: AlgebraOver<C>>(&self, placement: &Placement<S>) -> Motion<S> {
         let axis = apply_to_constant(&placement.rotation, &self.axis);
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {

@@ -40,17 +40,17 @@ pub fn control_at(
     rnea(model, data, q, v, &xdot.as_slice()[model.dof()..], u)
 }
 
-/// The curve at `intervals + 1` equidistant times, both ends included. At a joint of two parts acceleration and control are those of
+/// The curve at `intervals + 1` equidistant times, both ends included. At a joint of two segments acceleration and control are those of
 /// the later one.
 ///
 /// # Errors
 /// The curve is for another robot.
 pub fn sample(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<Sample>> {
     let times = (0..=intervals).map(|i| curve.horizon() * i as f64 / intervals as f64);
-    samples_at(model, curve, times.map(|t| (curve.part_at(t), t)))
+    samples_at(model, curve, times.map(|t| (curve.segment_at(t), t)))
 }
 
-/// The curve at times, each by the polynomial of the part before it.
+/// The curve at times, each by the polynomial of the segment before it.
 pub(crate) fn samples_at(
     model: &Model,
     curve: &Curve,
@@ -59,8 +59,8 @@ pub(crate) fn samples_at(
     let n = model.dof();
     let mut data = Data::new(model);
     times
-        .map(|(part, t)| {
-            let (x, xdot) = curve.at_of(part, t);
+        .map(|(segment, t)| {
+            let (x, xdot) = curve.at_in(segment, t);
             let mut u = vec![0.0; n];
             control_at(model, &mut data, &x, &xdot, &mut u)?;
             Ok(Sample {

@@ -59,9 +59,9 @@ pub fn simulate(
     let goal = x.column(x.ncols() - 1);
     let mut state = x.column(0).as_slice().to_vec();
     let mut statistics = Statistics::default();
-    // The control may jump where two parts meet, so no step goes across.
-    for (part, ends) in curve.joints().windows(2).enumerate() {
-        robot.part = part;
+    // The control may jump where two segments meet, so no step goes across.
+    for (segment, ends) in curve.breakpoints().windows(2).enumerate() {
+        robot.segment = segment;
         let start = state.clone();
         let mut keep = |_: f64, y: &[f64]| state.copy_from_slice(y);
         let to = &ends[1..];
@@ -99,17 +99,17 @@ pub fn replay_error(model: &Model, curve: &Curve) -> Result<Option<f64>> {
     let mut robot = ControlledRobot::new(model, curve, Feedback::NONE);
     let chebyshev = curve.chebyshev();
     let mut worst = 0.0_f64;
-    for (part, begin) in curve.joints()[..curve.pieces()].iter().enumerate() {
+    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
         let times: Vec<f64> = chebyshev.times().iter().map(|t| begin + t).collect();
         let mut nodes = DMatrix::zeros(model.dof(), times.len());
         for (i, t) in times.iter().enumerate() {
-            let (x, xdot) = curve.at_of(part, *t);
+            let (x, xdot) = curve.at_in(segment, *t);
             let u = nodes.column_mut(i);
             control_at(model, &mut robot.data, &x, &xdot, u.data.into_slice_mut())?;
         }
-        (robot.part, robot.nodes) = (part, Some(nodes));
+        (robot.segment, robot.nodes) = (segment, Some(nodes));
         for (i, ends) in times.windows(2).enumerate() {
-            let x = curve.part(part);
+            let x = curve.segment(segment);
             let next = x.column(i + 1);
             let mut error = 0.0_f64;
             let mut compare = |_: f64, y: &[f64]| {
@@ -144,9 +144,9 @@ impl AddAssign for Statistics {
 struct ControlledRobot<'a> {
     model: &'a Model,
     curve: &'a Curve,
-    /// The part of the curve that is on.
-    part: usize,
-    /// The control at the nodes of that part, `N` by `p + 1`, where nothing else is known of it.
+    /// The segment of the curve that is on.
+    segment: usize,
+    /// The control at the nodes of that segment, `N` by `p + 1`, where nothing else is known of it.
     nodes: Option<DMatrix<f64>>,
     feedback: Feedback,
     data: Data<f64>,
@@ -160,7 +160,7 @@ impl<'a> ControlledRobot<'a> {
         Self {
             model,
             curve,
-            part: 0,
+            segment: 0,
             nodes: None,
             feedback,
             data: Data::new(model),
@@ -175,12 +175,12 @@ impl<'a> ControlledRobot<'a> {
         let n = self.model.dof();
         if let Some(nodes) = &self.nodes {
             let mut weights = DVector::zeros(nodes.ncols());
-            let own = t - self.curve.joints()[self.part];
+            let own = t - self.curve.breakpoints()[self.segment];
             self.curve.chebyshev().interpolation(own, &mut weights);
             DVectorViewMut::from(&mut self.u[..]).gemv(1.0, nodes, &weights, 0.0);
             return Ok(());
         }
-        let (x, xdot) = self.curve.at_of(self.part, t);
+        let (x, xdot) = self.curve.at_in(self.segment, t);
         control_at(self.model, &mut self.data, &x, &xdot, &mut self.u)?;
         let Feedback { kp, kv } = self.feedback;
         for i in 0..n {

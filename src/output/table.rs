@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::Adapted;
+use crate::relax::DegreeRefinement;
 use crate::scenario::{
     Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
     generated_scenarios,
@@ -145,12 +145,12 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
 }
 
 /// How the effort changed with the degree, and whether that is as little as it should be.
-fn efforts_by_degree(adapted: &Adapted) -> String {
+fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
     let efforts = adapted.degrees.iter().zip(&adapted.costs);
     let efforts: Vec<_> = efforts
         .map(|(p, x)| format!("{} at {p}", short(*x)))
         .collect();
-    let verdict = if adapted.settled {
+    let verdict = if adapted.converged {
         "settled"
     } else {
         "NOT settled"

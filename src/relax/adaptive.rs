@@ -14,7 +14,7 @@ use serde::Serialize;
 /// nodes, [`replay_error`](crate::motion::replay_error), is told beside; it is no condition, because at degree 64 it is still tens of rad/s
 /// for a Kinova with its light wrist. Whoever stores a control to replay it needs more times than there are nodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Adapted {
+pub struct DegreeRefinement {
     /// By how much the cost was to change at most from one degree to the next, relative.
     pub tolerance: f64,
     /// The degrees that were tried, ascending. The last one at which the search converged is that of the motion.
@@ -23,7 +23,8 @@ pub struct Adapted {
     pub costs: Vec<f64>,
     /// Whether the last change is within the tolerance and the search converged on both sides of it. If not, that was so up to the
     /// largest degree there is, or up to one at which the search did not converge.
-    pub settled: bool,
+    #[serde(rename = "settled")]
+    pub converged: bool,
 }
 
 /// What one degree came to.
@@ -66,18 +67,18 @@ pub(super) fn climb<R: Rung>(
     settings: &RelaxSettings,
     mut found: R,
     mut next: impl FnMut(&R, Basis) -> Result<R>,
-) -> Result<(R, Option<Adapted>)> {
-    let Some(tolerance) = settings.adaptive else {
+) -> Result<(R, Option<DegreeRefinement>)> {
+    let Some(tolerance) = settings.degree_tolerance else {
         return Ok((found, None));
     };
-    let mut adapted = Adapted {
+    let mut adapted = DegreeRefinement {
         tolerance,
         degrees: vec![found.path().basis.degree()],
         costs: vec![found.cost()],
-        settled: false,
+        converged: false,
     };
     for degree in settings.higher_degrees() {
-        if !found.converged() || adapted.settled {
+        if !found.converged() || adapted.converged {
             break;
         }
         let higher = next(&found, settings.basis_of(degree))?;
@@ -87,7 +88,7 @@ pub(super) fn climb<R: Rung>(
             break;
         }
         let change = (higher.cost() - found.cost()).abs();
-        adapted.settled = change <= tolerance * higher.cost().abs();
+        adapted.converged = change <= tolerance * higher.cost().abs();
         found = higher;
     }
     Ok((found, Some(adapted)))

@@ -4,8 +4,8 @@ use super::cost::{LANES, Wide};
 use super::effort::alone;
 use super::scan::Peak;
 use super::{
-    ChargedCost, Grid, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
-    SquaredControl,
+    ControlEffort, CostWithControl, Grid, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
 };
 use crate::constraint::TorqueLimits;
 use crate::constraint::{Constraint, Evaluator, Weights};
@@ -17,25 +17,25 @@ const RESERVE: f64 = 2e-7;
 
 /// What a motion has to keep at every time.
 #[derive(Clone, Debug)]
-pub struct Requirements<K> {
+pub struct Constraints<K> {
     /// Constraints on $x = [q; v]$.
     pub state: K,
     /// Limits on $u$; no entries where there are none.
     pub torque: TorqueLimits,
 }
 
-impl<K: Constraint> Requirements<K> {
+impl<K: Constraint> Constraints<K> {
     /// How many rows there are at each time: those of the state, then those of the control.
     #[must_use]
-    pub fn rows(&self) -> usize {
-        self.state.rows() + self.torque.rows()
+    pub fn dim(&self) -> usize {
+        self.state.dim() + self.torque.dim()
     }
 }
 
-/// The rows of requirements at single points, in their own units and relative to their scales.
+/// The rows of constraints at single points, in their own units and relative to their scales.
 #[derive(Clone, Debug)]
 pub(super) struct Rows<'a, K, P> {
-    pub requirements: &'a Requirements<K>,
+    pub constraints: &'a Constraints<K>,
     /// The running cost.
     pub cost: P,
     u: Vec<f64>,
@@ -51,23 +51,23 @@ pub(super) struct Rows<'a, K, P> {
     pub units: Vec<f64>,
 }
 
-impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
-    pub fn new(model: &'a Model, requirements: &'a Requirements<K>, cost: P) -> Result<Self> {
-        let Requirements { state, torque } = requirements;
-        if torque.rows() > 0 {
+impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
+    pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
+        let Constraints { state, torque } = constraints;
+        if torque.dim() > 0 {
             check_length("torque limits", model.dof(), torque.0.len())?;
         }
-        let mut slopes = vec![1.0; state.rows()];
-        state.slopes(&mut slopes);
+        let mut slopes = vec![1.0; state.dim()];
+        state.row_scales(&mut slopes);
         let limits = torque.0.iter().flatten().flat_map(|limit| [*limit; 2]);
         let units = slopes.iter().map(|_| 1.0).chain(limits.clone());
         Ok(Self {
-            requirements,
+            constraints,
             cost,
             u: vec![0.0; model.dof()],
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * model.dof()],
-            wide: vec![Wide::splat(0.0); state.rows()],
+            wide: vec![Wide::splat(0.0); state.dim()],
             single: Evaluator::new(model),
             units: units.collect(),
             scales: slopes.into_iter().chain(limits).map(f64::recip).collect(),
@@ -81,11 +81,11 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
     /// All rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;
-        let Requirements { state, torque } = self.requirements;
-        if torque.rows() == 0 {
+        let Constraints { state, torque } = self.constraints;
+        if torque.dim() == 0 {
             return self.cost.values(points, costs);
         }
-        let (states, count) = (state.rows(), self.count());
+        let (states, count) = (state.dim(), self.count());
         for (g, h) in h.chunks_exact_mut(count).enumerate() {
             let h = &mut h[states..];
             costs[g] = self.cost.value_with_control(points.point(g), &mut self.u)?;
@@ -99,7 +99,7 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
 
     /// The same without the running cost, which is not computed where only the state has constraints.
     pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        if self.requirements.torque.rows() > 0 {
+        if self.constraints.torque.dim() > 0 {
             self.at(points, h, &mut vec![0.0; points.count()])
         } else {
             self.of_state(points, h)
@@ -108,12 +108,12 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
 
     /// The rows of the state alone; those of the control are left as they are.
     pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let (states, count) = (self.requirements.state.rows(), self.count());
+        let (states, count) = (self.constraints.state.dim(), self.count());
         let own = 2 * points.states.nrows();
         for start in (0..points.count()).step_by(LANES) {
             let found = points.gather(start, &mut self.z);
             let placed = self.evaluator.at(&self.z[..own])?;
-            placed.value(&self.requirements.state, &mut self.wide)?;
+            placed.value(&self.constraints.state, &mut self.wide)?;
             for lane in 0..found {
                 let first = (start + lane) * count;
                 let h = &mut h[first..first + states];
@@ -134,7 +134,7 @@ impl<'a, K: Constraint, P: ChargedCost> Rows<'a, K, P> {
 /// $\lambda_j^2 / 2 \rho$, which do not depend on the curve. A row $h_j$ is a row of the constraints divided by its
 /// [slope](Constraint::slopes), or a torque above its limit divided by the limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it.
 #[derive(Clone, Debug)]
-pub struct Augmented<'a, K, P = SquaredControl<'a, f64, f64>> {
+pub struct Augmented<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(super) rows: Rows<'a, K, P>,
     /// $\rho$.
     pub rho: f64,
@@ -142,7 +142,7 @@ pub struct Augmented<'a, K, P = SquaredControl<'a, f64, f64>> {
     pub multipliers: Vec<f64>,
     /// $m$, likewise.
     pub margins: Vec<f64>,
-    /// Rows at the points of a piece.
+    /// Rows at the points of a segment.
     h: Vec<f64>,
     w: Vec<f64>,
     c: Vec<f64>,
@@ -155,16 +155,16 @@ impl<'a, K: Constraint> Augmented<'a, K> {
     /// The torque limits are those of another robot.
     pub fn new(
         model: &'a Model,
-        requirements: &'a Requirements<K>,
+        constraints: &'a Constraints<K>,
         rho: f64,
         points: usize,
     ) -> Result<Self> {
-        let rows = Rows::new(model, requirements, SquaredControl::new(model))?;
+        let rows = Rows::new(model, constraints, ControlEffort::new(model))?;
         Ok(Self::of(rows, rho, points))
     }
 }
 
-impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
+impl<'a, K: Constraint, P: CostWithControl> Augmented<'a, K, P> {
     /// That of rows that are there already, without multipliers.
     pub(super) fn of(rows: Rows<'a, K, P>, rho: f64, points: usize) -> Self {
         let zeros = vec![0.0; rows.count()];
@@ -187,14 +187,14 @@ impl<'a, K: Constraint, P: ChargedCost> Augmented<'a, K, P> {
     }
 }
 
-impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
-    /// The margins that make the rows at the points of its piece beside a peak as high as the peak.
+impl<K: Constraint, P: CostWithControl> Augmented<'_, K, P> {
+    /// The margins that make the rows at the points of its segment beside a peak as high as the peak.
     pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], h: &[f64]) {
         let count = self.rows.count();
         self.margins.fill(RESERVE);
         for peak in peaks {
             let after = grid.times.partition_point(|t| *t < peak.time);
-            let own = peak.piece * grid.points()..(peak.piece + 1) * grid.points();
+            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
             for g in [after.wrapping_sub(1), after] {
                 if own.contains(&g) {
                     let at = g * count + peak.row;
@@ -218,7 +218,7 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
     }
 }
 
-impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
+impl<K: Constraint, P: CostWithControl> PointCost<f64> for Augmented<'_, K, P> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let states = point.states();
         let mut cost = [0.0];
@@ -256,8 +256,8 @@ impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
-        let Requirements { state, torque } = self.rows.requirements;
-        let (states, count, rho) = (state.rows(), self.rows.count(), self.rho);
+        let Constraints { state, torque } = self.rows.constraints;
+        let (states, count, rho) = (state.dim(), self.rows.count(), self.rho);
         let (multipliers, margins) = (&self.multipliers, &self.margins);
         let mut charged = vec![0.0; points.count()];
         let mut charge = |index: usize, u: &[f64], first: &mut [f64], second: &mut [f64]| {
@@ -281,7 +281,7 @@ impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
             stiff
         };
         let cost = &mut self.rows.cost;
-        cost.derivatives_charging(points, out, &mut charge)?;
+        cost.derivatives_with(points, out, &mut charge)?;
         let mut h = std::mem::take(&mut self.h);
         h.resize(points.count() * count, 0.0);
         self.rows.of_state(points, &mut h)?;
@@ -295,7 +295,7 @@ impl<K: Constraint, P: ChargedCost> PointCost<f64> for Augmented<'_, K, P> {
     }
 }
 
-impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
+impl<K: Constraint, P: CostWithControl> Augmented<'_, K, P> {
     /// Adds the derivatives that the rows of the state have at point `g`; says what the squares of their pulls are together.
     fn add_state(
         &mut self,
@@ -304,7 +304,7 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
         g: usize,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<f64> {
-        let (n, state, states) = (point.q.len(), &self.rows.requirements.state, h.len());
+        let (n, state, states) = (point.q.len(), &self.rows.constraints.state, h.len());
         let mut charged = 0.0;
         for j in 0..states {
             let (w, scale) = (self.pull(point.index, j, h[j]), self.rows.scales[j]);
@@ -318,12 +318,12 @@ impl<K: Constraint, P: ChargedCost> Augmented<'_, K, P> {
         }
         if charged > 0.0 {
             let weights = Weights {
-                w: &self.w[..states],
-                c: Some(&self.c[..states]),
+                first_order: &self.w[..states],
+                gauss_newton: Some(&self.c[..states]),
             };
             let x = [point.q, point.v].concat();
             let mut placed = self.rows.single.at(&x)?;
-            let pull = placed.contract(state, weights)?;
+            let pull = placed.weighted_derivatives(state, weights)?;
             for (x, part) in [(0, 0), (1, n)] {
                 let mut gradient = out.gradients.column_mut(3 * g + x);
                 gradient += pull.gradient().rows(part, n);

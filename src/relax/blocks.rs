@@ -14,7 +14,7 @@ const fn index(x: usize, y: usize) -> usize {
     if x == y { x } else { x + y + 2 }
 }
 
-/// Symmetric matrices in $z = [q; v; a]$, `3 N` by `3 N`, one at each point of a piece.
+/// Symmetric matrices in $z = [q; v; a]$, `3 N` by `3 N`, one at each point of a segment.
 ///
 /// Two functions $\phi_a, \phi_b$ of a curve make a block of its Hessian of them, with $\phi^x$ the derivative that goes with `x`:
 ///
@@ -24,7 +24,7 @@ const fn index(x: usize, y: usize) -> usize {
 /// So twice the symmetric and twice the antisymmetric parts are kept, half of each, which takes half of the products that all blocks
 /// would.
 #[derive(Clone, Debug)]
-pub struct PointHessians<S: Scalar> {
+pub struct PackedHessian<S: Scalar> {
     dof: usize,
     room: usize,
     /// A column for each $i \ge j$; a row for each point of each block.
@@ -43,7 +43,7 @@ fn before(n: usize, j: usize) -> usize {
     j * n - j * j.saturating_sub(1) / 2
 }
 
-impl<S: Scalar> PointHessians<S> {
+impl<S: Scalar> PackedHessian<S> {
     /// Zero at `points` points, for a robot with `dof` joints.
     #[must_use]
     pub fn new(dof: usize, points: usize) -> Self {
@@ -144,7 +144,7 @@ impl<S: Scalar> PointHessians<S> {
         })
     }
 
-    /// The block that each pair of functions of a piece makes, `N` by `N`, handed to `take`.
+    /// The block that each pair of functions of a segment makes, `N` by `N`, handed to `take`.
     pub(super) fn integrate(
         &self,
         grid: &Grid<S>,
@@ -184,7 +184,7 @@ impl<S: Scalar> PointHessians<S> {
     }
 }
 
-/// The weighted products of functions that go with the parts that are kept: of the functions at the points of a piece, `table`, for
+/// The weighted products of functions that go with the parts that are kept: of the functions at the points of a segment, `table`, for
 /// each of `pairs`, a row each.
 pub(super) fn products<S: Scalar>(
     table: &DMatrix<S>,

@@ -1,7 +1,7 @@
 //! Least effort within constraints: an augmented Lagrangian about Newton's method.
 
 use super::adaptive::climb;
-use super::augmented::{Augmented, Requirements, Rows};
+use super::augmented::{Augmented, Constraints, Rows};
 use super::grid::Grids;
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
@@ -11,8 +11,8 @@ use super::newton::{End, Newton, SMALLEST_COST, Stop};
 use super::running_cost::check_integral;
 use super::scan::{Peak, rows_on};
 use super::{
-    ChargedCost, FRESH, FreeHorizon, Grid, Iteration, Objective, Points, RelaxSettings,
-    RelaxSolution, SquaredControl, curve_of, path_of,
+    ControlEffort, CostWithControl, FRESH, FreeHorizon, Grid, Iteration, Objective, Points,
+    RelaxSettings, RelaxSolution, curve_of, path_of,
 };
 use crate::constraint::Constraint;
 use crate::error::Result;
@@ -59,7 +59,7 @@ struct Level {
     rounds: usize,
     /// Gradient norm and iterations of each round.
     stop: Stop,
-    agreement: f64,
+    quadrature_tolerance: f64,
     /// Whether all has to be right at the end.
     last: bool,
 }
@@ -72,11 +72,11 @@ const LOWER: Level = Level {
         fresh: 3,
         precise: false,
     },
-    agreement: 0.05,
+    quadrature_tolerance: 0.05,
     last: false,
 };
 
-/// Finds a motion of locally least control effort that keeps `requirements` at all times. `observe` is called after each
+/// Finds a motion of locally least control effort that keeps `constraints` at all times. `observe` is called after each
 /// iteration.
 ///
 /// As [`relax`](super::relax), with starts that bend around obstacles in different ways; the best goes up the ladder of degrees, and
@@ -87,32 +87,32 @@ const LOWER: Level = Level {
 /// horizon on which there is a motion is found to 1e-3, and takes long.
 ///
 /// # Errors
-/// A setting is out of range, or requirements or start are for another robot. A search that ends outside the constraints or before
+/// A setting is out of range, or constraints or start are for another robot. A search that ends outside the constraints or before
 /// its tolerance is a solution that says so.
 pub fn relax_constrained<K: Constraint + Clone>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
-    requirements: &Requirements<K>,
+    constraints: &Constraints<K>,
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
-    let effort = SquaredControl::new(problem.model());
-    relax_constrained_with(problem, settings, requirements, &effort, observe)
+    let effort = ControlEffort::new(problem.model());
+    relax_constrained_with(problem, settings, constraints, &effort, observe)
 }
 
-/// The same for the integral of another running cost, such as a [`RunningCost`](super::RunningCost).
+/// The same for the integral of another running cost, such as a [`CostThroughDynamics`](super::CostThroughDynamics).
 ///
 /// # Errors
 /// As [`relax_constrained`], or `cost` is for another robot, or the integral is negative somewhere on the way.
-pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
+pub fn relax_constrained_with<K: Constraint + Clone, P: CostWithControl>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
-    requirements: &Requirements<K>,
+    constraints: &Constraints<K>,
     cost: &P,
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
     settings.check(problem)?;
     let grids = Grids::default();
-    let mut rows = Rows::new(problem.model(), requirements, cost.clone())?;
+    let mut rows = Rows::new(problem.model(), constraints, cost.clone())?;
     let mut iterations = Vec::new();
     let mut log = |iteration: Iteration| {
         observe(&iteration);
@@ -126,7 +126,7 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
             fresh: FRESH,
             precise: true,
         },
-        agreement: settings.agreement,
+        quadrature_tolerance: settings.quadrature_tolerance,
         last: true,
     };
     // Where an end breaks a constraint there is nothing to be found; the numbers are told all the same.
@@ -204,13 +204,13 @@ pub fn relax_constrained_with<K: Constraint + Clone, P: ChargedCost>(
         converged: found.converged,
         adapted,
         unknowns: found.path.basis.free().len() * problem.model().dof(),
-        starts,
+        start_costs: starts,
         iterations,
     })
 }
 
 /// Minimises within the constraints from a curve in its basis.
-fn hold<K: Constraint + Clone, P: ChargedCost>(
+fn hold<K: Constraint + Clone, P: CostWithControl>(
     grids: &Grids,
     problem: &Problem<'_>,
     rows: &Rows<'_, K, P>,
@@ -256,7 +256,7 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
                 exact = judge.value(c)?;
                 let seen = own.value(c)?;
                 error = (exact - seen).abs() / exact.max(f64::EPSILON);
-                Ok(error > level.agreement && points < 64 * basis.degree())
+                Ok(error > level.quadrature_tolerance && points < 64 * basis.degree())
             };
             let from = held.path.coefficients.clone();
             let found = newton.minimise(&mut objective, from, stop, &mut coarse, observe)?;
@@ -276,7 +276,7 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
                 && moved <= FEASIBLE;
             if violation <= NEAR && level.last && !fine {
                 fine = true;
-                let intervals = (FINE / basis.pieces()).max(SCAN * points);
+                let intervals = (FINE / basis.segments()).max(SCAN * points);
                 scan = grids.scan(&basis, intervals, problem.horizon());
                 peaks = scan.peaks(&mut cost.rows, &held.path.coefficients, FLOOR)?;
                 violation = largest(&peaks, &cost.rows.units);
@@ -288,7 +288,8 @@ fn hold<K: Constraint + Clone, P: ChargedCost>(
                 points = points * 3 / 2;
                 continue 'points;
             }
-            held.converged = settled && violation <= FEASIBLE && error <= level.agreement;
+            held.converged =
+                settled && violation <= FEASIBLE && error <= level.quadrature_tolerance;
             // What is left to do, most of it in the constraints first.
             let left = moved / FEASIBLE + held.gradient_norm / level.stop.tolerance;
             since += 1;
@@ -346,7 +347,7 @@ fn by_differences(
 }
 
 /// By how much the states at the ends that are given break the constraints on the state.
-fn at_ends<K: Constraint, P: ChargedCost>(
+fn at_ends<K: Constraint, P: CostWithControl>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
     rows: &mut Rows<'_, K, P>,
@@ -378,7 +379,7 @@ fn first_weight(grid: &Grid<f64>, h: &[f64], count: usize, effort: f64) -> f64 {
         sum += weight * h.iter().map(|h| h.max(0.0).powi(2)).sum::<f64>();
     }
     // A violation of that much for the whole time at least.
-    let least = DEPTH * DEPTH * grid.weights.iter().sum::<f64>() * grid.pieces as f64;
+    let least = DEPTH * DEPTH * grid.weights.iter().sum::<f64>() * grid.segments as f64;
     2.0 * effort.max(SMALLEST_COST) / sum.max(least)
 }
 

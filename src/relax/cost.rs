@@ -1,6 +1,6 @@
 //! What is integrated along a curve.
 
-use super::PointHessians;
+use super::PackedHessian;
 use crate::error::Result;
 use crate::scalar::{Lanes, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +36,7 @@ impl<'a, S: Scalar> Point<'a, S> {
     }
 }
 
-/// A curve at all quadrature points of a piece.
+/// A curve at all quadrature points of a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Points<'a, S: Scalar> {
     /// Which point the first is, counted along time.
@@ -112,7 +112,7 @@ impl<S: Scalar> PointDerivatives<S> {
     }
 }
 
-/// A running cost and its derivatives at all points of a piece.
+/// A running cost and its derivatives at all points of a segment.
 #[derive(Clone, Debug)]
 pub struct PointsDerivatives<S: Scalar> {
     /// The costs, `M` entries.
@@ -120,9 +120,9 @@ pub struct PointsDerivatives<S: Scalar> {
     /// $\partial l / \partial q$, $\partial l / \partial v$ and $\partial l / \partial a$ at each point, a column each: `N` by `3 M`.
     pub gradients: DMatrix<S>,
     /// The Hessians.
-    pub hessians: PointHessians<S>,
+    pub hessians: PackedHessian<S>,
     /// The metrics; see [`PointDerivatives::metric`].
-    pub metrics: PointHessians<S>,
+    pub metrics: PackedHessian<S>,
     /// Whether anybody reads the metrics.
     pub with_metrics: bool,
 }
@@ -131,7 +131,7 @@ impl<S: Scalar> PointsDerivatives<S> {
     /// Room for `points` points of a model with `n` joints.
     #[must_use]
     pub fn new(n: usize, points: usize) -> Self {
-        let hessians = PointHessians::new(n, points);
+        let hessians = PackedHessian::new(n, points);
         Self {
             costs: vec![S::zero(); points],
             gradients: DMatrix::zeros(n, 3 * points),

@@ -1,13 +1,13 @@
 //! The control effort as a running cost.
 
-use super::Charge;
+use super::ControlTerm;
 use super::cost::{LANES, Point, PointCost, PointDerivatives, Points, PointsDerivatives, Wide};
 use crate::dynamics::{
-    ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_second_order,
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
 };
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
@@ -17,11 +17,11 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$. Four points at a time go through the dynamics side by side.
 #[derive(Clone, Debug)]
-pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
+pub struct ControlEffort<'m, C: Scalar, S: Scalar> {
     model: &'m Model<C>,
     data: Data<Wide<S>>,
     id: InverseDynamicsDerivatives<Wide<S>>,
-    second: ContractedHessian<Wide<S>>,
+    second: RneaWeightedHessian<Wide<S>>,
     /// $[q; v; a]$.
     state: Vec<Wide<S>>,
     /// $\partial l / \partial u$, and what else than the effort has as second derivatives.
@@ -35,7 +35,7 @@ pub struct SquaredControl<'m, C: Scalar, S: Scalar> {
     u: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     /// The control effort of `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -45,7 +45,7 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
             model,
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
-            second: ContractedHessian::new(n),
+            second: RneaWeightedHessian::new(n),
             state: vec![Wide::splat(S::zero()); 3 * n],
             weights: DVector::from_vec(zeros.clone()),
             stiffness: DVector::from_vec(zeros),
@@ -64,11 +64,11 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
     }
 
     /// The derivatives of the effort and of another cost of the control. The metrics and the costs are those of the effort.
-    pub(super) fn derivatives_charging(
+    pub(super) fn derivatives_with(
         &mut self,
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
-        charge: &mut impl Charge<S>,
+        charge: &mut impl ControlTerm<S>,
     ) -> Result<()> {
         let n = self.model.dof();
         let two = Wide::from_f64(2.0);
@@ -107,7 +107,7 @@ impl<'m, C: Scalar, S: Over<C>> SquaredControl<'m, C, S> {
     fn file(&mut self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
         let n = self.model.dof();
         let InverseDynamicsDerivatives { tau, dq, dv, h } = &self.id;
-        let ContractedHessian { qq, qv, vv, qa } = &self.second;
+        let RneaWeightedHessian { qq, qv, vv, qa } = &self.second;
         let two = Wide::from_f64(2.0);
         let cost = tau.dot(tau);
         out.costs[start..start + count].copy_from_slice(&cost.0[..count]);
@@ -169,7 +169,7 @@ fn split<T>(z: &[T]) -> [&[T]; 3] {
     [&z[..n], &z[n..2 * n], &z[2 * n..]]
 }
 
-impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
+impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
     fn value(&mut self, point: Point<'_, S>) -> Result<S> {
         let u = self.control(point)?;
         Ok(u.dot(u))
@@ -195,7 +195,7 @@ impl<C: Scalar, S: Over<C>> PointCost<S> for SquaredControl<'_, C, S> {
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
     ) -> Result<()> {
-        self.derivatives_charging(points, out, &mut |_, _, _, _| false)
+        self.derivatives_with(points, out, &mut |_, _, _, _| false)
     }
 }
 

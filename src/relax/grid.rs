@@ -11,24 +11,24 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::OnceLock;
 
-/// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each piece.
+/// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each segment.
 ///
-/// The pieces are alike, so one table serves all.
+/// The segments are alike, so one table serves all.
 #[derive(Clone, Debug)]
 pub struct Grid<S: Scalar> {
-    /// How many pieces there are.
-    pub(super) pieces: usize,
+    /// How many segments there are.
+    pub(super) segments: usize,
     /// The functions whose coefficients are unknown.
     pub(super) free: Range<usize>,
-    /// Times of the points, s, piece by piece.
+    /// Times of the points, s, segment by segment.
     pub(super) times: Vec<S>,
-    /// Weights of the points of a piece.
+    /// Weights of the points of a segment.
     pub(super) weights: Vec<S>,
-    /// Value, first and second derivative in time at each point of a piece: the functions of a piece by three a point.
+    /// Value, first and second derivative in time at each point of a segment: the functions of a segment by three a point.
     pub(super) table: DMatrix<S>,
     /// Its transpose.
     pub(super) transposed: DMatrix<S>,
-    /// Pairs of functions of a piece, the first not before the second, in the order of the rows of the products.
+    /// Pairs of functions of a segment, the first not before the second, in the order of the rows of the products.
     pub(super) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
@@ -77,7 +77,7 @@ fn get<T>(
 }
 
 impl Grid<f64> {
-    /// `basis` on `[0, horizon]` with `points` points a piece.
+    /// `basis` on `[0, horizon]` with `points` points a segment.
     #[must_use]
     pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
         let (nodes, weights) = gauss_legendre(points);
@@ -89,12 +89,12 @@ impl Grid<f64> {
                 table.set_column(3 * g + d, &scaled);
             }
         }
-        let pieces = 0..basis.pieces();
-        let times = pieces.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, *s)));
+        let segments = 0..basis.segments();
+        let times = segments.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, *s)));
         let length = basis.half() * horizon;
         let weights = weights.iter().map(|w| w * length).collect();
         Self::from_table(
-            basis.pieces(),
+            basis.segments(),
             basis.free(),
             times.collect(),
             weights,
@@ -106,15 +106,15 @@ impl Grid<f64> {
 impl<S: Scalar> Grid<S> {
     /// Any functions: the identities of the assembly ask nothing of them.
     pub(crate) fn from_table(
-        pieces: usize,
+        segments: usize,
         free: Range<usize>,
         times: Vec<S>,
         weights: Vec<S>,
         table: DMatrix<S>,
     ) -> Self {
         let functions = table.nrows();
-        // On a single piece the fixed functions have no part in the Hessian.
-        let needed = if pieces == 1 {
+        // On a single segment the fixed functions have no part in the Hessian.
+        let needed = if segments == 1 {
             free.clone()
         } else {
             0..functions
@@ -124,7 +124,7 @@ impl<S: Scalar> Grid<S> {
             .flat_map(|b| (b..needed.end).map(move |a| (a, b)))
             .collect();
         Self {
-            pieces,
+            segments,
             free,
             times,
             weights,
@@ -141,16 +141,16 @@ impl<S: Scalar> Grid<S> {
         let all = |x: &[S]| x.iter().map(|x| f(*x)).collect();
         let (times, weights) = (all(&self.times), all(&self.weights));
         let table = self.table.map(&f);
-        Grid::from_table(self.pieces, self.free.clone(), times, weights, table)
+        Grid::from_table(self.segments, self.free.clone(), times, weights, table)
     }
 
-    /// Weighted products of the functions of each pair, for [`PointHessians`](super::PointHessians).
+    /// Weighted products of the functions of each pair, for [`PackedHessian`](super::PackedHessian).
     pub(super) fn products(&self) -> &[DMatrix<S>; 2] {
         let new = || products(&self.table, &self.weights, &self.pairs);
         self.products.get_or_init(new)
     }
 
-    /// How many points each piece has.
+    /// How many points each segment has.
     #[must_use]
     pub fn points(&self) -> usize {
         self.weights.len()
@@ -159,15 +159,15 @@ impl<S: Scalar> Grid<S> {
     /// How many functions there are, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.first(self.pieces) + 2
+        self.first(self.segments) + 2
     }
 
-    /// The first function of piece `e`.
+    /// The first function of segment `e`.
     pub(super) fn first(&self, e: usize) -> usize {
         e * (self.table.nrows() - 2)
     }
 
-    /// The unknown functions that piece `e` owns alone or shares with the next: a block of the Hessian.
+    /// The unknown functions that segment `e` owns alone or shares with the next: a block of the Hessian.
     pub(super) fn block(&self, e: usize) -> Range<usize> {
         self.first(e) + 2..(self.first(e + 1) + 2).min(self.free.end)
     }

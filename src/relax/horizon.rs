@@ -92,7 +92,7 @@ pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
     let (mut moving, mut out) = (states.clone(), PointDerivatives::new(n));
     let (rate, two) = (S::one() / horizon, S::from_f64(2.0));
     let mut slope = S::zero();
-    for e in 0..grid.pieces {
+    for e in 0..grid.segments {
         for (from, to) in [(coefficients, &mut states), (rates, &mut moving)] {
             place(from, grid.first(e), &grid.table, to);
         }

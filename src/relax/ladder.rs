@@ -23,7 +23,7 @@ pub(crate) struct Path {
 pub(super) struct Level {
     pub stop: Stop,
     /// How well the quadrature has to agree with a finer one, relative.
-    pub agreement: f64,
+    pub quadrature_tolerance: f64,
     /// Whether to see to it that it is a minimum.
     pub last: bool,
 }
@@ -72,7 +72,8 @@ pub(super) fn line(problem: &Problem<'_>, basis: Basis) -> Path {
 /// What a search starts from: the line, and the same with bends as far as the settings say.
 pub(super) fn starts(problem: &Problem<'_>, settings: &RelaxSettings, basis: Basis) -> Vec<Path> {
     let line = line(problem, basis);
-    let bent = (1..settings.starts as u64).map(|seed| line.bent(settings.bend, seed));
+    let bent =
+        (1..settings.num_starts as u64).map(|seed| line.bent(settings.start_amplitude, seed));
     std::iter::once(line.clone()).chain(bent).collect()
 }
 
@@ -128,8 +129,8 @@ pub(super) fn settle<P: PointCost<f64> + Clone>(
         let mut objective = Objective::new(&grid, cost.clone(), n);
         let mut judge = Judge {
             finer: Objective::new(&finer, cost.clone(), n),
-            agreement: if points < most {
-                level.agreement
+            quadrature_tolerance: if points < most {
+                level.quadrature_tolerance
             } else {
                 f64::INFINITY
             },
@@ -176,7 +177,7 @@ pub(super) fn settle<P: PointCost<f64> + Clone>(
             gradient_norm,
             points,
             quadrature_error,
-            converged: end == End::Converged && quadrature_error <= level.agreement,
+            converged: end == End::Converged && quadrature_error <= level.quadrature_tolerance,
             smallest_curvature,
         });
     }

@@ -21,20 +21,20 @@ mod scan;
 mod settings;
 mod trust_region;
 
-pub use adaptive::Adapted;
-pub use augmented::{Augmented, Requirements};
-pub use blocks::PointHessians;
+pub use adaptive::DegreeRefinement;
+pub use augmented::{Augmented, Constraints};
+pub use blocks::PackedHessian;
 pub use constrained::{relax_constrained, relax_constrained_with};
 pub use cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
-pub use effort::SquaredControl;
+pub use effort::ControlEffort;
 pub use grid::Grid;
 pub use horizon::FreeHorizon;
 pub(crate) use horizon::horizon_slope;
 pub use newton::Iteration;
 pub use objective::{Derivatives, Objective};
 pub use running_cost::{
-    ByDuals, ChainRule, Charge, ChargedCost, HyperDual64, Moment, MomentDerivatives, Running,
-    RunningCost, Weighted,
+    AutodiffCost, ChainRule, ControlTerm, CostThroughDynamics, CostWithControl, HyperDual64,
+    RunningCost, StageDerivatives, StageInput, WeightedSquares,
 };
 pub use settings::{RelaxSettings, RelaxSolution};
 
@@ -61,11 +61,11 @@ const LOWER: Level = Level {
         fresh: 1,
         precise: false,
     },
-    agreement: 0.02,
+    quadrature_tolerance: 0.02,
     last: false,
 };
 
-/// The same on fewer pieces, where each has much to gain by the next breakpoint.
+/// The same on fewer segments, where each has much to gain by the next breakpoint.
 const PIECES: Level = Level {
     stop: Stop {
         tolerance: 0.1,
@@ -92,7 +92,7 @@ const EXACTNESS: Exactness = Exactness {
 /// Finds a motion of locally least control effort $\int |u|^2 dt$. `observe` is called after each iteration.
 ///
 /// Several starts, the line and bent ones, are relaxed at the lowest degree of a ladder of degrees. The best few of them are relaxed at
-/// the next, from where they ended, and the best one of these goes up to the degree and the pieces that the settings name, or beyond
+/// the next, from where they ended, and the best one of these goes up to the degree and the segments that the settings name, or beyond
 /// if the degree is adaptive.
 ///
 /// # Errors
@@ -103,11 +103,11 @@ pub fn relax(
     settings: &RelaxSettings,
     observe: &mut dyn FnMut(&Iteration),
 ) -> Result<RelaxSolution> {
-    let effort = SquaredControl::new(problem.model());
+    let effort = ControlEffort::new(problem.model());
     relax_with(problem, settings, &effort, observe)
 }
 
-/// The same for the integral of any running cost, such as a [`RunningCost`].
+/// The same for the integral of any running cost, such as a [`CostThroughDynamics`].
 ///
 /// # Errors
 /// As [`relax`], or `cost` is for another robot, or the integral is negative somewhere on the way.
@@ -132,7 +132,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         for (rung, basis) in lower.iter().enumerate() {
             let settled = paths.iter().map(|path| {
                 let path = path.in_basis(basis.clone());
-                let full = rung > 0 && basis.degree() == settings.p;
+                let full = rung > 0 && basis.degree() == settings.degree;
                 let level = if full { PIECES } else { LOWER };
                 settle(&grids, problem, cost, path, level, &mut log)
             });
@@ -157,7 +157,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
             fresh: FRESH,
             precise: true,
         },
-        agreement: settings.agreement,
+        quadrature_tolerance: settings.quadrature_tolerance,
         last: true,
     };
     let found = settle(&grids, problem, cost, path, highest, &mut log)?;
@@ -204,7 +204,7 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
         converged: found.converged,
         adapted,
         unknowns: found.path.basis.free().len() * problem.model().dof(),
-        starts,
+        start_costs: starts,
         iterations,
     })
 }
@@ -212,13 +212,13 @@ pub fn relax_with<P: PointCost<f64> + Clone>(
 /// The polynomials through Chebyshev nodes that are the same curve, with $v = \dot q$.
 pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let (n, horizon) = (problem.model().dof(), problem.horizon());
-    let (pieces, p) = (path.basis.pieces(), path.basis.degree());
+    let (segments, p) = (path.basis.segments(), path.basis.degree());
     let chebyshev = Chebyshev::new(p, 1.0)?;
-    let mut x = DMatrix::zeros(2 * n, pieces * (p + 1));
-    for e in 0..pieces {
+    let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
+    for e in 0..segments {
         for (node, time) in chebyshev.times().iter().enumerate() {
-            // Where two pieces meet this is the same number for both, and so is the state.
-            let time = (e as f64 + time) / pieces as f64;
+            // Where two segments meet this is the same number for both, and so is the state.
+            let time = (e as f64 + time) / segments as f64;
             let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
             let column = e * (p + 1) + node;
             x.view_mut((0, column), (n, 1)).copy_from(&q);
@@ -237,7 +237,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     x.column_mut(last)
         .rows_mut(0, given)
         .copy_from_slice(&problem.goal()[..given]);
-    Curve::piecewise(horizon, pieces, x)
+    Curve::piecewise(horizon, segments, x)
 }
 
 /// The configuration of a curve in a basis.
@@ -245,13 +245,15 @@ fn path_of(curve: &Curve, basis: Basis) -> Path {
     let (n, chebyshev) = (curve.dof(), curve.chebyshev());
     let horizon = curve.horizon();
     let d2 = chebyshev.d2().transpose();
-    let second: Vec<_> = (0..curve.pieces()).map(|e| curve.part(e) * &d2).collect();
+    let second: Vec<_> = (0..curve.segments())
+        .map(|e| curve.segment(e) * &d2)
+        .collect();
     let mut weights = DVector::zeros(chebyshev.degree() + 1);
     let coefficients = basis.fit(n, |time| {
         let time = time * horizon;
-        let part = curve.part_at(time);
-        let (x, xdot) = curve.at_of(part, time);
-        chebyshev.interpolation(time - curve.joints()[part], &mut weights);
+        let part = curve.segment_at(time);
+        let (x, xdot) = curve.at_in(part, time);
+        chebyshev.interpolation(time - curve.breakpoints()[part], &mut weights);
         let a = second[part].rows(0, n) * &weights;
         let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
         [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]

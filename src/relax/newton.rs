@@ -35,9 +35,9 @@ pub(super) struct Stop {
 /// One iteration of the minimiser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration {
-    /// The degree of the pieces.
+    /// The degree of the segments.
     pub degree: usize,
-    /// How many points of quadrature each piece has.
+    /// How many points of quadrature each segment has.
     pub points: usize,
     /// The cost $J$ before the step.
     pub cost: f64,
@@ -79,7 +79,7 @@ pub(super) type LookAtQuadrature<'a> = dyn FnMut(&DMatrix<f64>, f64, bool) -> Re
 pub(super) struct Judge<'g, P> {
     pub finer: Objective<'g, f64, P>,
     /// How well the two have to agree at the end, relative.
-    pub agreement: f64,
+    pub quadrature_tolerance: f64,
     /// The cost by the finer one when it was last asked.
     pub cost: f64,
 }
@@ -88,12 +88,12 @@ impl<P: PointCost<f64>> Judge<'_, P> {
     /// Whether the quadrature is too coarse for this curve, which it says costs `cost`. On the way less is asked than at the `end`.
     pub fn finds_coarse(&mut self, curve: &DMatrix<f64>, cost: f64, end: bool) -> Result<bool> {
         self.cost = self.finer.value(curve)?;
-        let agreement = if end {
-            self.agreement
+        let quadrature_tolerance = if end {
+            self.quadrature_tolerance
         } else {
-            self.agreement.max(ON_THE_WAY)
+            self.quadrature_tolerance.max(ON_THE_WAY)
         };
-        Ok((self.cost - cost).abs() > agreement * self.cost.max(SMALLEST_COST))
+        Ok((self.cost - cost).abs() > quadrature_tolerance * self.cost.max(SMALLEST_COST))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::{Grid, PointCost, PointHessians, Points, PointsDerivatives};
+use super::{Grid, PackedHessian, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::BlockTridiagonal;
 use crate::linalg::multiply;
@@ -14,13 +14,13 @@ use nalgebra::{DMatrix, DVector};
 /// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
 ///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\, W^{xy}. $$
 ///
-/// The products of functions are tabulated, so all blocks of the Hessian of a piece with `p` functions and `M` points are two products of
-/// matrices, see [`PointHessians`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
+/// The products of functions are tabulated, so all blocks of the Hessian of a segment with `p` functions and `M` points are two products of
+/// matrices, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
 pub struct Objective<'g, S: Scalar, P> {
     grid: &'g Grid<S>,
     cost: P,
     dof: usize,
-    /// $q, v, a$ at the points of a piece, one column each.
+    /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
     costs: Vec<S>,
     /// Once derivatives are asked for.
@@ -49,7 +49,7 @@ impl<S: Scalar> Derivatives<S> {
     /// Room for the unknowns of a grid, for a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &Grid<S>, dof: usize) -> Self {
-        let sizes: Vec<_> = (0..grid.pieces)
+        let sizes: Vec<_> = (0..grid.segments)
             .map(|e| grid.block(e).len() * dof)
             .collect();
         let matrix = BlockTridiagonal::new(&sizes, 2 * dof);
@@ -100,7 +100,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
         self.check(coefficients)?;
         let mut sum = S::zero();
-        for e in 0..self.grid.pieces {
+        for e in 0..self.grid.segments {
             place(
                 coefficients,
                 self.grid.first(e),
@@ -150,7 +150,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         out.gradient.fill(S::zero());
         let (grid, dof) = (self.grid, self.dof);
         let mut sum = S::zero();
-        for e in 0..grid.pieces {
+        for e in 0..grid.segments {
             place(coefficients, grid.first(e), &grid.table, &mut self.states);
             let here = points(grid, &self.states, e);
             let Room {
@@ -184,8 +184,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     #[must_use]
     pub fn gram(&self) -> BlockTridiagonal<S> {
         let (n, grid) = (self.dof, self.grid);
-        let pieces = S::from_f64(grid.pieces as f64 / std::f64::consts::PI.powi(2));
-        let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * pieces;
+        let segments = S::from_f64(grid.segments as f64 / std::f64::consts::PI.powi(2));
+        let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * segments;
         let mut gram = Derivatives::new(grid, n).hessian;
         let identity = DMatrix::identity(n, n);
         let velocity = |m, g| grid.table[(m, 3 * g + 1)];
@@ -196,7 +196,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             })
         });
         let squares: Vec<S> = squares.collect();
-        for e in 0..grid.pieces {
+        for e in 0..grid.segments {
             for (pair, square) in squares.iter().enumerate() {
                 put_block(grid, &(&identity * (*square * scale)), e, pair, &mut gram);
             }
@@ -214,13 +214,13 @@ impl<S: Scalar> Room<S> {
     fn new(grid: &Grid<S>, dof: usize) -> Self {
         Self {
             at_points: PointsDerivatives::new(dof, grid.points()),
-            sums: PointHessians::sums(dof, grid.pairs.len()),
+            sums: PackedHessian::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
         }
     }
 }
 
-/// Adds the gradient in the functions of piece `e`, a column each, where it belongs.
+/// Adds the gradient in the functions of segment `e`, a column each, where it belongs.
 fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
     let (n, first, free) = (gradient.nrows(), grid.first(e), &grid.free);
     for (m, column) in gradient.column_iter().enumerate() {
@@ -231,7 +231,7 @@ fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out:
     }
 }
 
-/// Puts the block of a pair of functions of piece `e` where it belongs, and adds it to what the piece before, which has to come first,
+/// Puts the block of a pair of functions of segment `e` where it belongs, and adds it to what the segment before, which has to come first,
 /// put there.
 fn put_block<S: Scalar>(
     grid: &Grid<S>,
@@ -244,7 +244,7 @@ fn put_block<S: Scalar>(
     if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
         return;
     }
-    // Functions 0 and 1 of a piece are the last two of the block before.
+    // Functions 0 and 1 of a segment are the last two of the block before.
     let (target, (row, column)) = match (a < 2, b < 2) {
         (false, false) => (&mut out.diagonal[e], ((a - 2) * n, (b - 2) * n)),
         (false, true) => (&mut out.coupling[e - 1], ((a - 2) * n, b * n)),
@@ -270,7 +270,7 @@ pub(super) fn place<S: Scalar>(
     multiply(&own, table, states);
 }
 
-/// What the running cost reads at the points of piece `e`.
+/// What the running cost reads at the points of segment `e`.
 pub(super) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     states: &'a DMatrix<S>,

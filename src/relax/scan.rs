@@ -2,7 +2,7 @@
 
 use super::augmented::Rows;
 use super::objective::{place, points};
-use super::{ChargedCost, Grid, Points};
+use super::{CostWithControl, Grid, Points};
 use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 pub(super) struct Scan {
     basis: Basis,
     horizon: f64,
-    /// Value, first and second derivative in time at each time of a piece.
+    /// Value, first and second derivative in time at each time of a segment.
     table: DMatrix<f64>,
     intervals: usize,
 }
@@ -21,13 +21,13 @@ pub(super) struct Scan {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peak {
     pub row: usize,
-    pub piece: usize,
+    pub segment: usize,
     pub time: f64,
     pub height: f64,
 }
 
 impl Scan {
-    /// `intervals` on each piece.
+    /// `intervals` on each segment.
     pub fn new(basis: &Basis, intervals: usize, horizon: f64) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
         for k in 0..=intervals {
@@ -45,30 +45,30 @@ impl Scan {
         }
     }
 
-    /// The local maxima in time of all rows above `floor`, ends of the pieces included, refined by a parabola.
-    pub fn peaks<K: Constraint, P: ChargedCost>(
+    /// The local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola.
+    pub fn peaks<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         floor: f64,
     ) -> Result<Vec<Peak>> {
         let (n, count) = (coefficients.nrows(), rows.count());
-        let pieces = self.basis.pieces();
-        let interval = self.horizon / (pieces * self.intervals) as f64;
-        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two pieces meet, so each
+        let segments = self.basis.segments();
+        let interval = self.horizon / (segments * self.intervals) as f64;
+        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two segments meet, so each
         // has ends of its own: after the last value of one `here` is below all again.
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
         let mut h = vec![0.0; count * (self.intervals + 1)];
-        for piece in 0..pieces {
+        for segment in 0..segments {
             place(
                 coefficients,
-                self.basis.first(piece),
+                self.basis.first(segment),
                 &self.table,
                 &mut states,
             );
-            let first = piece * self.intervals;
+            let first = segment * self.intervals;
             let times: Vec<_> = (0..=self.intervals)
                 .map(|k| (first + k) as f64 * interval)
                 .collect();
@@ -97,7 +97,7 @@ impl Scan {
                     }
                     found.push(Peak {
                         row,
-                        piece,
+                        segment,
                         time: ((first + k - 1) as f64 + shift) * interval,
                         height,
                     });
@@ -111,7 +111,7 @@ impl Scan {
 }
 
 /// All rows at all points of a grid, row by row for each point, and the integral of the running cost.
-pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
+pub(super) fn rows_on<K: Constraint, P: CostWithControl>(
     grid: &Grid<f64>,
     rows: &mut Rows<'_, K, P>,
     coefficients: &DMatrix<f64>,
@@ -120,7 +120,7 @@ pub(super) fn rows_on<K: Constraint, P: ChargedCost>(
     let (n, count) = (coefficients.nrows(), rows.count());
     let mut states = DMatrix::zeros(n, grid.table.ncols());
     let (mut effort, mut costs) = (0.0, vec![0.0; grid.points()]);
-    for e in 0..grid.pieces {
+    for e in 0..grid.segments {
         place(coefficients, grid.first(e), &grid.table, &mut states);
         let here = points(grid, &states, e);
         let own = here.first * count..(here.first + grid.points()) * count;

@@ -1,6 +1,6 @@
 //! What can be asked of the relaxation, and what it says.
 
-use super::{Adapted, FreeHorizon, Iteration};
+use super::{DegreeRefinement, FreeHorizon, Iteration};
 use crate::curve::Basis;
 use crate::curve::Curve;
 use crate::error::{Error, Result};
@@ -9,25 +9,25 @@ use crate::motion::Problem;
 /// How the relaxation is done.
 #[derive(Clone, Debug)]
 pub struct RelaxSettings {
-    /// The degree of the polynomial, or of each piece.
-    pub p: usize,
+    /// The degree of the polynomial, or of each segment.
+    pub degree: usize,
     /// Of how many polynomials on equal parts of the horizon the motion is made. Where two meet `q` and `v` are continuous;
     /// acceleration and control may jump.
-    pub pieces: usize,
-    /// Whether to go on from the degree `p` to 9, 16, 24, 32, 48, 64, each from where the one before ended, until the cost changes by
-    /// less than this from one to the next, relative; see [`Adapted`].
-    pub adaptive: Option<f64>,
+    pub segments: usize,
+    /// Whether to go on from this degree to 9, 16, 24, 32, 48, 64, each from where the one before ended, until the cost changes by
+    /// less than this from one to the next, relative; see [`DegreeRefinement`].
+    pub degree_tolerance: Option<f64>,
     /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
     pub tolerance: f64,
     /// The most iterations at one degree and one quadrature.
     pub iterations: usize,
     /// How well the quadrature has to agree with a finer one, relative.
-    pub agreement: f64,
+    pub quadrature_tolerance: f64,
     /// How many starts there are: the line, and bent ones.
-    pub starts: usize,
+    pub num_starts: usize,
     /// How far the bent ones are bent, rad or m.
-    pub bend: f64,
-    /// A curve to start from instead, at once at the degree `p`; its shape, between the states of the problem and on its horizon.
+    pub start_amplitude: f64,
+    /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
     pub start: Option<Curve>,
     /// Whether the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
     pub free_final_velocity: bool,
@@ -38,14 +38,14 @@ pub struct RelaxSettings {
 impl Default for RelaxSettings {
     fn default() -> Self {
         Self {
-            p: 16,
-            pieces: 1,
-            adaptive: None,
+            degree: 16,
+            segments: 1,
+            degree_tolerance: None,
             tolerance: 1e-8,
             iterations: 500,
-            agreement: 1e-3,
-            starts: 8,
-            bend: 1.5,
+            quadrature_tolerance: 1e-3,
+            num_starts: 8,
+            start_amplitude: 1.5,
             start: None,
             free_final_velocity: false,
             free_horizon: None,
@@ -56,7 +56,7 @@ impl Default for RelaxSettings {
 impl RelaxSettings {
     /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
     pub const LARGEST_DEGREE: usize = 64;
-    /// The largest degree times the number of pieces: beyond it the Hessians of a large robot do not.
+    /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
     pub const LARGEST_SIZE: usize = 256;
     /// What a motion may exceed its constraints by, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
@@ -71,53 +71,53 @@ impl RelaxSettings {
     }
 
     /// The rungs of the ladder that are climbed before the last, at least one: single polynomials of those of the degrees 6, 9, 16,
-    /// 24, 32, 48, ... that are below `p`, then `p` on fewer pieces, of which each rung has all breakpoints of the one before.
+    /// 24, 32, 48, ... that are below the degree, then the degree on fewer segments, of which each rung has all breakpoints of the one before.
     pub(super) fn lower_rungs(&self) -> Vec<Basis> {
-        let below = degrees().take_while(|degree| *degree < self.p);
-        let degrees = std::iter::once(self.p.min(6)).chain(below);
-        let new = |pieces, p| Basis::new(pieces, p, self.free_final_velocity);
+        let below = degrees().take_while(|degree| *degree < self.degree);
+        let degrees = std::iter::once(self.degree.min(6)).chain(below);
+        let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
         let mut rungs: Vec<_> = degrees.map(|p| new(1, p)).collect();
         let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
-        let mut pieces: Vec<_> = std::iter::successors(fewer(&self.pieces), fewer).collect();
-        pieces.reverse();
-        rungs.extend(pieces.into_iter().map(|n| new(n, self.p)));
-        // A low degree on one piece is the first rung already.
+        let mut segments: Vec<_> = std::iter::successors(fewer(&self.segments), fewer).collect();
+        segments.reverse();
+        rungs.extend(segments.into_iter().map(|n| new(n, self.degree)));
+        // A low degree on one segment is the first rung already.
         rungs.dedup();
         rungs
     }
 
     /// The basis of the motion.
     pub(super) fn basis(&self) -> Basis {
-        self.basis_of(self.p)
+        self.basis_of(self.degree)
     }
 
     /// The same of another degree.
     pub(super) fn basis_of(&self, degree: usize) -> Basis {
-        Basis::new(self.pieces, degree, self.free_final_velocity)
+        Basis::new(self.segments, degree, self.free_final_velocity)
     }
 
-    /// The degrees after `p` that an adaptive one may have.
+    /// The degrees after this one that an adaptive one may have.
     pub(super) fn higher_degrees(&self) -> impl Iterator<Item = usize> {
-        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / self.pieces);
-        let above = degrees().skip_while(|degree| *degree <= self.p);
+        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / self.segments);
+        let above = degrees().skip_while(|degree| *degree <= self.degree);
         above.take_while(move |degree| *degree <= largest)
     }
 
-    /// Whether so many pieces of degree `p` can be had.
+    /// Whether so many segments of this degree can be had.
     ///
     /// # Errors
     /// One of the two is out of range.
-    pub fn check_size(p: usize, pieces: usize) -> Result<()> {
+    pub fn check_size(degree: usize, segments: usize) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
         let (smallest, largest) = (Basis::SMALLEST_DEGREE, Self::LARGEST_DEGREE);
-        if !(smallest..=largest).contains(&p) {
+        if !(smallest..=largest).contains(&degree) {
             let range = format!("at least {smallest} and at most {largest} is needed");
-            return refuse("p", format!("it is {p}, {range}"));
+            return refuse("degree", format!("it is {degree}, {range}"));
         }
-        let most = Self::LARGEST_SIZE / p;
-        if !(1..=most).contains(&pieces) {
-            let range = format!("at least 1 and for degree {p} at most {most} is needed");
-            return refuse("pieces", format!("it is {pieces}, {range}"));
+        let most = Self::LARGEST_SIZE / degree;
+        if !(1..=most).contains(&segments) {
+            let range = format!("at least 1 and for degree {degree} at most {most} is needed");
+            return refuse("segments", format!("it is {segments}, {range}"));
         }
         Ok(())
     }
@@ -126,23 +126,26 @@ impl RelaxSettings {
     /// A setting is out of range.
     pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
-        Self::check_size(self.p, self.pieces)?;
+        Self::check_size(self.degree, self.segments)?;
         for (what, value) in [
             ("tolerance", self.tolerance),
-            ("agreement", self.agreement),
-            ("adaptive", self.adaptive.unwrap_or(1.0)),
+            ("quadrature_tolerance", self.quadrature_tolerance),
+            ("degree_tolerance", self.degree_tolerance.unwrap_or(1.0)),
         ] {
             if !(value.is_finite() && value > 0.0) {
                 return refuse(what, format!("it is {value}, a positive number is needed"));
             }
         }
-        if !self.bend.is_finite() {
+        if !self.start_amplitude.is_finite() {
             return refuse(
-                "bend",
-                format!("it is {}, a finite number is needed", self.bend),
+                "start_amplitude",
+                format!("it is {}, a finite number is needed", self.start_amplitude),
             );
         }
-        for (what, value) in [("starts", self.starts), ("iterations", self.iterations)] {
+        for (what, value) in [
+            ("num_starts", self.num_starts),
+            ("iterations", self.iterations),
+        ] {
             if value == 0 {
                 return refuse(what, "it is 0, at least 1 is needed".to_owned());
             }
@@ -178,18 +181,18 @@ pub struct RelaxSolution {
     pub smallest_curvature: f64,
     /// By how much the worst constraint is broken at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,
-    /// How many points the quadrature of a piece has.
+    /// How many points the quadrature of a segment has.
     pub points: usize,
     /// How far the cost by this quadrature is from that by the finer one, relative.
     pub quadrature_error: f64,
     /// Whether the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
-    /// How it came to its degree, where that is adaptive.
-    pub adapted: Option<Adapted>,
+    /// How it came to its degree, where that is degree_tolerance.
+    pub adapted: Option<DegreeRefinement>,
     /// How many unknowns there are.
     pub unknowns: usize,
     /// The costs at the lowest degree, from all starts, ascending.
-    pub starts: Vec<f64>,
+    pub start_costs: Vec<f64>,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
 }

@@ -1,6 +1,6 @@
 //! Dual numbers over any scalar.
 
-use super::{Over, Scalar};
+use super::{AlgebraOver, Scalar};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -150,7 +150,7 @@ impl<S: Scalar, const N: usize> Scalar for Jet<S, N> {
     }
 }
 
-impl<C, S: Over<C>, const N: usize> Over<C> for Jet<S, N>
+impl<C, S: AlgebraOver<C>, const N: usize> AlgebraOver<C> for Jet<S, N>
 where
     C: Copy,
 {

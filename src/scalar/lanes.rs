@@ -1,6 +1,6 @@
 //! Several numbers at once.
 
-use super::{Over, Scalar};
+use super::{AlgebraOver, Scalar};
 use num_traits::{One, Zero};
 use std::any::Any;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -86,7 +86,7 @@ const LARGE: f64 = 1e9;
 
 /// Sines and cosines of four `f64` in a sixth of the time that one after the other take.
 #[inline(always)]
-fn at_once<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
+fn sin_cos_f64x4<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
     let angles: &Lanes<f64, 4> = (&angles as &dyn Any).downcast_ref()?;
     if !angles.0.iter().all(|angle| angle.abs() < LARGE) {
         return None;
@@ -105,7 +105,7 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if let Some(found) = at_once(self) {
+        if let Some(found) = sin_cos_f64x4(self) {
             return found;
         }
         let (mut sin, mut cos) = (self, self);
@@ -121,7 +121,7 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
     }
 }
 
-impl<C: Copy, S: Over<C>, const W: usize> Over<C> for Lanes<S, W> {
+impl<C: Copy, S: AlgebraOver<C>, const W: usize> AlgebraOver<C> for Lanes<S, W> {
     #[inline(always)]
     fn lift(c: C) -> Self {
         Self::splat(S::lift(c))

@@ -5,7 +5,7 @@
 //! order, no square root, no absolute value. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify;
 //! a prime field and SIMD lanes can, because neither needs an order.
 //!
-//! The constants of a model have a type of their own. [`Over<C>`] says that a scalar can be multiplied by a constant of
+//! The constants of a model have a type of their own. [`AlgebraOver<C>`] says that a scalar can be multiplied by a constant of
 //! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
 
 mod jet;
@@ -47,7 +47,7 @@ pub trait Scalar:
 }
 
 /// A scalar that can be multiplied by the constants `C` of a model.
-pub trait Over<C>: Scalar {
+pub trait AlgebraOver<C>: Scalar {
     /// The scalar that stands for the constant `c`.
     fn lift(c: C) -> Self;
 

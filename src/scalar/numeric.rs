@@ -1,6 +1,6 @@
 //! `f32`, `f64` and the types of `num-dual` as scalars.
 
-use super::{Over, Scalar};
+use super::{AlgebraOver, Scalar};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
 use num_traits::{Float, NumCast};
 
@@ -33,7 +33,7 @@ impl<D: DualNum + Copy> Scalar for D {
     }
 }
 
-impl<D: DualNum + Copy> Over<f64> for D {
+impl<D: DualNum + Copy> AlgebraOver<f64> for D {
     #[inline]
     fn lift(c: f64) -> Self {
         Scalar::from_f64(c)
@@ -48,7 +48,7 @@ impl<D: DualNum + Copy> Over<f64> for D {
 /// A type whose values may themselves be the constants of a model, as after [`Model::cast`](crate::model::Model::cast).
 macro_rules! over_itself {
     ($type:ty $(, $parameter:ident $(: $bound:ident)?)* $(; const $n:ident)?) => {
-        impl<$($parameter $(: $bound + Copy)?,)* $(const $n: usize)?> Over<$type> for $type {
+        impl<$($parameter $(: $bound + Copy)?,)* $(const $n: usize)?> AlgebraOver<$type> for $type {
             #[inline]
             fn lift(c: Self) -> Self {
                 c

@@ -1,6 +1,6 @@
 //! The field with $2^{61} - 1$ elements, in which an identity is proved rather than measured.
 
-use super::{Over, Scalar};
+use super::{AlgebraOver, Scalar};
 use num_traits::{One, Zero};
 use std::fmt;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -181,7 +181,7 @@ impl Scalar for PrimeField {
     }
 }
 
-impl Over<PrimeField> for PrimeField {
+impl AlgebraOver<PrimeField> for PrimeField {
     #[inline]
     fn lift(c: Self) -> Self {
         c

@@ -1,7 +1,9 @@
 //! What the robot of a scenario has to keep clear of, and with what shape.
 
 use super::{RobotShape, ScenarioFile};
-use crate::constraint::{Ball, BuiltIn, Capsule, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls};
+use crate::constraint::{
+    AnyConstraint, Capsule, CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
+};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -10,14 +12,14 @@ use nalgebra::Vector3;
 
 /// The shape of a robot among obstacles.
 #[derive(Clone, Debug)]
-pub struct Surroundings {
+pub struct Environment {
     capsules: Vec<Capsule>,
     spacing: f64,
     spheres: Vec<Sphere>,
     half_spaces: Vec<HalfSpace>,
 }
 
-impl Surroundings {
+impl Environment {
     /// Those of a scenario; `path` names it in errors.
     pub(super) fn new(model: &Model, file: &ScenarioFile, path: &str) -> Result<Self> {
         let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
@@ -78,12 +80,13 @@ impl Surroundings {
     ///
     /// # Errors
     /// As [`Capsule::balls`].
-    pub fn constraints(&self) -> Result<Vec<BuiltIn>> {
-        let mut balls: Vec<Ball> = Vec::new();
+    pub fn constraints(&self) -> Result<Vec<AnyConstraint>> {
+        let mut balls: Vec<CollisionSphere> = Vec::new();
         for capsule in &self.capsules {
             // Capsules of one body share the ball at its joint.
             for ball in capsule.balls(self.spacing)? {
-                let radius = |b: &&mut Ball| b.body == ball.body && b.centre == ball.centre;
+                let radius =
+                    |b: &&mut CollisionSphere| b.body == ball.body && b.centre == ball.centre;
                 match balls.iter_mut().find(radius) {
                     Some(known) => known.radius = known.radius.max(ball.radius),
                     None => balls.push(ball),
@@ -92,13 +95,13 @@ impl Surroundings {
         }
         let mut constraints = Vec::new();
         if !self.spheres.is_empty() {
-            constraints.push(BuiltIn::Spheres(SphereBalls {
+            constraints.push(AnyConstraint::Spheres(SphereClearance {
                 balls: balls.clone(),
                 spheres: self.spheres.clone(),
             }));
         }
         constraints.extend(self.half_spaces.iter().map(|half_space| {
-            BuiltIn::HalfSpace(HalfSpaceBalls {
+            AnyConstraint::HalfSpace(HalfSpaceClearance {
                 balls: balls.clone(),
                 half_space: *half_space,
             })
@@ -148,10 +151,13 @@ impl Surroundings {
 
 /// The origins of all joint frames: the paper's measure.
 fn points(model: &Model) -> Vec<Capsule> {
-    let point = |ball: Ball| Capsule {
+    let point = |ball: CollisionSphere| Capsule {
         body: ball.body,
         ends: [ball.centre; 2],
         radius: ball.radius,
     };
-    Ball::joint_frames(model).into_iter().map(point).collect()
+    CollisionSphere::joint_frames(model)
+        .into_iter()
+        .map(point)
+        .collect()
 }

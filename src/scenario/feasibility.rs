@@ -84,7 +84,7 @@ impl Feasibility {
             }
         }
         Ok(Self {
-            smallest_clearance_m: (scenario.surroundings)
+            smallest_clearance_m: (scenario.environment)
                 .smallest_clearance(model, configurations)?,
             limit_violations,
         })

@@ -1,11 +1,11 @@
 //! Reading a scenario.
 
-use super::Surroundings;
+use super::Environment;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use crate::constraint::TorqueLimits;
-use crate::constraint::{Bounds, BuiltIn};
+use crate::constraint::{AnyConstraint, Bounds};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -178,7 +178,7 @@ pub struct Scenario {
     /// The robot.
     pub model: Model,
     /// What it has to keep clear of.
-    pub surroundings: Surroundings,
+    pub environment: Environment,
 }
 
 impl Scenario {
@@ -253,13 +253,13 @@ impl Scenario {
         Chebyshev::check_degree(file.flow.p)
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
         check_objective(&file, model.dof(), path)?;
-        let surroundings = Surroundings::new(&model, &file, path)?;
+        let environment = Environment::new(&model, &file, path)?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             file,
             model,
-            surroundings,
+            environment,
         })
     }
 
@@ -280,21 +280,21 @@ impl Scenario {
     /// Whether there are no constraints.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.surroundings.is_empty() && !self.file.enforced_limits.any()
+        self.environment.is_empty() && !self.file.enforced_limits.any()
     }
 
     /// The constraints on the state: clear of obstacles, within the limits that are enforced.
     ///
     /// # Errors
-    /// As [`Surroundings::constraints`].
-    pub fn state_constraints(&self) -> Result<Vec<BuiltIn>> {
-        let mut constraints = self.surroundings.constraints()?;
+    /// As [`Environment::constraints`].
+    pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
+        let mut constraints = self.environment.constraints()?;
         let enforced = self.file.enforced_limits;
         if enforced.position {
-            constraints.push(BuiltIn::Bounds(Bounds::positions(&self.model)));
+            constraints.push(AnyConstraint::Bounds(Bounds::positions(&self.model)));
         }
         if enforced.velocity {
-            constraints.push(BuiltIn::Bounds(Bounds::velocities(&self.model)));
+            constraints.push(AnyConstraint::Bounds(Bounds::velocities(&self.model)));
         }
         Ok(constraints)
     }

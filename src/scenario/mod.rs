@@ -11,7 +11,7 @@ mod outcome;
 mod summary;
 
 pub use builtin::builtin_scenarios;
-pub use environment::Surroundings;
+pub use environment::Environment;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{
     EnforcedLimits, FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile,

@@ -3,7 +3,7 @@
 use super::{Scenario, ScenarioFile};
 use crate::error::{Error, Result};
 use crate::relax::FreeHorizon;
-use crate::relax::Weighted;
+use crate::relax::WeightedSquares;
 use serde::{Deserialize, Serialize};
 
 /// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
@@ -33,14 +33,14 @@ impl RunningCostWeights {
     /// The cost of a robot with `dof` joints.
     ///
     /// # Errors
-    /// As [`Weighted::new`].
-    pub fn weighted(&self, dof: usize) -> Result<Weighted> {
+    /// As [`WeightedSquares::new`].
+    pub fn weighted(&self, dof: usize) -> Result<WeightedSquares> {
         let [torque, velocity, acceleration] = [&self.torque, &self.velocity, &self.acceleration]
             .map(|weights| match weights {
                 PerJoint::Same(weight) => vec![*weight; dof],
                 PerJoint::Each(weights) => weights.clone(),
             });
-        Weighted::new(dof, torque, velocity, acceleration)
+        WeightedSquares::new(dof, torque, velocity, acceleration)
     }
 }
 

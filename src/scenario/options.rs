@@ -26,16 +26,16 @@ pub enum Method {
 pub struct SolveOptions {
     /// How to solve it.
     pub method: Method,
-    /// Degree of the polynomial, or of each piece.
-    pub p: Option<usize>,
+    /// Degree of the polynomial, or of each segment.
+    pub degree: Option<usize>,
     /// Of the relaxation: of how many polynomials the motion is made.
-    pub pieces: Option<usize>,
+    pub segments: Option<usize>,
     /// Of the relaxation: by how much the effort may change, relative, from one degree to the next; the degree grows until then.
-    pub adaptive: Option<f64>,
+    pub degree_tolerance: Option<f64>,
     /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
     pub tolerance: Option<f64>,
     /// Of the relaxation: how many starts there are.
-    pub starts: Option<usize>,
+    pub num_starts: Option<usize>,
     /// Of the flow: how the Jacobian is computed.
     pub jacobian: Option<JacobianKind>,
     /// Of the flow: penalty of (11).
@@ -58,7 +58,7 @@ impl SolveOptions {
     pub fn flow_settings(&self, scenario: &Scenario) -> FlowSettings {
         let parameters = scenario.file.flow;
         FlowSettings {
-            p: self.p.unwrap_or(parameters.p),
+            p: self.degree.unwrap_or(parameters.p),
             k: self.k.unwrap_or(parameters.k),
             s_max: self.s_max.unwrap_or(parameters.s_max),
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
@@ -86,11 +86,11 @@ impl SolveOptions {
             RelaxSettings::constrained()
         };
         RelaxSettings {
-            p: self.p.unwrap_or(default.p),
-            pieces: self.pieces.unwrap_or(default.pieces),
-            adaptive: self.adaptive,
+            degree: self.degree.unwrap_or(default.degree),
+            segments: self.segments.unwrap_or(default.segments),
+            degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
-            starts: self.starts.unwrap_or(default.starts),
+            num_starts: self.num_starts.unwrap_or(default.num_starts),
             free_final_velocity: scenario.file.free_final_velocity,
             free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
@@ -102,9 +102,9 @@ impl SolveOptions {
         let (method, foreign) = match self.method {
             Method::Flow => {
                 let foreign = [
-                    ("pieces", self.pieces.is_some()),
-                    ("adaptive", self.adaptive.is_some()),
-                    ("starts", self.starts.is_some()),
+                    ("segments", self.segments.is_some()),
+                    ("degree_tolerance", self.degree_tolerance.is_some()),
+                    ("num_starts", self.num_starts.is_some()),
                 ];
                 ("flow", foreign.to_vec())
             }

@@ -5,13 +5,13 @@ use super::{Feasibility, Method, Scenario, SolveOptions};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::{
-    Effort, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained, measure,
+    EffortSummary, FlowRecord, FlowSettings, FlowSolution, effort_of, flow, flow_constrained,
 };
 use crate::flow::{Penalised, TorquePenalty};
 use crate::motion::{Feedback, replay_error, sample, simulate};
 use crate::relax::{
-    Iteration, RelaxSettings, RelaxSolution, Requirements, RunningCost, relax, relax_constrained,
-    relax_constrained_with, relax_with,
+    Constraints, CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax,
+    relax_constrained, relax_constrained_with, relax_with,
 };
 use std::time::Instant;
 
@@ -104,7 +104,7 @@ fn solve_by_flow(
         history,
         statistics,
     } = solution;
-    let effort = measure(&scenario.model, &curve, settings.k)?;
+    let effort = effort_of(&scenario.model, &curve, settings.k)?;
     let interior = settings.p - 1;
     let details = Details::Flow(FlowDetails {
         jacobian: settings.jacobian,
@@ -146,17 +146,17 @@ fn solve_by_relaxation(
 ) -> Result<Outcome> {
     let problem = scenario.problem()?;
     let started = Instant::now();
-    let requirements = Requirements {
+    let constraints = Constraints {
         state: scenario.state_constraints()?,
         torque: scenario.torque_limits(),
     };
     let observe = &mut |iteration: &Iteration| observe(Record::Relax(*iteration));
-    let (model, kept) = (&scenario.model, &requirements);
+    let (model, kept) = (&scenario.model, &constraints);
     let solution = match &scenario.file.running_cost {
         None if scenario.is_free() => relax(&problem, settings, observe)?,
         None => relax_constrained(&problem, settings, kept, observe)?,
         Some(weights) => {
-            let cost = RunningCost::of(model, weights.weighted(model.dof())?);
+            let cost = CostThroughDynamics::of(model, weights.weighted(model.dof())?);
             if scenario.is_free() {
                 relax_with(&problem, settings, &cost, observe)?
             } else {
@@ -184,13 +184,13 @@ fn solve_by_relaxation(
         replay_error_inf: replay_error(&scenario.model, &curve)?,
         adapted: solution.adapted,
         quadrature_points: solution.points,
-        efforts_of_starts: solution.starts,
+        efforts_of_starts: solution.start_costs,
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
     let history = iterations.into_iter().map(Record::Relax).collect();
     // Nothing that is told of it depends on the penalty.
-    let effort = measure(&scenario.model, &curve, 1.0)?;
+    let effort = effort_of(&scenario.model, &curve, 1.0)?;
     let found = Found {
         curve,
         effort,
@@ -218,10 +218,10 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         ));
     }
     if !converged {
-        let (tolerance, agreement) = (settings.tolerance, settings.agreement);
+        let (tolerance, quadrature_tolerance) = (settings.tolerance, settings.quadrature_tolerance);
         return Some(format!(
             "where the search ended the gradient norm is {gradient_norm:.1e}, {tolerance:e} was asked for, \
-             and the quadrature is off by {quadrature_error:.1e}, {agreement:e} was asked for"
+             and the quadrature is off by {quadrature_error:.1e}, {quadrature_tolerance:e} was asked for"
         ));
     }
     (*smallest_curvature <= 0.0).then(|| {
@@ -232,7 +232,7 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
 /// What a method found.
 struct Found {
     curve: Curve,
-    effort: Effort,
+    effort: EffortSummary,
     history: Vec<Record>,
     details: Details,
     solve_seconds: f64,
@@ -277,7 +277,7 @@ fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
         robot: scenario.file.robot.clone(),
         method,
         p: curve.chebyshev().degree(),
-        pieces: curve.pieces(),
+        pieces: curve.segments(),
         success: failure.is_none() && reached && feasible,
         success_threshold,
         final_error_inf,

@@ -3,7 +3,7 @@
 use super::{Feasibility, Method};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Feedback, Guess};
-use crate::relax::Adapted;
+use crate::relax::DegreeRefinement;
 use serde::Serialize;
 
 /// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
@@ -125,7 +125,7 @@ pub struct RelaxDetails {
     /// [`replay_error`](crate::motion::replay_error).
     pub replay_error_inf: Option<f64>,
     /// How it came to its degree, where that was adaptive.
-    pub adapted: Option<Adapted>,
+    pub adapted: Option<DegreeRefinement>,
     /// Points of the quadrature of a piece.
     pub quadrature_points: usize,
     /// The efforts, or integrals of another running cost, that the starts came to at the lowest degree, ascending.

@@ -1,7 +1,7 @@
 //! The spatial inertia of a rigid body, or of several that move as one.
 
 use super::{Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, matrix};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
 
@@ -51,7 +51,7 @@ impl<S: Scalar> Inertia<S> {
 
     /// The inertia of a body given in the frame B, in the coordinates of A, where `placement` is that of B in A (2.66).
     #[must_use]
-    pub fn placed<T: Over<S>>(&self, placement: &Placement<T>) -> Inertia<T> {
+    pub fn placed<T: AlgebraOver<S>>(&self, placement: &Placement<T>) -> Inertia<T> {
         let (r, p) = (&placement.rotation, &placement.translation);
         let mass = T::lift(self.mass);
         let h = apply_to_constant(r, &self.first_moment);

@@ -1,7 +1,7 @@
 //! Where one frame is in another.
 
 use super::{Motion, apply, apply_to_constant, cross, matrix, multiply};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
 /// The placement of a frame B in a frame A: $r_A = R\, r_B + p$.
@@ -45,7 +45,7 @@ impl<S: Scalar> Placement<S> {
     #[must_use]
     pub fn compose_constant<C: Scalar>(&self, inner: &Placement<C>) -> Self
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let column = |j| apply_to_constant(&self.rotation, &inner.rotation.column(j).into_owned());
         let columns = [column(0), column(1), column(2)];

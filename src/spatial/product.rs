@@ -1,7 +1,7 @@
 //! Products of vectors and 3 by 3 matrices, written out: on numbers that are not floating-point `nalgebra` calls its routines for any
 //! size, which the compiler does not take apart.
 
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
 /// $a \times b$.
@@ -50,7 +50,10 @@ pub(crate) fn multiply<S: Scalar>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> 
 
 /// $M x$ for constants `x`, which are not promoted.
 #[inline(always)]
-pub(crate) fn apply_to_constant<C: Copy, S: Over<C>>(m: &Matrix3<S>, x: &Vector3<C>) -> Vector3<S> {
+pub(crate) fn apply_to_constant<C: Copy, S: AlgebraOver<C>>(
+    m: &Matrix3<S>,
+    x: &Vector3<C>,
+) -> Vector3<S> {
     let row = |i| m[(i, 0)].scale(x[0]) + m[(i, 1)].scale(x[1]) + m[(i, 2)].scale(x[2]);
     Vector3::new(row(0), row(1), row(2))
 }

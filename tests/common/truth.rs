@@ -3,7 +3,7 @@
 use aghf::dynamics::{Data, aba, bias, crba};
 use aghf::flow::{Node, TheoremB3};
 use aghf::model::Model;
-use aghf::scalar::{Over, Scalar};
+use aghf::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, Dual64, DualNum};
 
@@ -30,20 +30,20 @@ pub fn vector<S: Scalar>(x: &[S]) -> DVector<S> {
     DVector::from_column_slice(x)
 }
 
-pub fn mass<S: Over<f64>>(model: &Model, q: &[S]) -> DMatrix<S> {
+pub fn mass<S: AlgebraOver<f64>>(model: &Model, q: &[S]) -> DMatrix<S> {
     let mut h = DMatrix::zeros(model.dof(), model.dof());
     crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
     h
 }
 
-pub fn bias_force<S: Over<f64>>(model: &Model, q: &[S], v: &[S]) -> DVector<S> {
+pub fn bias_force<S: AlgebraOver<f64>>(model: &Model, q: &[S], v: &[S]) -> DVector<S> {
     let mut c = DVector::zeros(model.dof());
     bias(model, &mut Data::new(model), q, v, c.as_mut_slice()).expect("lengths agree");
     c
 }
 
 /// $FD_0$.
-pub fn drift<S: Over<f64>>(model: &Model, q: &[S], v: &[S]) -> DVector<S> {
+pub fn drift<S: AlgebraOver<f64>>(model: &Model, q: &[S], v: &[S]) -> DVector<S> {
     let mut a = DVector::zeros(model.dof());
     let zero: Vec<S> = zeros(model.dof());
     aba(model, &mut Data::new(model), q, v, &zero, a.as_mut_slice()).expect("lengths agree");

@@ -2,8 +2,8 @@
 
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
-    aba, aba_derivatives, bias, crba, crba_derivatives, forward_kinematics, frame_jacobian,
-    frame_placement, kinetic_energy, potential_energy, rnea, rnea_derivatives,
+    aba, aba_derivatives, bias, crba, forward_kinematics, frame_jacobian, frame_placement,
+    kinetic_energy, mass_matrix_and_rate, potential_energy, rnea, rnea_derivatives,
     rnea_second_derivatives,
 };
 use aghf::model::Model;
@@ -183,7 +183,7 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
         DMatrix::zeros(n, n),
     );
     crba(model, data, q, &mut h).expect("lengths agree");
-    crba_derivatives(model, data, q, v, &mut h_too, &mut hdot).expect("lengths agree");
+    mass_matrix_and_rate(model, data, q, v, &mut h_too, &mut hdot).expect("lengths agree");
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, data, q, v, a, &mut id).expect("lengths agree");
     let mut fd = ForwardDynamicsDerivatives::new(n);

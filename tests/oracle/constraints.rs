@@ -3,7 +3,8 @@
 use aghf::common::config;
 use aghf::compare::{BOUND, Comparison, FLOOR, state};
 use aghf::constraint::{
-    Ball, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Sphere, SphereBalls, Weights,
+    CollisionSphere, Constraint, Evaluator, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
+    Weights,
 };
 use aghf::model::Model;
 use aghf::python::Quantities;
@@ -16,20 +17,20 @@ use std::cell::RefCell;
 /// What this library says, by the names that `Robot.constraints` gives it.
 fn constraints(model: &Model, q: &[f64]) -> Quantities {
     let n = model.dof();
-    let at_link = |f: &aghf::model::Frame<f64>| Ball {
+    let at_link = |f: &aghf::model::Frame<f64>| CollisionSphere {
         body: f.body,
         centre: f.placement.translation,
         radius: 0.1,
     };
-    let balls: Vec<Ball> = model.frames().iter().map(at_link).collect();
-    let spheres = SphereBalls {
+    let balls: Vec<CollisionSphere> = model.frames().iter().map(at_link).collect();
+    let spheres = SphereClearance {
         balls: balls.clone(),
         spheres: vec![Sphere {
             centre: Vector3::new(0.3, -0.2, 0.5),
             radius: 0.25,
         }],
     };
-    let half_space = HalfSpaceBalls {
+    let half_space = HalfSpaceClearance {
         balls,
         half_space: HalfSpace {
             normal: Vector3::new(0.6, 0.0, 0.8),
@@ -45,10 +46,12 @@ fn constraints(model: &Model, q: &[f64]) -> Quantities {
     here.value(&both, g.as_mut_slice()).expect("the same robot");
     let w: Vec<f64> = (1..=rows).map(|j| j as f64).collect();
     let weights = Weights {
-        w: &w,
-        c: Some(&vec![0.0; rows]),
+        first_order: &w,
+        gauss_newton: Some(&vec![0.0; rows]),
     };
-    let sums = here.contract(&both, weights).expect("the same robot");
+    let sums = here
+        .weighted_derivatives(&both, weights)
+        .expect("the same robot");
     let gradient = DMatrix::from_column_slice(n, 1, &sums.gradient().as_slice()[..n]);
     let hessian = sums.hessian().view((0, 0), (n, n)).into_owned();
     let all = [("g", g), ("gradient", gradient), ("Hessian", hessian)];

@@ -88,7 +88,7 @@ impl Quantity {
         };
         let mut blocks = NodeBlocks::new(model.dof());
         let mut jacobian = |mut kind: Box<dyn NodeJacobian + '_>| {
-            measure(states, &mut |node| kind.at(node, K, &mut blocks))
+            measure(states, &mut |node| kind.evaluate(node, K, &mut blocks))
         };
         match self {
             Self::OmegaControlForm => right_hand_side(Box::new(ControlForm::new(model))),

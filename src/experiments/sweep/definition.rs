@@ -197,7 +197,7 @@ impl Sweep {
     pub fn options(&self, parameters: &Parameters) -> SolveOptions {
         SolveOptions {
             method: Method::Flow,
-            p: Some(parameters.p),
+            degree: Some(parameters.p),
             k: Some(parameters.k),
             s_max: Some(parameters.s_max),
             guess: Some(parameters.guess),

@@ -47,7 +47,7 @@ impl<R: RightHandSide<f64, f64>> CentralDifference<R> {
 }
 
 impl<R: RightHandSide<f64, f64>> NodeJacobian for CentralDifference<R> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
+    fn evaluate(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
         let m = self.omega.len();
         out.check(m / 2)?;
         node.check(m / 2, m)?;

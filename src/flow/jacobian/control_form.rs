@@ -2,14 +2,14 @@
 
 use super::{NodeBlocks, NodeJacobian};
 use crate::dynamics::{
-    ContractedHessian, Data, InverseDynamicsDerivatives, crba_contracted, rnea_contracted_hessian,
-    rnea_derivatives,
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, mass_matrix_product_derivative,
+    rnea_derivatives, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::{ControlCost, Node};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Jet, Over, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The Jacobian of [`ControlForm`](crate::flow::ControlForm), analytic and without third-order tensors. The default.
@@ -51,7 +51,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     jet_k: DMatrix<Jet<S, 1>>,
     /// The arguments of the passes with a tangent: `q`, `v`, `a` and the weights `u`.
     jet_arguments: [Vec<Jet<S, 1>>; 4],
-    hessian: ContractedHessian<S>,
+    hessian: RneaWeightedHessian<S>,
     /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `W`.
     derivatives: DMatrix<S>,
     rates: DMatrix<S>,
@@ -75,7 +75,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     upper: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -83,7 +83,7 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     /// What `cost` adds to the Jacobian of the flow of the paper's Lagrangian.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
@@ -108,7 +108,7 @@ impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
             jet_id: InverseDynamicsDerivatives::new(n),
             jet_k: DMatrix::zeros(n, n),
             jet_arguments: [jets(), jets(), jets(), jets()],
-            hessian: ContractedHessian::new(n),
+            hessian: RneaWeightedHessian::new(n),
             derivatives: DMatrix::zeros(n, 3 * n),
             rates: DMatrix::zeros(n, 3 * n),
             mu: DVector::zeros(n),
@@ -232,16 +232,16 @@ impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     fn contract(&mut self, node: Node<'_, S>) -> Result<()> {
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
         let (model, data) = (self.model, &mut self.data);
-        rnea_contracted_hessian(model, data, q, v, a, self.mu.as_slice(), &mut self.hessian)?;
-        crba_contracted(model, data, q, self.y.as_slice(), &mut self.k_y)?;
+        rnea_weighted_hessian(model, data, q, v, a, self.mu.as_slice(), &mut self.hessian)?;
+        mass_matrix_product_derivative(model, data, q, self.y.as_slice(), &mut self.k_y)?;
         // z is not needed any more, its place is.
         self.z.zip_apply(&self.mudot, |z, mudot| *z = mudot - *z);
-        crba_contracted(model, data, q, self.z.as_slice(), &mut self.k_rest)?;
+        mass_matrix_product_derivative(model, data, q, self.z.as_slice(), &mut self.k_rest)?;
         let [q, _, _, u] = &mut self.jet_arguments;
         for (jet, u) in u.iter_mut().zip(&self.mu) {
             *jet = Jet::constant(*u);
         }
-        crba_contracted(model, &mut self.jet_data, q, u, &mut self.jet_k)
+        mass_matrix_product_derivative(model, &mut self.jet_data, q, u, &mut self.jet_k)
     }
 
     /// The rows of $\Omega_{P2}$ but for their factor of two.
@@ -317,8 +317,10 @@ impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     }
 }
 
-impl<C: Scalar, S: Over<C>, L: ControlCost<C>> NodeJacobian<C, S> for ControlForm<'_, C, S, L> {
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> NodeJacobian<C, S>
+    for ControlForm<'_, C, S, L>
+{
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)
     }
 }

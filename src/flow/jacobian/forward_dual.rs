@@ -46,7 +46,7 @@ impl<R: RightHandSide<f64, Tangents>> ForwardDual<R> {
 }
 
 impl<R: RightHandSide<f64, Tangents>> NodeJacobian for ForwardDual<R> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
+    fn evaluate(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
         let m = self.omega.len();
         out.check(m / 2)?;
         node.check(m / 2, m)?;

@@ -62,12 +62,12 @@ pub trait NodeJacobian<C = f64, S: Scalar = f64> {
     ///
     /// # Errors
     /// `node` or `out` was made for a model of another size.
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 
 impl<C, S: Scalar, J: NodeJacobian<C, S> + ?Sized> NodeJacobian<C, S> for Box<J> {
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
-        (**self).at(node, k, out)
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+        (**self).evaluate(node, k, out)
     }
 }
 

@@ -2,12 +2,12 @@
 
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives,
-    crba_derivatives, rnea_derivatives,
+    mass_matrix_and_rate, rnea_derivatives,
 };
 use crate::error::Result;
 use crate::flow::{Node, RightHandSide, TheoremB3};
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DVector, DVectorView, Vector3};
 
 /// The right-hand side of the flow as the paper computes it. Cost O(N^3).
@@ -24,7 +24,7 @@ pub struct AlgorithmB1<'m, C: Scalar, S: Scalar> {
     w: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> AlgorithmB1<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> AlgorithmB1<'m, C, S> {
     /// The right-hand side for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -42,14 +42,14 @@ impl<'m, C: Scalar, S: Over<C>> AlgorithmB1<'m, C, S> {
     }
 }
 
-impl<C: Scalar, S: Over<C>> RightHandSide<C, S> for AlgorithmB1<'_, C, S> {
+impl<C: Scalar, S: AlgebraOver<C>> RightHandSide<C, S> for AlgorithmB1<'_, C, S> {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let (n, one, zero) = (self.model.dof(), S::one(), S::zero());
         node.check(n, omega.len())?;
         let (q, v) = (node.x_p1(), node.x_p2());
         let (data, t) = (&mut self.data, &mut self.theorem);
         // Line 1.
-        crba_derivatives(self.model, data, q, node.xdot_p1(), &mut t.h, &mut t.hdot)?;
+        mass_matrix_and_rate(self.model, data, q, node.xdot_p1(), &mut t.h, &mut t.hdot)?;
         // Lines 2 and 3.
         rnea_derivatives(self.model, data, q, v, self.zero.as_slice(), &mut self.id)?;
         t.c.copy_from(&self.id.tau);

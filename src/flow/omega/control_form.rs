@@ -1,11 +1,11 @@
 //! The control form of Theorem B3: no forward dynamics and no third-order tensor.
 
-use crate::dynamics::{Data, InverseDynamicsDerivatives, crba_derivatives, rnea_derivatives};
+use crate::dynamics::{Data, InverseDynamicsDerivatives, mass_matrix_and_rate, rnea_derivatives};
 use crate::error::Result;
 use crate::flow::{ControlCost, Node, RightHandSide};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// The right-hand side of the flow written in the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
@@ -42,7 +42,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     sum: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     /// The right-hand side for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -50,7 +50,7 @@ impl<'m, C: Scalar, S: Over<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     /// The right-hand side for `model` and the Lagrangian with `cost` added.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
@@ -97,12 +97,14 @@ impl<'m, C: Scalar, S: Over<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     }
 }
 
-impl<C: Scalar, S: Over<C>, L: ControlCost<C>> RightHandSide<C, S> for ControlForm<'_, C, S, L> {
+impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
+    for ControlForm<'_, C, S, L>
+{
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let (n, one, zero, two) = (self.model.dof(), S::one(), S::zero(), S::from_f64(2.0));
         node.check(n, omega.len())?;
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
-        crba_derivatives(
+        mass_matrix_and_rate(
             self.model,
             &mut self.data,
             q,

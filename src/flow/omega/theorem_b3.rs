@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::flow::Node;
 use crate::linalg::Ldlt;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// The quantities that Theorem B3 is written in, and its four terms as functions of them.
@@ -65,7 +65,7 @@ impl<S: Scalar> TheoremB3<S> {
     /// `node` or `omega` does not have `2 N` entries throughout.
     pub fn omega<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let n = self.c.len();
         node.check(n, omega.len())?;
@@ -105,7 +105,7 @@ impl<S: Scalar> TheoremB3<S> {
     /// x_{P2}}^T f]$ with $f = H^T (2 C + 2 H \dot x_{P2})$.
     pub fn omega_2<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_2: &mut DVector<S>)
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let (n, one, zero, two) = (self.c.len(), S::one(), S::zero(), S::from_f64(2.0));
         self.force_along(&DVectorView::from_slice(node.xdot_p2(), n));
@@ -125,7 +125,7 @@ impl<S: Scalar> TheoremB3<S> {
     /// (B8): $\Omega_3 = [0;\; 2 k (H^T H)^{-1} (\dot x_{P1} - x_{P2})]$.
     pub fn omega_3<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_3: &mut DVector<S>)
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let (n, two) = (self.c.len(), S::from_f64(2.0));
         for i in 0..n {
@@ -142,7 +142,7 @@ impl<S: Scalar> TheoremB3<S> {
     /// $w = \dot x_{P2} - FD_0$.
     pub fn omega_4<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_4: &mut DVector<S>)
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let (n, one, zero, two) = (self.c.len(), S::one(), S::zero(), S::from_f64(2.0));
         for i in 0..n {

@@ -1,16 +1,16 @@
 //! Derivatives of a closure by dual numbers.
 
-use super::{HyperDual64, Moment, MomentDerivatives, Running};
+use super::{HyperDual64, RunningCost, StageDerivatives, StageInput};
 use crate::error::Result;
 
-/// A running cost that is a closure over dual numbers; see [`RunningCost::new`](super::RunningCost::new).
+/// A running cost that is a closure over dual numbers; see [`CostThroughDynamics::new`](super::CostThroughDynamics::new).
 #[derive(Clone, Copy, Debug)]
-pub struct ByDuals<F>(pub(super) F);
+pub struct AutodiffCost<F>(pub(super) F);
 
-impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> ByDuals<F> {
+impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
     fn at(&self, t: HyperDual64, y: &[HyperDual64]) -> HyperDual64 {
         let n = y.len() / 4;
-        (self.0)(&Moment {
+        (self.0)(&StageInput {
             t,
             q: &y[..n],
             v: &y[n..2 * n],
@@ -21,19 +21,23 @@ impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> ByDuals<F> {
 }
 
 /// Time and $y$, not moving.
-fn still(at: &Moment<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
+fn still(at: &StageInput<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
     let parts = [at.q, at.v, at.a, at.u].into_iter().flatten();
     let y = parts.map(|x| HyperDual64::from(*x)).collect();
     (HyperDual64::from(at.t), y)
 }
 
-impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> Running for ByDuals<F> {
-    fn value(&self, at: &Moment<'_, f64>) -> Result<f64> {
+impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> RunningCost for AutodiffCost<F> {
+    fn value(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let (t, y) = still(at);
         Ok(self.at(t, &y).re)
     }
 
-    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64> {
+    fn derivatives(
+        &self,
+        at: &StageInput<'_, f64>,
+        out: &mut StageDerivatives<f64>,
+    ) -> Result<f64> {
         let (t, mut y) = still(at);
         let mut value = f64::NAN;
         for i in 0..y.len() {
@@ -51,7 +55,7 @@ impl<F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> Running for ByDuals<F> {
         Ok(value)
     }
 
-    fn time_rate(&self, at: &Moment<'_, f64>) -> Result<f64> {
+    fn time_rate(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let (mut t, y) = still(at);
         t.eps1 = 1.0;
         Ok(self.at(t, &y).eps1)

@@ -1,13 +1,13 @@
 //! From the derivatives of a cost in the control to those in the motion.
 
 use crate::dynamics::{
-    ContractedHessian, Data, InverseDynamicsDerivatives, rnea, rnea_contracted_hessian,
-    rnea_derivatives,
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_derivatives,
+    rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::model::Model;
 use crate::relax::Point;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The chain rule for $l(z, u)$ with $u = ID(z)$, $z = [q; v; a]$. With $y = [z; u]$ and
@@ -22,7 +22,7 @@ pub struct ChainRule<'m, C: Scalar, S: Scalar> {
     model: &'m Model<C>,
     data: Data<S>,
     id: InverseDynamicsDerivatives<S>,
-    second: ContractedHessian<S>,
+    second: RneaWeightedHessian<S>,
     /// $J$ at the point that was linearised last.
     jacobian: DMatrix<S>,
     transposed: DMatrix<S>,
@@ -30,7 +30,7 @@ pub struct ChainRule<'m, C: Scalar, S: Scalar> {
     mixed: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> ChainRule<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
     /// For the inverse dynamics of `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -39,7 +39,7 @@ impl<'m, C: Scalar, S: Over<C>> ChainRule<'m, C, S> {
             model,
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
-            second: ContractedHessian::new(n),
+            second: RneaWeightedHessian::new(n),
             jacobian: DMatrix::zeros(n, 3 * n),
             transposed: DMatrix::zeros(3 * n, n),
             mixed: DMatrix::zeros(n, 3 * n),
@@ -110,8 +110,8 @@ impl<'m, C: Scalar, S: Over<C>> ChainRule<'m, C, S> {
     ) -> Result<()> {
         let (n, Point { q, v, a, .. }) = (self.model.dof(), point);
         let second = &mut self.second;
-        rnea_contracted_hessian(self.model, &mut self.data, q, v, a, by_u, second)?;
-        let ContractedHessian { qq, qv, vv, qa } = second;
+        rnea_weighted_hessian(self.model, &mut self.data, q, v, a, by_u, second)?;
+        let RneaWeightedHessian { qq, qv, vv, qa } = second;
         let mut add = |row: usize, column: usize, block: &DMatrix<S>| {
             let mut target = out.view_mut((row * n, column * n), (n, n));
             target += block;

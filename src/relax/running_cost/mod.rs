@@ -5,11 +5,11 @@ mod chain_rule;
 mod weighted_squares;
 mod with_control;
 
-pub use autodiff::ByDuals;
+pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
 pub use num_dual::HyperDual64;
-pub use weighted_squares::Weighted;
-pub use with_control::{Charge, ChargedCost};
+pub use weighted_squares::WeightedSquares;
+pub use with_control::{ControlTerm, CostWithControl};
 
 use super::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use crate::error::{Error, Result};
@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// A motion at one time, with the control that it takes there.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<'a, S> {
+pub struct StageInput<'a, S> {
     /// Time, s.
     pub t: S,
     /// The configuration, rad or m, `N` entries.
@@ -34,14 +34,14 @@ pub struct Moment<'a, S> {
 
 /// The derivatives of a running cost in $y = [q; v; a; u]$, the control for a variable of its own.
 #[derive(Clone, Debug)]
-pub struct MomentDerivatives<S: Scalar> {
+pub struct StageDerivatives<S: Scalar> {
     /// $\partial l / \partial y$, `4 N` entries.
     pub gradient: DVector<S>,
     /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both halves.
     pub hessian: DMatrix<S>,
 }
 
-impl<S: Scalar> MomentDerivatives<S> {
+impl<S: Scalar> StageDerivatives<S> {
     /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
@@ -52,28 +52,29 @@ impl<S: Scalar> MomentDerivatives<S> {
     }
 }
 
-/// A running cost $l(t, q, v, a, u)$ with derivatives by hand. [`RunningCost::new`] takes a closure instead and asks for none.
+/// A running cost $l(t, q, v, a, u)$ with derivatives by hand. [`CostThroughDynamics::new`] takes a closure instead and asks for none.
 ///
-/// The integral must not be negative on any curve that is tried, see [`RunningCost`].
-pub trait Running {
+/// The integral must not be negative on any curve that is tried, see [`CostThroughDynamics`].
+pub trait RunningCost {
     /// $l$.
     ///
     /// # Errors
     /// The moment is one of another robot.
-    fn value(&self, at: &Moment<'_, f64>) -> Result<f64>;
+    fn value(&self, at: &StageInput<'_, f64>) -> Result<f64>;
 
     /// $l$, and its derivatives added to `out`, which has only zeros.
     ///
     /// # Errors
     /// The moment is one of another robot.
-    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64>;
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>)
+    -> Result<f64>;
 
     /// $\partial l / \partial t$ where nothing else moves: what a free horizon has to know of a cost that depends on time itself. Zero
     /// unless it is implemented.
     ///
     /// # Errors
     /// The moment is one of another robot.
-    fn time_rate(&self, at: &Moment<'_, f64>) -> Result<f64> {
+    fn time_rate(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let _ = at;
         Ok(0.0)
     }
@@ -89,22 +90,24 @@ pub trait Running {
 /// The integral must not be negative on any curve that is tried, since gradients are measured relative to it: such a curve is an error.
 /// A constant added to `l` changes no optimum over a fixed horizon. Integrals below 2e-16 are taken for zero.
 #[derive(Clone, Debug)]
-pub struct RunningCost<'m, R> {
+pub struct CostThroughDynamics<'m, R> {
     running: R,
     rule: ChainRule<'m, f64, f64>,
-    by_y: MomentDerivatives<f64>,
+    by_y: StageDerivatives<f64>,
     positive: DMatrix<f64>,
 }
 
-impl<'m, F: Fn(&Moment<'_, HyperDual64>) -> HyperDual64> RunningCost<'m, ByDuals<F>> {
+impl<'m, F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64>
+    CostThroughDynamics<'m, AutodiffCost<F>>
+{
     /// The cost that a closure computes, with derivatives by dual numbers: some $8 N^2$ calls of the closure a point.
     #[must_use]
     pub fn new(model: &'m Model, value: F) -> Self {
-        Self::of(model, ByDuals(value))
+        Self::of(model, AutodiffCost(value))
     }
 }
 
-impl<'m, R: Running> RunningCost<'m, R> {
+impl<'m, R: RunningCost> CostThroughDynamics<'m, R> {
     /// A cost with derivatives of its own.
     #[must_use]
     pub fn of(model: &'m Model, running: R) -> Self {
@@ -112,13 +115,13 @@ impl<'m, R: Running> RunningCost<'m, R> {
         Self {
             running,
             rule: ChainRule::new(model),
-            by_y: MomentDerivatives::new(n),
+            by_y: StageDerivatives::new(n),
             positive: DMatrix::zeros(4 * n, 4 * n),
         }
     }
 }
 
-impl<R: Running> PointCost<f64> for RunningCost<'_, R> {
+impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let u = self.rule.control(point)?;
         self.running.value(&moment(point, u))
@@ -129,7 +132,7 @@ impl<R: Running> PointCost<f64> for RunningCost<'_, R> {
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
     ) -> Result<f64> {
-        self.charging(point, out, &mut |_, _, _, _| false)
+        self.with_term(point, out, &mut |_, _, _, _| false)
     }
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
@@ -138,34 +141,34 @@ impl<R: Running> PointCost<f64> for RunningCost<'_, R> {
     }
 }
 
-impl<R: Running + Clone> ChargedCost for RunningCost<'_, R> {
+impl<R: RunningCost + Clone> CostWithControl for CostThroughDynamics<'_, R> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
         let control = self.rule.control(point)?;
         u.copy_from_slice(control);
         self.running.value(&moment(point, control))
     }
 
-    fn derivatives_charging(
+    fn derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
-        charge: &mut impl Charge<f64>,
+        charge: &mut impl ControlTerm<f64>,
     ) -> Result<()> {
         let mut single = PointDerivatives::new(points.states.nrows());
         for g in 0..points.count() {
-            let cost = self.charging(points.point(g), &mut single, charge)?;
+            let cost = self.with_term(points.point(g), &mut single, charge)?;
             out.set(g, cost, &single);
         }
         Ok(())
     }
 }
 
-impl<R: Running> RunningCost<'_, R> {
-    fn charging(
+impl<R: RunningCost> CostThroughDynamics<'_, R> {
+    fn with_term(
         &mut self,
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
-        charge: &mut impl Charge<f64>,
+        charge: &mut impl ControlTerm<f64>,
     ) -> Result<f64> {
         let n = point.q.len();
         let u = self.rule.linearise(point)?;
@@ -194,9 +197,9 @@ impl<R: Running> RunningCost<'_, R> {
 }
 
 /// A point with its control.
-fn moment<'a>(point: Point<'a, f64>, u: &'a [f64]) -> Moment<'a, f64> {
+fn moment<'a>(point: Point<'a, f64>, u: &'a [f64]) -> StageInput<'a, f64> {
     let Point { time, q, v, a, .. } = point;
-    Moment {
+    StageInput {
         t: time,
         q,
         v,

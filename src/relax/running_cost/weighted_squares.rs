@@ -1,17 +1,17 @@
-//! Weighted squares.
+//! WeightedSquares squares.
 
-use super::{Moment, MomentDerivatives, Running};
+use super::{RunningCost, StageDerivatives, StageInput};
 use crate::error::{Error, Result, check_length};
 
 /// $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Weighted {
+pub struct WeightedSquares {
     torque: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
 }
 
-impl Weighted {
+impl WeightedSquares {
     /// With weights of torques, velocities and accelerations, an entry a joint. Joints without any weight are moved as suits the others.
     ///
     /// # Errors
@@ -49,9 +49,9 @@ impl Weighted {
     }
 }
 
-impl Weighted {
+impl WeightedSquares {
     /// Weights and values in the order of $y$ from the velocities on.
-    fn terms<'a>(&'a self, at: &'a Moment<'_, f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
+    fn terms<'a>(&'a self, at: &'a StageInput<'_, f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
         let weights = [&self.velocity, &self.acceleration, &self.torque];
         let weights = weights.into_iter().flatten();
         let values = [at.v, at.a, at.u].into_iter().flatten();
@@ -59,13 +59,17 @@ impl Weighted {
     }
 }
 
-impl Running for Weighted {
-    fn value(&self, at: &Moment<'_, f64>) -> Result<f64> {
+impl RunningCost for WeightedSquares {
+    fn value(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         check_length("weights", at.u.len(), self.torque.len())?;
         Ok(self.terms(at).map(|(w, x)| w * x * x).sum())
     }
 
-    fn derivatives(&self, at: &Moment<'_, f64>, out: &mut MomentDerivatives<f64>) -> Result<f64> {
+    fn derivatives(
+        &self,
+        at: &StageInput<'_, f64>,
+        out: &mut StageDerivatives<f64>,
+    ) -> Result<f64> {
         let n = at.q.len();
         for (i, (w, x)) in self.terms(at).enumerate() {
             out.gradient[n + i] = 2.0 * w * x;

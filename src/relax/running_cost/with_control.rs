@@ -1,11 +1,11 @@
 //! Costs to which limits of the control can be added.
 
 use crate::error::Result;
-use crate::relax::{Point, PointCost, Points, PointsDerivatives, SquaredControl};
+use crate::relax::{ControlEffort, Point, PointCost, Points, PointsDerivatives};
 
 /// A running cost that knows the control, so that [`relax_constrained_with`](crate::relax::relax_constrained_with) can
 /// charge for torques above their limits as well.
-pub trait ChargedCost: PointCost<f64> + Clone {
+pub trait CostWithControl: PointCost<f64> + Clone {
     /// The cost, and the control into `u`.
     ///
     /// # Errors
@@ -16,32 +16,32 @@ pub trait ChargedCost: PointCost<f64> + Clone {
     ///
     /// # Errors
     /// The points are for another robot.
-    fn derivatives_charging(
+    fn derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
-        charge: &mut impl Charge<f64>,
+        charge: &mut impl ControlTerm<f64>,
     ) -> Result<()>;
 }
 
 /// What is charged for the control at a point: it is handed the index of the point and `u`, and adds what it has as first and second
 /// derivatives, the latter with their own joint only. It says whether it has any of the second.
-pub trait Charge<S>: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool {}
-impl<S, F: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool> Charge<S> for F {}
+pub trait ControlTerm<S>: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool {}
+impl<S, F: FnMut(usize, &[S], &mut [S], &mut [S]) -> bool> ControlTerm<S> for F {}
 
-impl ChargedCost for SquaredControl<'_, f64, f64> {
+impl CostWithControl for ControlEffort<'_, f64, f64> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
         let control = self.control(point)?;
         u.copy_from_slice(control.as_slice());
         Ok(control.dot(control))
     }
 
-    fn derivatives_charging(
+    fn derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
-        charge: &mut impl Charge<f64>,
+        charge: &mut impl ControlTerm<f64>,
     ) -> Result<()> {
-        SquaredControl::derivatives_charging(self, points, out, charge)
+        ControlEffort::derivatives_with(self, points, out, charge)
     }
 }

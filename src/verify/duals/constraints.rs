@@ -6,8 +6,8 @@ use super::{
 };
 use crate::constraint::TorqueLimits;
 use crate::constraint::{
-    Ball, Bound, Bounds, BuiltIn, Capsule, Constraint, Evaluator, HalfSpace, HalfSpaceBalls, Side,
-    Sphere, SphereBalls, Weights,
+    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
@@ -61,10 +61,10 @@ const TOLERANCE: Tolerance = Tolerance {
 };
 
 /// Constraints of every kind on any robot.
-fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
+fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>> {
     let n = model.dof();
     let node = state.node();
-    let mut balls = Ball::joint_frames(model);
+    let mut balls = CollisionSphere::joint_frames(model);
     for capsule in Capsule::along_links(model, 0.05) {
         let length = (capsule.ends[1] - capsule.ends[0]).norm();
         balls.extend(capsule.balls(length.max(0.1))?);
@@ -104,12 +104,12 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
     };
     Ok(Penalised {
         state: vec![
-            BuiltIn::Spheres(SphereBalls {
+            AnyConstraint::Spheres(SphereClearance {
                 balls: balls.clone(),
                 spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
             }),
-            BuiltIn::HalfSpace(HalfSpaceBalls { balls, half_space }),
-            BuiltIn::Bounds(Bounds((0..2 * n).map(near).collect())),
+            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+            AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
         ],
         penalty: Penalty {
             k_cons: 10.0,
@@ -130,11 +130,11 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<BuiltIn>>> {
 fn contractions(
     model: &Model,
     name: &str,
-    constraint: &BuiltIn,
+    constraint: &AnyConstraint,
     at: At<'_>,
     findings: &mut Findings,
 ) -> Result<()> {
-    let (x, rows) = (at.state.node().x, constraint.rows());
+    let (x, rows) = (at.state.node().x, constraint.dim());
     let wave = |f: f64| {
         (1..=rows)
             .map(move |j| (f * j as f64).sin())
@@ -145,8 +145,11 @@ fn contractions(
     let mut here = evaluator.at(x)?;
     let mut g = vec![0.0; rows];
     here.value(constraint, &mut g)?;
-    let weights = Weights { w: &w, c: Some(&c) };
-    let ours = here.contract(constraint, weights)?;
+    let weights = Weights {
+        first_order: &w,
+        gauss_newton: Some(&c),
+    };
+    let ours = here.weighted_derivatives(constraint, weights)?;
 
     let truth = by_duals(x, |x| {
         let mut evaluator = Evaluator::new(model);
@@ -170,8 +173,11 @@ fn contractions(
         for (moved, ((w, c), g)) in moved.iter_mut().zip(w.iter().zip(&c).zip(&g)) {
             *moved = (*moved - *g) * *c + *w;
         }
-        let weights = Weights { w: &moved, c: None };
-        let gradient = here.contract(constraint, weights)?.gradient();
+        let weights = Weights {
+            first_order: &moved,
+            gauss_newton: None,
+        };
+        let gradient = here.weighted_derivatives(constraint, weights)?.gradient();
         Ok(gradient.as_slice().to_vec())
     })?;
     let quantity = format!("{name}: weighted Hessian");

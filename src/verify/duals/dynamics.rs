@@ -3,9 +3,9 @@
 use super::tensors::second_derivatives;
 use super::{At, BOUND, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
-    ContractedGradient, ContractedHessian, Data, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, aba, aba_derivatives, crba, crba_contracted, crba_derivatives,
-    rnea, rnea_contracted_gradient, rnea_contracted_hessian, rnea_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
+    aba, aba_derivatives, crba, mass_matrix_and_rate, mass_matrix_product_derivative, rnea,
+    rnea_derivatives, rnea_vjp, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
@@ -72,7 +72,7 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let node = at.state.node();
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-    crba_derivatives(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
+    mass_matrix_and_rate(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
     let truth = by_duals(q, |q| {
         let mut h = DMatrix::zeros(n, n);
         crba(model, &mut Data::new(model), q, &mut h)?;
@@ -90,7 +90,7 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     );
 
     let mut k = DMatrix::zeros(n, n);
-    crba_contracted(model, &mut Data::new(model), q, w, &mut k)?;
+    mass_matrix_product_derivative(model, &mut Data::new(model), q, w, &mut k)?;
     let truth = DMatrix::from_fn(n, n, |i, j| {
         (0..n).map(|m| truth[(i + m * n, j)] * w[m]).sum()
     });
@@ -111,8 +111,8 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let (q, v, a) = split(&state);
     let w = DVector::from_column_slice(at.state.node().xdot_p1());
     let data = &mut Data::new(model);
-    let mut gradient = ContractedGradient::new(n);
-    rnea_contracted_gradient(model, data, q, v, a, w.as_slice(), &mut gradient)?;
+    let mut gradient = RneaVjp::new(n);
+    rnea_vjp(model, data, q, v, a, w.as_slice(), &mut gradient)?;
     let truth = by_duals(&state, |state| {
         let (mut tau, (q, v, a)) = (zeros(n), split(state));
         rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
@@ -127,8 +127,8 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
     findings.compare_columns(at.direct(), "w^T ID", at, &ours, &truth);
 
-    let mut hessian = ContractedHessian::new(n);
-    rnea_contracted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
+    let mut hessian = RneaWeightedHessian::new(n);
+    rnea_weighted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
     let w = w.map(Dual64::from);
     let truth = by_duals(&state, |state| {
         let (q, v, a) = split(state);

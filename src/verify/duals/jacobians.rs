@@ -105,8 +105,8 @@ fn each_pair(
         let state = &State::random(model, options.seed, sample);
         let at = At::new(model, sample, state)?;
         for k in &options.penalties {
-            jacobian.at(state.node(), *k, &mut a)?;
-            truth.at(state.node(), *k, &mut b)?;
+            jacobian.evaluate(state.node(), *k, &mut a)?;
+            truth.evaluate(state.node(), *k, &mut b)?;
             look(at.under(*k), &a, &b);
         }
     }
@@ -118,8 +118,8 @@ fn each_pair(
 pub(super) struct Printed<J>(pub J);
 
 impl<J: NodeJacobian> NodeJacobian for Printed<J> {
-    fn at(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
-        self.0.at(node, k, out)?;
+    fn evaluate(&mut self, node: Node<'_, f64>, k: f64, out: &mut NodeBlocks) -> Result<()> {
+        self.0.evaluate(node, k, out)?;
         out.dxddot.fill(0.0);
         out.dxddot.fill_diagonal(2.0);
         Ok(())

@@ -8,18 +8,18 @@ use crate::error::Result;
 use crate::flow::{ControlForm, Node, RightHandSide};
 use crate::model::Model;
 use crate::motion::Problem;
-use crate::relax::{Derivatives, Grid, Objective, Path, SquaredControl, curve_of};
+use crate::relax::{ControlEffort, Derivatives, Grid, Objective, Path, curve_of};
 use nalgebra::{DMatrix, DVector};
 
-/// Points on each piece: on curves that turn by a few radians their quadrature is exact to rounding.
+/// Points on each segment: on curves that turn by a few radians their quadrature is exact to rounding.
 const POINTS: usize = 40;
 
-/// Compares the gradient of the control effort on random curves of two pieces with the right-hand side of the flow there, in the
+/// Compares the gradient of the control effort on random curves of two segments with the right-hand side of the flow there, in the
 /// weak form: for each function $\varphi$ of the basis and each joint of the robot, with $\delta x = (\varphi, \dot \varphi)$,
 ///
 /// $$ \delta \int |u|^2 dt = -\int \delta x^T G\, \Omega\, dt - 2 \dot \varphi^T H\, \Delta u, $$
 ///
-/// where $\Delta u$ is by how much the control jumps from the first piece to the second. So where the effort is least, the flow is at rest
+/// where $\Delta u$ is by how much the control jumps from the first segment to the second. So where the effort is least, the flow is at rest
 /// for all variations that keep $v = \dot q$.
 ///
 /// # Errors
@@ -33,7 +33,7 @@ pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Fin
         let path = curve_about(state);
         let grid = Grid::new(&path.basis, POINTS, 1.0);
         let mut derivatives = Derivatives::new(&grid, n);
-        let mut effort = Objective::new(&grid, SquaredControl::new(model), n);
+        let mut effort = Objective::new(&grid, ControlEffort::new(model), n);
         effort.derivatives(&path.coefficients, &mut derivatives)?;
         let gradient = derivatives
             .gradient
@@ -52,7 +52,7 @@ pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Fin
     Ok(findings.all)
 }
 
-/// Two pieces of degree 5 that begin in a random state and go on at random, in one second.
+/// Two segments of degree 5 that begin in a random state and go on at random, in one second.
 fn curve_about(state: &State) -> Path {
     let basis = Basis::new(2, 5, false);
     let n = state.x.len() / 2;
@@ -93,11 +93,11 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
     let mut interpolation = DVector::zeros(basis.degree() + 1);
     let mut sum = DMatrix::zeros(n, basis.count());
     let (nodes, weights) = gauss_legendre(POINTS);
-    for e in 0..basis.pieces() {
+    for e in 0..basis.segments() {
         let own = path
             .coefficients
             .columns(basis.first(e), basis.degree() + 1);
-        let second = curve.part(e) * chebyshev.d2().transpose();
+        let second = curve.segment(e) * chebyshev.d2().transpose();
         for (s, weight) in nodes.iter().zip(&weights) {
             let table = basis.local(*s);
             let state = own * table.transpose();
@@ -119,11 +119,11 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
             }
         }
     }
-    for e in 1..basis.pieces() {
-        let mut control = |piece: usize, s: f64| -> Result<DVector<f64>> {
+    for e in 1..basis.segments() {
+        let mut control = |segment: usize, s: f64| -> Result<DVector<f64>> {
             let own = path
                 .coefficients
-                .columns(basis.first(piece), basis.degree() + 1);
+                .columns(basis.first(segment), basis.degree() + 1);
             let state = own * basis.local(s).transpose();
             let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
             let mut u = DVector::zeros(n);

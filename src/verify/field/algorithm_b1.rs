@@ -1,13 +1,13 @@
 //! Algorithm B1 line by line, and the control form.
 
 use super::reference::{
-    Truth, bias_force, gradient, inertia_force, jacobian, rate, stack, still, unit, vector,
+    Reference, bias_force, gradient, inertia_force, jacobian, rate, stack, still, unit, vector,
 };
-use super::theorem_b3::{meanings, omega_of, terms};
-use super::{Claim, F, Identity, J, Point};
+use super::theorem_b3::{documentation, omega_of, terms};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives, bias,
-    crba_contracted, crba_derivatives, rnea_derivatives,
+    mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, TheoremB3};
@@ -100,7 +100,7 @@ fn crba_d(p: &Point) -> Result<[DMatrix<F>; 2]> {
     let (n, node) = (p.dof(), p.node());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let data = &mut Data::new(&p.model);
-    crba_derivatives(
+    mass_matrix_and_rate(
         &p.model,
         data,
         node.x_p1(),
@@ -136,7 +136,7 @@ fn theorem(p: &Point) -> Result<TheoremB3<F>> {
     Ok(t)
 }
 
-fn line_1(p: &Point) -> Result<Vec<Claim>> {
+fn line_1(p: &Point) -> Result<Vec<Equality>> {
     let (n, [h, hdot]) = (p.dof(), crba_d(p)?);
     // H column by column from inverse dynamics.
     let columns = |x: &[J]| -> Result<Vec<J>> {
@@ -150,8 +150,8 @@ fn line_1(p: &Point) -> Result<Vec<Claim>> {
     let right = DMatrix::from_iterator(n, n, x.iter().map(|h| h.re));
     let moved = rate(p.x.as_slice(), p.xdot.as_slice(), columns)?;
     Ok(vec![
-        Claim::new("H", h, right),
-        Claim::new(
+        Equality::new("H", h, right),
+        Equality::new(
             "Hdot",
             hdot,
             DMatrix::from_column_slice(n, n, moved.as_slice()),
@@ -159,70 +159,74 @@ fn line_1(p: &Point) -> Result<Vec<Claim>> {
     ])
 }
 
-fn line_2(p: &Point) -> Result<Vec<Claim>> {
-    let (t, node) = (Truth::at(p)?, p.node());
+fn line_2(p: &Point) -> Result<Vec<Equality>> {
+    let (t, node) = (Reference::at(p)?, p.node());
     let mut c = DVector::zeros(p.dof());
     let data = &mut Data::new(&p.model);
     bias(&p.model, data, node.x_p1(), node.x_p2(), c.as_mut_slice())?;
     let right = -(&t.h * t.fd0());
     Ok(vec![
-        Claim::vectors("C", &c, &right),
-        Claim::vectors("C of RNEA_D", &bias_d(p)?.tau, &right),
+        Equality::vectors("C", &c, &right),
+        Equality::vectors("C of RNEA_D", &bias_d(p)?.tau, &right),
     ])
 }
 
-fn line_3(p: &Point) -> Result<Vec<Claim>> {
+fn line_3(p: &Point) -> Result<Vec<Equality>> {
     let (n, id) = (p.dof(), bias_d(p)?);
     let by_duals = jacobian(p.x.as_slice(), |x| bias_force(&p.model, x))?;
     Ok(vec![
-        Claim::new("dC/dx_P1", id.dq, by_duals.columns(0, n).into_owned()),
-        Claim::new("dC/dx_P2", id.dv, by_duals.columns(n, n).into_owned()),
+        Equality::new("dC/dx_P1", id.dq, by_duals.columns(0, n).into_owned()),
+        Equality::new("dC/dx_P2", id.dv, by_duals.columns(n, n).into_owned()),
     ])
 }
 
-fn line_4(p: &Point) -> Result<Vec<Claim>> {
+fn line_4(p: &Point) -> Result<Vec<Equality>> {
     let [_, left] = bias_and_rate(p)?;
-    Ok(vec![Claim::vectors("Cdot", &left, &Truth::at(p)?.cdot)])
+    Ok(vec![Equality::vectors(
+        "Cdot",
+        &left,
+        &Reference::at(p)?.cdot,
+    )])
 }
 
-fn line_5(p: &Point) -> Result<Vec<Claim>> {
-    let (n, t, fd) = (p.dof(), Truth::at(p)?, aba_d(p)?);
+fn line_5(p: &Point) -> Result<Vec<Equality>> {
+    let (n, t, fd) = (p.dof(), Reference::at(p)?, aba_d(p)?);
     let [dq, dv] = t.dfd0();
     Ok(vec![
-        Claim::new("dFD_0/dx_P1", fd.dq, dq),
-        Claim::new("dFD_0/dx_P2", fd.dv, dv),
-        Claim::new("H H^-1", &t.h * fd.h_inverse, DMatrix::identity(n, n)),
-        Claim::vectors("-H FD_0", &-(&t.h * fd.a), &t.c),
+        Equality::new("dFD_0/dx_P1", fd.dq, dq),
+        Equality::new("dFD_0/dx_P2", fd.dv, dv),
+        Equality::new("H H^-1", &t.h * fd.h_inverse, DMatrix::identity(n, n)),
+        Equality::vectors("-H FD_0", &-(&t.h * fd.a), &t.c),
     ])
 }
 
-fn line_6(p: &Point) -> Result<Vec<Claim>> {
+fn line_6(p: &Point) -> Result<Vec<Equality>> {
     let [one, two, three, _] = terms(p, &mut theorem(p)?);
-    let meanings = meanings(&Truth::at(p)?)?;
+    let documentation = documentation(&Reference::at(p)?)?;
     Ok(vec![
-        Claim::vectors("Omega_1", &one, &meanings[0]),
-        Claim::vectors("Omega_2", &two, &meanings[1]),
-        Claim::vectors("Omega_3", &three, &meanings[2]),
+        Equality::vectors("Omega_1", &one, &documentation[0]),
+        Equality::vectors("Omega_2", &two, &documentation[1]),
+        Equality::vectors("Omega_3", &three, &documentation[2]),
     ])
 }
 
-fn line_7(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
-    Ok(vec![Claim::vectors(
+fn line_7(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
+    Ok(vec![Equality::vectors(
         "H w",
         &weightless_d(p)?.tau,
         &(&t.h * &t.w),
     )])
 }
 
-fn line_8(p: &Point) -> Result<Vec<Claim>> {
-    let (t, right) = (Truth::at(p)?, weightless_d(p)?.dq);
+fn line_8(p: &Point) -> Result<Vec<Equality>> {
+    let (t, right) = (Reference::at(p)?, weightless_d(p)?.dq);
     let mut contracted = DMatrix::zeros(t.n, t.n);
     let (data, q) = (&mut Data::new(&p.model), p.node().x_p1());
-    crba_contracted(&p.model, data, q, t.w.as_slice(), &mut contracted)?;
+    mass_matrix_product_derivative(&p.model, data, q, t.w.as_slice(), &mut contracted)?;
     Ok(vec![
-        Claim::new("RNEA_D", t.dh_dq_w(), right),
-        Claim::new("contracted CRBA", t.dh_dq_w(), contracted),
+        Equality::new("RNEA_D", t.dh_dq_w(), right),
+        Equality::new("contracted CRBA", t.dh_dq_w(), contracted),
     ])
 }
 
@@ -232,41 +236,45 @@ fn small_omega_4(p: &Point) -> Result<DVector<F>> {
     Ok(id.dq.transpose() * id.tau * (F::new(2) / p.k))
 }
 
-fn line_9(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn line_9(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let by_q = gradient(p.node().x_p1(), |q| {
         let force = super::reference::mass(&p.model, q)? * t.w.map(J::constant);
         Ok(force.dot(&force))
     })?;
     let right = by_q * p.k.inverse();
-    Ok(vec![Claim::vectors("omega_4", &small_omega_4(p)?, &right)])
+    Ok(vec![Equality::vectors(
+        "omega_4",
+        &small_omega_4(p)?,
+        &right,
+    )])
 }
 
-fn line_10(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn line_10(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let meaning = t.raise(&t.by_metric()?);
     let stacked = stack(&small_omega_4(p)?, &DVector::zeros(p.dof()));
     let [.., function] = terms(p, &mut theorem(p)?);
     Ok(vec![
-        Claim::vectors("stacked", &stacked, &meaning),
-        Claim::vectors("function", &function, &meaning),
+        Equality::vectors("stacked", &stacked, &meaning),
+        Equality::vectors("function", &function, &meaning),
     ])
 }
 
-fn line_11(p: &Point) -> Result<Vec<Claim>> {
+fn line_11(p: &Point) -> Result<Vec<Equality>> {
     let left = omega_of(p, AlgorithmB1::new(&p.model))?;
-    Ok(vec![Claim::vectors(
+    Ok(vec![Equality::vectors(
         "Omega",
         &left,
-        &Truth::at(p)?.omega()?,
+        &Reference::at(p)?.omega()?,
     )])
 }
 
-fn control_form(p: &Point) -> Result<Vec<Claim>> {
+fn control_form(p: &Point) -> Result<Vec<Equality>> {
     let left = omega_of(p, ControlForm::new(&p.model))?;
-    Ok(vec![Claim::vectors(
+    Ok(vec![Equality::vectors(
         "Omega",
         &left,
-        &Truth::at(p)?.omega()?,
+        &Reference::at(p)?.omega()?,
     )])
 }

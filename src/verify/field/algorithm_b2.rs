@@ -6,7 +6,7 @@ use super::reference_b4::{
     In, all, bias_force, bias_rate, constant, derivative, drift, flow, gathered, inverse_dynamics,
     mass, mass_rate, unfold, vector,
 };
-use super::{Claim, Identity, Point};
+use super::{Equality, Identity, Point};
 use crate::error::Result;
 use crate::flow::jacobian::{NodeBlocks, TheoremB4};
 use nalgebra::DMatrix;
@@ -34,11 +34,11 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn line_1(p: &Point) -> Result<Vec<Claim>> {
+fn line_1(p: &Point) -> Result<Vec<Equality>> {
     of_mass(p, p.node().xdot_p1(), &gathered(p)?.mass)
 }
 
-fn line_2(p: &Point) -> Result<Vec<Claim>> {
+fn line_2(p: &Point) -> Result<Vec<Equality>> {
     let (n, node, fd) = (p.dof(), p.node(), gathered(p)?.fd0);
     let (q, v) = (node.x_p1(), node.x_p2());
     let (fixed_q, fixed_v) = (constant(q), constant(v));
@@ -47,71 +47,71 @@ fn line_2(p: &Point) -> Result<Vec<Claim>> {
     let dv = jacobian(v, |v| drift(&p.model, &fixed_q, v))?;
     let product = mass(&p.model, q)? * &fd.h_inverse;
     Ok(vec![
-        Claim::new(
+        Equality::new(
             "ID at FD_0",
             DMatrix::from_vec(n, 1, force),
             DMatrix::zeros(n, 1),
         ),
-        Claim::new("dFD_0/dx_P1", fd.dq, dq),
-        Claim::new("dFD_0/dx_P2", fd.dv, dv),
-        Claim::new("H H^-1", product, DMatrix::identity(n, n)),
+        Equality::new("dFD_0/dx_P1", fd.dq, dq),
+        Equality::new("dFD_0/dx_P2", fd.dv, dv),
+        Equality::new("H H^-1", product, DMatrix::identity(n, n)),
     ])
 }
 
 /// `C` is what is left of `ID` when `H a` is taken away, whatever `a` is.
-fn line_3(p: &Point) -> Result<Vec<Claim>> {
+fn line_3(p: &Point) -> Result<Vec<Equality>> {
     let node = p.node();
     let force = inverse_dynamics(&p.model, node.x_p1(), node.x_p2(), p.w.as_slice())?;
     let right = vector(&force) - mass(&p.model, node.x_p1())? * &p.w;
-    Ok(vec![Claim::vectors("C", &gathered(p)?.c, &right)])
+    Ok(vec![Equality::vectors("C", &gathered(p)?.c, &right)])
 }
 
-fn line_4(p: &Point) -> Result<Vec<Claim>> {
+fn line_4(p: &Point) -> Result<Vec<Equality>> {
     let (n, dc) = (p.dof(), gathered(p)?.dc);
     let by_duals = jacobian(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     Ok(vec![
-        Claim::new("dC/dx_P1", dc.dq, part(0)),
-        Claim::new("dC/dx_P2", dc.dv, part(1)),
+        Equality::new("dC/dx_P1", dc.dq, part(0)),
+        Equality::new("dC/dx_P2", dc.dv, part(1)),
     ])
 }
 
-fn line_5(p: &Point) -> Result<Vec<Claim>> {
+fn line_5(p: &Point) -> Result<Vec<Equality>> {
     let right = vector(&bias_rate(p, &all(p))?);
-    Ok(vec![Claim::vectors("Cdot", &gathered(p)?.cdot, &right)])
+    Ok(vec![Equality::vectors("Cdot", &gathered(p)?.cdot, &right)])
 }
 
-fn line_6(p: &Point) -> Result<Vec<Claim>> {
+fn line_6(p: &Point) -> Result<Vec<Equality>> {
     let left = unfold(p.dof(), gathered(p)?.dhdot.entries());
     let right = derivative(p, In::XP1, mass_rate)?;
-    Ok(vec![Claim::new("dHdot/dx_P1", left, right)])
+    Ok(vec![Equality::new("dHdot/dx_P1", left, right)])
 }
 
-fn line_7(p: &Point) -> Result<Vec<Claim>> {
+fn line_7(p: &Point) -> Result<Vec<Equality>> {
     of_bias(p, &gathered(p)?.d2c)
 }
 
-fn line_8(p: &Point) -> Result<Vec<Claim>> {
+fn line_8(p: &Point) -> Result<Vec<Equality>> {
     let fd0 = drift(&p.model, p.node().x_p1(), p.node().x_p2())?;
     of_inverse_dynamics(p, &fd0, &gathered(p)?.d2id)
 }
 
-fn line_10(p: &Point) -> Result<Vec<Claim>> {
+fn line_10(p: &Point) -> Result<Vec<Equality>> {
     let dcdot = gathered(p)?.dcdot;
     let by = |part| derivative(p, part, bias_rate);
     Ok(vec![
-        Claim::new("dCdot/dx_P1", dcdot.dq, by(In::XP1)?),
-        Claim::new("dCdot/dx_P2", dcdot.dv, by(In::XP2)?),
+        Equality::new("dCdot/dx_P1", dcdot.dq, by(In::XP1)?),
+        Equality::new("dCdot/dx_P2", dcdot.dv, by(In::XP2)?),
     ])
 }
 
-fn line_11(p: &Point) -> Result<Vec<Claim>> {
+fn line_11(p: &Point) -> Result<Vec<Equality>> {
     let mut found = NodeBlocks::new(p.dof());
     TheoremB4::new(&p.model).blocks(p.node(), p.k, &mut found)?;
     let by = |part| derivative(p, part, flow);
     Ok(vec![
-        Claim::new("dOmega/dx", found.dx, by(In::X)?),
-        Claim::new("dOmega/dxdot", found.dxdot, by(In::Xdot)?),
-        Claim::new("dOmega/dxddot", found.dxddot, by(In::Xddot)?),
+        Equality::new("dOmega/dx", found.dx, by(In::X)?),
+        Equality::new("dOmega/dxdot", found.dxdot, by(In::Xdot)?),
+        Equality::new("dOmega/dxddot", found.dxddot, by(In::Xddot)?),
     ])
 }

@@ -1,7 +1,7 @@
 //! Algorithm B3 and the pseudospectral assembly.
 
 use super::reference::jacobian;
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::curve::Chebyshev;
 use crate::dynamics::{Data, bias, crba, rnea};
 use crate::error::Result;
@@ -48,7 +48,7 @@ fn curve(p: &Point) -> Result<(Chebyshev, Vec<F>)> {
 }
 
 /// The nodes hold what they are given, the ends the boundary states, and derivatives are those of `D` and `D^2`.
-fn line_1(p: &Point) -> Result<Vec<Claim>> {
+fn line_1(p: &Point) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
     let mut collocation = Collocation::<F, F>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
     collocation.set(&unknowns)?;
@@ -56,16 +56,16 @@ fn line_1(p: &Point) -> Result<Vec<Claim>> {
     let xi = DMatrix::from_columns(&columns);
     let rates = |d: &DMatrix<f64>| &xi * d.map(F::from_f64).transpose();
     let (xdot, xddot) = (rates(nodes.d()), rates(nodes.d2()));
-    let mut claims = vec![Claim::new("xi", collocation.xi().clone(), xi)];
+    let mut claims = vec![Equality::new("xi", collocation.xi().clone(), xi)];
     for i in collocation.interior() {
         let node = collocation.node(i);
         let column = |x: &[F]| DMatrix::from_column_slice(x.len(), 1, x);
-        claims.push(Claim::new(
+        claims.push(Equality::new(
             "D xi",
             column(node.xdot),
             xdot.columns(i, 1).into_owned(),
         ));
-        claims.push(Claim::new(
+        claims.push(Equality::new(
             "D^2 xi",
             column(node.xddot),
             xddot.columns(i, 1).into_owned(),
@@ -75,7 +75,7 @@ fn line_1(p: &Point) -> Result<Vec<Claim>> {
 }
 
 /// The rates are Omega at each node; the assembled Jacobian is that of the whole system, for both analytic Jacobians.
-fn line_2(p: &Point) -> Result<Vec<Claim>> {
+fn line_2(p: &Point) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
     let (start, goal) = (p.x.as_slice(), p.xdot.as_slice());
     let mut collocation = Collocation::<F, F>::new(&nodes, start, goal)?;
@@ -91,7 +91,7 @@ fn line_2(p: &Point) -> Result<Vec<Claim>> {
         at_nodes.extend(omega);
     }
 
-    let truth = jacobian(&unknowns, |unknowns| {
+    let reference = jacobian(&unknowns, |unknowns| {
         let lift = |x: &[F]| -> Vec<J> { x.iter().map(|x| Jet::constant(*x)).collect() };
         let mut moving = Collocation::<F, J>::new(&nodes, &lift(start), &lift(goal))?;
         moving.set(unknowns)?;
@@ -111,20 +111,24 @@ fn line_2(p: &Point) -> Result<Vec<Claim>> {
         &mut by_b4,
     )?;
     Ok(vec![
-        Claim::vectors("rates", &rates, &DVector::from_vec(at_nodes)),
-        Claim::new("Jacobian by the control form", by_control, truth.clone()),
-        Claim::new("Jacobian by Theorem B4", by_b4, truth),
+        Equality::vectors("rates", &rates, &DVector::from_vec(at_nodes)),
+        Equality::new(
+            "Jacobian by the control form",
+            by_control,
+            reference.clone(),
+        ),
+        Equality::new("Jacobian by Theorem B4", by_b4, reference),
     ])
 }
 
-fn line_3(p: &Point) -> Result<Vec<Claim>> {
+fn line_3(p: &Point) -> Result<Vec<Equality>> {
     let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
     let (mut u, mut c, mut h) = (DVector::zeros(n), DVector::zeros(n), DMatrix::zeros(n, n));
     rnea(&p.model, data, q, v, a, u.as_mut_slice())?;
     bias(&p.model, data, q, v, c.as_mut_slice())?;
     crba(&p.model, data, q, &mut h)?;
-    Ok(vec![Claim::vectors(
+    Ok(vec![Equality::vectors(
         "u",
         &u,
         &(h * DVector::from_column_slice(a) + c),

@@ -1,9 +1,9 @@
 //! (A1) to (A4): constraints as penalties, and the constrained flow with limits on the torque.
 
 use super::constraint_kinds::{pair, rows, set};
-use super::reference::{JJ, Truth, effort, rate, variation};
+use super::reference::{JJ, Reference, effort, rate, variation};
 use super::reference_b4::{In, derivative, node};
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::flow::Penalty;
@@ -12,7 +12,7 @@ use crate::flow::{
     RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
     penalty_curvature, penalty_slope,
 };
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DVector;
 use num_traits::{One, Zero};
 
@@ -39,7 +39,7 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// $L_{cons}$ over any scalar, the torque left out unless asked for.
-fn constrained<S: Over<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) -> Result<S> {
+fn constrained<S: AlgebraOver<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) -> Result<S> {
     let (set, n) = (set(p), p.dof());
     let Penalty { k_cons, c_cons } = set.penalty;
     let g = rows(p, &set.state, x)?;
@@ -50,7 +50,7 @@ fn constrained<S: Over<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) -> Resu
     let mut u = vec![S::zero(); n];
     let data = &mut Data::new(&p.model);
     rnea(&p.model, data, &x[..n], &x[n..], &xdot[n..], &mut u)?;
-    let mut g = vec![S::zero(); set.torque.limits.rows()];
+    let mut g = vec![S::zero(); set.torque.limits.dim()];
     set.torque.limits.value(&u, &mut g)?;
     let Penalty { k_cons, c_cons } = set.torque.penalty;
     Ok(constrained_lagrangian(lagrangian, g, k_cons, c_cons))
@@ -60,20 +60,20 @@ fn half() -> F {
     F::from_f64(0.5)
 }
 
-fn a1(p: &Point) -> Result<Vec<Claim>> {
+fn a1(p: &Point) -> Result<Vec<Equality>> {
     let left = constrained(p, false, p.x.as_slice(), p.xdot.as_slice())?;
-    let (truth, mut right) = (Truth::at(p)?, F::zero());
+    let (reference, mut right) = (Reference::at(p)?, F::zero());
     let Penalty { k_cons, c_cons } = pair(p);
     for g in rows(p, &set(p).state, p.x.as_slice())? {
         let s = half() + half() * (c_cons * g).tanh();
         right += k_cons * g * g * s;
     }
-    let slip = truth.slip();
-    right += slip.dot(&(truth.metric() * &slip));
-    Ok(vec![Claim::numbers("Lcons", left, right)])
+    let slip = reference.slip();
+    right += slip.dot(&(reference.metric() * &slip));
+    Ok(vec![Equality::numbers("Lcons", left, right)])
 }
 
-fn a2(p: &Point) -> Result<Vec<Claim>> {
+fn a2(p: &Point) -> Result<Vec<Equality>> {
     let (
         Penalty {
             k_cons: k,
@@ -83,63 +83,69 @@ fn a2(p: &Point) -> Result<Vec<Claim>> {
     ) = (pair(p), Vec::new());
     for g in rows(p, &set(p).state, p.x.as_slice())? {
         let s = half() * (F::one() + (g * c).tanh());
-        claims.push(Claim::numbers("b", penalty(g, k, c), k * g * g * s));
+        claims.push(Equality::numbers("b", penalty(g, k, c), k * g * g * s));
         let at = |i: usize| pair(p).derivatives(g)[i];
-        claims.push(Claim::numbers("b once more", penalty(g, k, c), at(0)));
+        claims.push(Equality::numbers("b once more", penalty(g, k, c), at(0)));
         let one = [F::one()];
         let slope = rate(&[g], &one, |g| Ok(vec![penalty(g[0], k, c)]))?[0];
-        claims.push(Claim::numbers("b'", slope, penalty_slope(g, k, c)));
+        claims.push(Equality::numbers("b'", slope, penalty_slope(g, k, c)));
         let curvature = rate(&[g], &one, |g| Ok(vec![penalty_slope(g[0], k, c)]))?[0];
-        claims.push(Claim::numbers("b''", curvature, penalty_curvature(g, k, c)));
+        claims.push(Equality::numbers(
+            "b''",
+            curvature,
+            penalty_curvature(g, k, c),
+        ));
         let third = rate(&[g], &one, |g| Ok(vec![penalty_curvature(g[0], k, c)]))?[0];
-        claims.push(Claim::numbers("b'''", third, at(3)));
+        claims.push(Equality::numbers("b'''", third, at(3)));
     }
     let at_zero = penalty_slope(F::zero(), k, c);
-    claims.push(Claim::numbers("b' on the boundary", at_zero, F::zero()));
+    claims.push(Equality::numbers("b' on the boundary", at_zero, F::zero()));
     let at_zero = penalty_curvature(F::zero(), k, c);
-    claims.push(Claim::numbers("b'' on the boundary", at_zero, k));
+    claims.push(Equality::numbers("b'' on the boundary", at_zero, k));
     Ok(claims)
 }
 
-fn a3(p: &Point) -> Result<Vec<Claim>> {
-    let (g, c) = (p.spare[7], pair(p).c_cons);
+fn a3(p: &Point) -> Result<Vec<Equality>> {
+    let (g, c) = (p.extra[7], pair(p).c_cons);
     let slope = rate(&[g], &[F::one()], |g| Ok(vec![activation(g[0], c)]))?[0];
     let (s, tanh) = (activation(g, c), (c * g).tanh());
     let logistic = (c + c) * s * (F::one() - s);
     Ok(vec![
-        Claim::numbers("S'", slope, activation_slope(g, c)),
-        Claim::numbers("S' printed", slope, c * half() * (F::one() - tanh * tanh)),
-        Claim::numbers("S' = 2 c S (1 - S)", slope, logistic),
-        Claim::numbers("S(g) + S(-g)", s + activation(-g, c), F::one()),
-        Claim::numbers("S(0)", activation(F::zero(), c), half()),
+        Equality::numbers("S'", slope, activation_slope(g, c)),
+        Equality::numbers("S' printed", slope, c * half() * (F::one() - tanh * tanh)),
+        Equality::numbers("S' = 2 c S (1 - S)", slope, logistic),
+        Equality::numbers("S(g) + S(-g)", s + activation(-g, c), F::one()),
+        Equality::numbers("S(0)", activation(F::zero(), c), half()),
     ])
 }
 
-fn a4(p: &Point) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
+fn a4(p: &Point) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
     let of_constrained = variation(p, |x: &[JJ], xdot: &[JJ]| constrained(p, false, x, xdot))?;
-    let left = truth.raise(&(of_constrained.momentum_rate - of_constrained.by_x));
+    let left = reference.raise(&(of_constrained.momentum_rate - of_constrained.by_x));
 
     let (mut omega, mut of_state) = (DVector::zeros(2 * p.dof()), DVector::zeros(2 * p.dof()));
-    truth.theorem().omega(p.node(), p.k, omega.as_mut_slice())?;
+    reference
+        .theorem()
+        .omega(p.node(), p.k, omega.as_mut_slice())?;
     let mut penalties = set(p);
     penalties.torque.limits.0.clear();
     let terms = &mut penalties.state_penalty(&p.model);
     terms.omega(p.node(), p.k, of_state.as_mut_slice())?;
     Ok(vec![
-        Claim::vectors(
+        Equality::vectors(
             "dLcons/dxdot",
             &of_constrained.by_xdot,
-            &truth.variation()?.by_xdot,
+            &reference.variation()?.by_xdot,
         ),
-        Claim::vectors("flow", &left, &(omega + of_state)),
+        Equality::vectors("flow", &left, &(omega + of_state)),
     ])
 }
 
-fn flow(p: &Point) -> Result<Vec<Claim>> {
-    let (truth, set) = (Truth::at(p)?, set(p));
+fn flow(p: &Point) -> Result<Vec<Equality>> {
+    let (reference, set) = (Reference::at(p)?, set(p));
     let v = variation(p, |x: &[JJ], xdot: &[JJ]| constrained(p, true, x, xdot))?;
-    let left = truth.raise(&(v.momentum_rate - v.by_x));
+    let left = reference.raise(&(v.momentum_rate - v.by_x));
     let omega = |rhs: &mut dyn RightHandSide<F, F>| -> Result<DVector<F>> {
         let mut omega = DVector::zeros(2 * p.dof());
         rhs.omega(p.node(), p.k, omega.as_mut_slice())?;
@@ -149,10 +155,12 @@ fn flow(p: &Point) -> Result<Vec<Claim>> {
     let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque.clone());
     let terms = omega(&mut Sum::new(of_torque, set.state_penalty(&p.model)))?;
     let mut paper = DVector::zeros(2 * p.dof());
-    truth.theorem().omega(p.node(), p.k, paper.as_mut_slice())?;
+    reference
+        .theorem()
+        .omega(p.node(), p.k, paper.as_mut_slice())?;
     Ok(vec![
-        Claim::vectors("control form", &left, &whole),
-        Claim::vectors("Theorem B3 and the terms", &left, &(paper + terms)),
+        Equality::vectors("control form", &left, &whole),
+        Equality::vectors("Theorem B3 and the terms", &left, &(paper + terms)),
     ])
 }
 
@@ -165,7 +173,7 @@ fn right_hand_side(p: &Point, z: &[J]) -> Result<Vec<J>> {
     Ok(omega)
 }
 
-fn constrained_jacobian(p: &Point) -> Result<Vec<Claim>> {
+fn constrained_jacobian(p: &Point) -> Result<Vec<Equality>> {
     let (set, model) = (set(p), &p.model);
     let whole = ControlForm::with_cost(model, set.torque.clone());
     let of_torque = ControlForm::of_cost(model, set.torque.clone());
@@ -173,13 +181,13 @@ fn constrained_jacobian(p: &Point) -> Result<Vec<Claim>> {
     let mut claims = Vec::new();
     let mut claim = |jacobian: &mut dyn NodeJacobian<F, F>| -> Result<()> {
         let mut out = NodeBlocks::new(p.dof());
-        jacobian.at(p.node(), p.k, &mut out)?;
+        jacobian.evaluate(p.node(), p.k, &mut out)?;
         for (what, part, ours) in [
             ("dx", In::X, out.dx),
             ("dxdot", In::Xdot, out.dxdot),
             ("dxddot", In::Xddot, out.dxddot),
         ] {
-            claims.push(Claim::new(
+            claims.push(Equality::new(
                 what,
                 ours,
                 derivative(p, part, right_hand_side)?,

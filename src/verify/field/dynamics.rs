@@ -2,10 +2,10 @@
 
 use super::instance::moving;
 use super::reference::{jacobian, still};
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, crba, crba_derivatives, forward_kinematics,
-    frame_jacobian, frame_placement, rnea, rnea_derivatives,
+    Data, InverseDynamicsDerivatives, aba, bias, crba, forward_kinematics, frame_jacobian,
+    frame_placement, mass_matrix_and_rate, rnea, rnea_derivatives,
 };
 use crate::error::Result;
 use crate::model::Frame;
@@ -34,7 +34,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn rnea_is_h_a_plus_c(p: &Point) -> Result<Vec<Claim>> {
+fn rnea_is_h_a_plus_c(p: &Point) -> Result<Vec<Equality>> {
     let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
     let mut tau = DVector::zeros(n);
     rnea(
@@ -49,23 +49,23 @@ fn rnea_is_h_a_plus_c(p: &Point) -> Result<Vec<Claim>> {
     crba(&p.model, data, node.x_p1(), &mut h)?;
     bias(&p.model, data, node.x_p1(), node.x_p2(), c.as_mut_slice())?;
     let right = h * DVector::from_column_slice(node.xdot_p2()) + c;
-    Ok(vec![Claim::vectors("ID", &tau, &right)])
+    Ok(vec![Equality::vectors("ID", &tau, &right)])
 }
 
-fn aba_inverts_rnea(p: &Point) -> Result<Vec<Claim>> {
+fn aba_inverts_rnea(p: &Point) -> Result<Vec<Equality>> {
     let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
     let (mut tau, mut a) = (DVector::zeros(n), DVector::zeros(n));
     let (q, v) = (node.x_p1(), node.x_p2());
     rnea(&p.model, data, q, v, node.xdot_p2(), tau.as_mut_slice())?;
     aba(&p.model, data, q, v, tau.as_slice(), a.as_mut_slice())?;
-    Ok(vec![Claim::vectors(
+    Ok(vec![Equality::vectors(
         "a",
         &a,
         &DVector::from_column_slice(node.xdot_p2()),
     )])
 }
 
-fn the_mass_matrix(p: &Point) -> Result<Vec<Claim>> {
+fn the_mass_matrix(p: &Point) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let mut h = DMatrix::zeros(n, n);
     crba(&p.model, &mut Data::new(&p.model), node.x_p1(), &mut h)?;
@@ -77,16 +77,16 @@ fn the_mass_matrix(p: &Point) -> Result<Vec<Claim>> {
         Ok(tau)
     })?;
     Ok(vec![
-        Claim::new("symmetry", h.clone(), h.transpose()),
-        Claim::new("dID/da", h, by_duals),
+        Equality::new("symmetry", h.clone(), h.transpose()),
+        Equality::new("dID/da", h, by_duals),
     ])
 }
 
-fn hdot(p: &Point) -> Result<Vec<Claim>> {
+fn hdot(p: &Point) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let (q, w) = (node.x_p1(), node.xdot_p1());
-    crba_derivatives(&p.model, &mut Data::new(&p.model), q, w, &mut h, &mut hdot)?;
+    mass_matrix_and_rate(&p.model, &mut Data::new(&p.model), q, w, &mut h, &mut hdot)?;
     let mut moving_h = DMatrix::zeros(n, n);
     crba(
         &p.model,
@@ -95,12 +95,12 @@ fn hdot(p: &Point) -> Result<Vec<Claim>> {
         &mut moving_h,
     )?;
     Ok(vec![
-        Claim::new("H", h, moving_h.map(|h| h.re)),
-        Claim::new("Hdot", hdot, moving_h.map(|h| h.eps[0])),
+        Equality::new("H", h, moving_h.map(|h| h.re)),
+        Equality::new("Hdot", hdot, moving_h.map(|h| h.eps[0])),
     ])
 }
 
-fn rnea_d(p: &Point) -> Result<Vec<Claim>> {
+fn rnea_d(p: &Point) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
     let mut id = InverseDynamicsDerivatives::new(n);
@@ -114,14 +114,14 @@ fn rnea_d(p: &Point) -> Result<Vec<Claim>> {
     })?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     Ok(vec![
-        Claim::new("dID/dq", id.dq, part(0)),
-        Claim::new("dID/dv", id.dv, part(1)),
-        Claim::new("dID/da", id.h, part(2)),
+        Equality::new("dID/dq", id.dq, part(0)),
+        Equality::new("dID/dv", id.dv, part(1)),
+        Equality::new("dID/da", id.h, part(2)),
     ])
 }
 
 /// A frame off the origin of every body, by duals of forward kinematics.
-fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Claim>> {
+fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut claims = Vec::new();
     for body in 0..n {
@@ -134,7 +134,7 @@ fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Claim>> {
             frame_placement(&frame, &bodies)
         };
         let rotation = place(&still(q))?.rotation.map(|r| r.re);
-        let truth = jacobian(q, |q| {
+        let reference = jacobian(q, |q| {
             let placement = place(q)?;
             let turning = placement.rotation * rotation.transpose().map(J::constant);
             let turning = [turning.m32, turning.m13, turning.m21];
@@ -144,7 +144,7 @@ fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Claim>> {
                 .copied()
                 .collect())
         })?;
-        claims.push(Claim::new("J", ours, truth));
+        claims.push(Equality::new("J", ours, reference));
     }
     Ok(claims)
 }

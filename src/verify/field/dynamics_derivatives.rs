@@ -5,12 +5,11 @@ use super::reference_b4::{
     In, all, bias_force, constant, derivative, drift, flow, gathered, inverse_dynamics, mass,
     unfold, vector,
 };
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{
-    ContractedGradient, ContractedHessian, Data, ForwardDynamicsDerivatives,
-    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba, aba_derivatives, crba_contracted,
-    crba_second_derivatives, rnea_contracted_gradient, rnea_contracted_hessian,
-    rnea_second_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
+    RneaVjp, RneaWeightedHessian, aba, aba_derivatives, crba_second_derivatives,
+    mass_matrix_product_derivative, rnea_second_derivatives, rnea_vjp, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::RightHandSide;
@@ -38,7 +37,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn aba_d(p: &Point) -> Result<Vec<Claim>> {
+fn aba_d(p: &Point) -> Result<Vec<Equality>> {
     let (n, node, tau) = (p.dof(), p.node(), p.w.as_slice());
     let (q, v) = (node.x_p1(), node.x_p2());
     let mut fd = ForwardDynamicsDerivatives::new(n);
@@ -52,14 +51,14 @@ fn aba_d(p: &Point) -> Result<Vec<Claim>> {
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     let force = inverse_dynamics(&p.model, q, v, fd.a.as_slice())?;
     Ok(vec![
-        Claim::vectors("FD", &vector(&force), &p.w),
-        Claim::new("dFD/dq", fd.dq, part(0)),
-        Claim::new("dFD/dv", fd.dv, part(1)),
-        Claim::new("dFD/dtau", fd.h_inverse, part(2)),
+        Equality::vectors("FD", &vector(&force), &p.w),
+        Equality::new("dFD/dq", fd.dq, part(0)),
+        Equality::new("dFD/dv", fd.dv, part(1)),
+        Equality::new("dFD/dtau", fd.h_inverse, part(2)),
     ])
 }
 
-fn crba_2d(p: &Point) -> Result<Vec<Claim>> {
+fn crba_2d(p: &Point) -> Result<Vec<Equality>> {
     let (q, rate) = (p.node().x_p1(), p.w.as_slice());
     let mut found = MassMatrixDerivatives::new(p.dof());
     crba_second_derivatives(&p.model, &mut Data::new(&p.model), q, rate, &mut found)?;
@@ -71,7 +70,7 @@ pub(super) fn of_mass(
     p: &Point,
     rate: &[F],
     found: &MassMatrixDerivatives<F>,
-) -> Result<Vec<Claim>> {
+) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let first = jacobian(q, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
     let second = jacobian(q, |q| {
@@ -80,14 +79,14 @@ pub(super) fn of_mass(
     })?;
     let along = super::reference_b4::rate(q, rate, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
     Ok(vec![
-        Claim::new("H", found.h.clone(), mass(&p.model, q)?),
-        Claim::new("Hdot", found.hdot.clone(), DMatrix::from_vec(n, n, along)),
-        Claim::new("dH/dq", unfold(n, found.dq.entries()), first),
-        Claim::new("d2H/dq2", unfold(n, found.dqdq.entries()), second),
+        Equality::new("H", found.h.clone(), mass(&p.model, q)?),
+        Equality::new("Hdot", found.hdot.clone(), DMatrix::from_vec(n, n, along)),
+        Equality::new("dH/dq", unfold(n, found.dq.entries()), first),
+        Equality::new("d2H/dq2", unfold(n, found.dqdq.entries()), second),
     ])
 }
 
-fn rnea_2d(p: &Point) -> Result<Vec<Claim>> {
+fn rnea_2d(p: &Point) -> Result<Vec<Equality>> {
     let (node, a) = (p.node(), p.node().xdot_p2());
     let (q, v) = (node.x_p1(), node.x_p2());
     let mut found = InverseDynamicsSecondDerivatives::new(p.dof());
@@ -100,12 +99,12 @@ pub(super) fn of_inverse_dynamics(
     p: &Point,
     a: &[F],
     found: &InverseDynamicsSecondDerivatives<F>,
-) -> Result<Vec<Claim>> {
+) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let f = |s: &[Jet<J, 1>]| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]);
     let all = second(&[node.x_p1(), node.x_p2(), a].concat(), f)?;
     let claim =
-        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     let zero = vec![F::default(); n * n * n];
     Ok(vec![
         claim("d2ID/dqdq", found.dqdq.entries(), 0, 0),
@@ -121,11 +120,11 @@ pub(super) fn of_inverse_dynamics(
 pub(super) fn of_bias(
     p: &Point,
     found: &InverseDynamicsSecondDerivatives<F>,
-) -> Result<Vec<Claim>> {
+) -> Result<Vec<Equality>> {
     let n = p.dof();
     let all = second(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     let claim =
-        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2C/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2C/dvdv", found.dvdv.entries(), 1, 1),
@@ -133,11 +132,11 @@ pub(super) fn of_bias(
     ])
 }
 
-pub(super) fn aba_2d(p: &Point) -> Result<Vec<Claim>> {
+pub(super) fn aba_2d(p: &Point) -> Result<Vec<Equality>> {
     let (n, found) = (p.dof(), gathered(p)?.d2fd0);
     let all = second(p.node().x, |x| drift(&p.model, &x[..n], &x[n..]))?;
     let claim =
-        |what, entries: &[F], j, k| Claim::new(what, unfold(n, entries), part(&all, n, j, k));
+        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2FD/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2FD/dvdv", found.dvdv.entries(), 1, 1),
@@ -156,7 +155,7 @@ fn part(all: &DMatrix<F>, n: usize, j: usize, k: usize) -> DMatrix<F> {
 }
 
 /// $w^T ID$ at `[q; v; a]`.
-fn contracted<S: crate::scalar::Over<F>>(p: &Point, s: &[S]) -> Result<Vec<S>> {
+fn contracted<S: crate::scalar::AlgebraOver<F>>(p: &Point, s: &[S]) -> Result<Vec<S>> {
     let n = p.dof();
     let tau = inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])?;
     let sum = tau
@@ -166,42 +165,42 @@ fn contracted<S: crate::scalar::Over<F>>(p: &Point, s: &[S]) -> Result<Vec<S>> {
     Ok(vec![sum])
 }
 
-fn gradient(p: &Point) -> Result<Vec<Claim>> {
+fn gradient(p: &Point) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
-    let mut found = ContractedGradient::new(n);
-    rnea_contracted_gradient(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
+    let mut found = RneaVjp::new(n);
+    rnea_vjp(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
     let by_duals = jacobian(&[q, v, a].concat(), |s| contracted(p, s))?.transpose();
     let part = |i: usize| vector(&by_duals.as_slice()[i * n..(i + 1) * n]);
     Ok(vec![
-        Claim::vectors("in q", &found.q, &part(0)),
-        Claim::vectors("in v", &found.v, &part(1)),
-        Claim::vectors("in a", &found.a, &part(2)),
+        Equality::vectors("in q", &found.q, &part(0)),
+        Equality::vectors("in v", &found.v, &part(1)),
+        Equality::vectors("in a", &found.a, &part(2)),
     ])
 }
 
-fn hessian(p: &Point) -> Result<Vec<Claim>> {
+fn hessian(p: &Point) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
-    let mut found = ContractedHessian::new(n);
-    rnea_contracted_hessian(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
+    let mut found = RneaWeightedHessian::new(n);
+    rnea_weighted_hessian(&p.model, &mut Data::new(&p.model), q, v, a, w, &mut found)?;
     let all = second(&[q, v, a].concat(), |s| contracted(p, s))?;
     let part = |i: usize, j: usize| all.view((i * n, j * n), (n, n)).into_owned();
     let zero = DMatrix::zeros(n, n);
     Ok(vec![
-        Claim::new("in q, q", found.qq, part(0, 0)),
-        Claim::new("in q, v", found.qv, part(0, 1)),
-        Claim::new("in v, v", found.vv, part(1, 1)),
-        Claim::new("in q, a", found.qa, part(0, 2)),
-        Claim::new("in v, a", zero.clone(), part(1, 2)),
-        Claim::new("in a, a", zero, part(2, 2)),
+        Equality::new("in q, q", found.qq, part(0, 0)),
+        Equality::new("in q, v", found.qv, part(0, 1)),
+        Equality::new("in v, v", found.vv, part(1, 1)),
+        Equality::new("in q, a", found.qa, part(0, 2)),
+        Equality::new("in v, a", zero.clone(), part(1, 2)),
+        Equality::new("in a, a", zero, part(2, 2)),
     ])
 }
 
-fn contracted_mass(p: &Point) -> Result<Vec<Claim>> {
+fn contracted_mass(p: &Point) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut found = DMatrix::zeros(n, n);
-    crba_contracted(
+    mass_matrix_product_derivative(
         &p.model,
         &mut Data::new(&p.model),
         q,
@@ -210,7 +209,7 @@ fn contracted_mass(p: &Point) -> Result<Vec<Claim>> {
     )?;
     let w = vector(&constant(p.w.as_slice()));
     let by_duals = jacobian(q, |q| Ok((mass(&p.model, q)? * &w).as_slice().to_vec()))?;
-    Ok(vec![Claim::new("K", found, by_duals)])
+    Ok(vec![Equality::new("K", found, by_duals)])
 }
 
 /// The right-hand side in the control form, whose Jacobian is claimed.
@@ -225,18 +224,18 @@ fn control_form_omega(p: &Point, z: &[J]) -> Result<Vec<J>> {
     Ok(omega)
 }
 
-fn control_form(p: &Point) -> Result<Vec<Claim>> {
+fn control_form(p: &Point) -> Result<Vec<Equality>> {
     let (t, mut found) = (gathered(p)?, NodeBlocks::new(p.dof()));
     ControlForm::new(&p.model).blocks(p.node(), p.k, &mut found)?;
     let by = |part| derivative(p, part, control_form_omega);
     let omega = vector(&control_form_omega(p, &constant(&all(p)))?).map(|o| o.re);
     Ok(vec![
-        Claim::vectors("Omega", &omega, &vector(&flow(p, &all(p))?)),
-        Claim::new("dx by duals", found.dx.clone(), by(In::X)?),
-        Claim::new("dxdot by duals", found.dxdot.clone(), by(In::Xdot)?),
-        Claim::new("dxddot by duals", found.dxddot.clone(), by(In::Xddot)?),
-        Claim::new("dx by Theorem B4", found.dx, t.domega_dx(p.k)),
-        Claim::new("dxdot by Theorem B4", found.dxdot, t.domega_dxdot(p.k)),
-        Claim::new("dxddot by Theorem B4", found.dxddot, t.domega_dxddot()),
+        Equality::vectors("Omega", &omega, &vector(&flow(p, &all(p))?)),
+        Equality::new("dx by duals", found.dx.clone(), by(In::X)?),
+        Equality::new("dxdot by duals", found.dxdot.clone(), by(In::Xdot)?),
+        Equality::new("dxddot by duals", found.dxddot.clone(), by(In::Xddot)?),
+        Equality::new("dx by Theorem B4", found.dx, t.domega_dx(p.k)),
+        Equality::new("dxdot by Theorem B4", found.dxdot, t.domega_dxdot(p.k)),
+        Equality::new("dxddot by Theorem B4", found.dxddot, t.domega_dxddot()),
     ])
 }

@@ -34,7 +34,7 @@ pub struct Point {
     /// Weights of contractions, `N` entries.
     pub w: DVector<F>,
     /// A number for whatever else is needed, such as the constants of a constraint.
-    pub spare: [F; 8],
+    pub extra: [F; 8],
 }
 
 impl Point {
@@ -54,7 +54,7 @@ impl Point {
             xddot: numbers(2 * n),
             w: numbers(n),
             k: numbers(1)[0],
-            spare: std::array::from_fn(|_| numbers(1)[0]),
+            extra: std::array::from_fn(|_| numbers(1)[0]),
         })
     }
 

@@ -38,13 +38,13 @@ pub(crate) type J = Jet<F, 1>;
 pub const DEGREE: u64 = 1 << 17;
 
 /// Two sides that should be equal, entry by entry.
-pub struct Claim {
+pub struct Equality {
     what: &'static str,
     left: DMatrix<F>,
     right: DMatrix<F>,
 }
 
-impl Claim {
+impl Equality {
     /// Two matrices that should be equal. `what` names the block where an equation has several.
     #[must_use]
     pub fn new(what: &'static str, left: DMatrix<F>, right: DMatrix<F>) -> Self {
@@ -94,7 +94,7 @@ pub struct Identity {
     /// The index convention, where there is a choice.
     pub convention: &'static str,
     /// Both sides at a point.
-    pub claims: fn(&Point) -> Result<Vec<Claim>>,
+    pub claims: fn(&Point) -> Result<Vec<Equality>>,
 }
 
 /// What came of proving one identity.

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::flow::{TheoremB3, lagrangian};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Jet, Over, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// Numbers with two tangents that do not know of each other.
@@ -81,14 +81,14 @@ pub(super) fn contract(a: &DVector<F>, slices: &[DMatrix<F>], b: &DVector<F>) ->
 }
 
 /// The mass matrix.
-pub(super) fn mass<S: Over<F>>(model: &Model<F>, q: &[S]) -> Result<DMatrix<S>> {
+pub(super) fn mass<S: AlgebraOver<F>>(model: &Model<F>, q: &[S]) -> Result<DMatrix<S>> {
     let mut h = DMatrix::zeros(model.dof(), model.dof());
     crba(model, &mut Data::new(model), q, &mut h)?;
     Ok(h)
 }
 
 /// $C$ at $x$.
-pub(super) fn bias_force<S: Over<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>> {
+pub(super) fn bias_force<S: AlgebraOver<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>> {
     let (q, v) = x.split_at(model.dof());
     let mut c = vec![S::zero(); q.len()];
     bias(model, &mut Data::new(model), q, v, &mut c)?;
@@ -96,7 +96,7 @@ pub(super) fn bias_force<S: Over<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>
 }
 
 /// $F_d = [x_{P2}; FD_0]$ at $x$, $FD_0$ by ABA.
-pub(super) fn drift<S: Over<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>> {
+pub(super) fn drift<S: AlgebraOver<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>> {
     let (q, v) = x.split_at(model.dof());
     let zero = vec![S::zero(); q.len()];
     let mut fd = [v, &zero].concat();
@@ -112,7 +112,11 @@ pub(super) fn drift<S: Over<F>>(model: &Model<F>, x: &[S]) -> Result<Vec<S>> {
 }
 
 /// $H w = ID(q, v, w) - ID(q, v, 0)$ at $x$, without a mass matrix and with the velocity in it.
-pub(super) fn inertia_force<S: Over<F>>(model: &Model<F>, x: &[S], w: &[S]) -> Result<DVector<S>> {
+pub(super) fn inertia_force<S: AlgebraOver<F>>(
+    model: &Model<F>,
+    x: &[S],
+    w: &[S],
+) -> Result<DVector<S>> {
     let (q, v) = x.split_at(model.dof());
     let mut force = vec![S::zero(); q.len()];
     rnea(model, &mut Data::new(model), q, v, w, &mut force)?;
@@ -162,12 +166,12 @@ pub(super) fn variation(
 }
 
 /// The Lagrangian (5).
-pub(super) fn effort<S: Over<F>>(p: &Point, x: &[S], xdot: &[S]) -> Result<S> {
+pub(super) fn effort<S: AlgebraOver<F>>(p: &Point, x: &[S], xdot: &[S]) -> Result<S> {
     lagrangian(&p.model, &mut Data::new(&p.model), x, xdot, p.k)
 }
 
 /// Every quantity that Theorem B3 is written in, its derivatives by duals and nothing by an analytic derivative.
-pub(super) struct Truth<'p> {
+pub(super) struct Reference<'p> {
     pub p: &'p Point,
     /// `N`.
     pub n: usize,
@@ -185,7 +189,7 @@ pub(super) struct Truth<'p> {
     pub w: DVector<F>,
 }
 
-impl<'p> Truth<'p> {
+impl<'p> Reference<'p> {
     /// At a point.
     pub fn at(p: &'p Point) -> Result<Self> {
         let (n, node, m) = (p.dof(), p.node(), &p.model);

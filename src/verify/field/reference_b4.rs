@@ -5,7 +5,7 @@
 
 use super::instance::moving;
 use super::reference::jacobian;
-use super::{Claim, F, J, Point};
+use super::{Equality, F, J, Point};
 use crate::dynamics::{Data, aba, bias, crba, rnea};
 use crate::error::Result;
 use crate::flow::jacobian::TheoremB4;
@@ -13,7 +13,7 @@ use crate::flow::jacobian::theorem_b4::Quantities;
 use crate::flow::{Node, TheoremB3};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{Jet, Over, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar};
 use nalgebra::{DMatrix, DVector};
 use num_traits::One;
 use std::ops::Range;
@@ -78,9 +78,9 @@ pub(super) fn block(
     part: In,
     f: Of,
     ours: fn(&Quantities<F>, F) -> DMatrix<F>,
-) -> Result<Vec<Claim>> {
+) -> Result<Vec<Equality>> {
     let left = ours(&gathered(p)?, p.k);
-    Ok(vec![Claim::new("block", left, derivative(p, part, f)?)])
+    Ok(vec![Equality::new("block", left, derivative(p, part, f)?)])
 }
 
 /// Numbers that do not move.
@@ -104,21 +104,21 @@ pub(super) fn unfold(n: usize, entries: &[F]) -> DMatrix<F> {
 }
 
 /// $H$.
-pub(super) fn mass<S: Over<F>>(model: &Model<F>, q: &[S]) -> Result<DMatrix<S>> {
+pub(super) fn mass<S: AlgebraOver<F>>(model: &Model<F>, q: &[S]) -> Result<DMatrix<S>> {
     let mut h = DMatrix::zeros(q.len(), q.len());
     crba(model, &mut Data::new(model), q, &mut h)?;
     Ok(h)
 }
 
 /// $C$.
-pub(super) fn bias_force<S: Over<F>>(model: &Model<F>, q: &[S], v: &[S]) -> Result<Vec<S>> {
+pub(super) fn bias_force<S: AlgebraOver<F>>(model: &Model<F>, q: &[S], v: &[S]) -> Result<Vec<S>> {
     let mut c = vec![S::zero(); q.len()];
     bias(model, &mut Data::new(model), q, v, &mut c)?;
     Ok(c)
 }
 
 /// $ID$.
-pub(super) fn inverse_dynamics<S: Over<F>>(
+pub(super) fn inverse_dynamics<S: AlgebraOver<F>>(
     model: &Model<F>,
     q: &[S],
     v: &[S],
@@ -130,7 +130,7 @@ pub(super) fn inverse_dynamics<S: Over<F>>(
 }
 
 /// $FD_0$.
-pub(super) fn drift<S: Over<F>>(model: &Model<F>, q: &[S], v: &[S]) -> Result<Vec<S>> {
+pub(super) fn drift<S: AlgebraOver<F>>(model: &Model<F>, q: &[S], v: &[S]) -> Result<Vec<S>> {
     let (mut a, zero) = (vec![S::zero(); q.len()], vec![S::zero(); q.len()]);
     aba(model, &mut Data::new(model), q, v, &zero, &mut a)?;
     Ok(a)
@@ -152,7 +152,7 @@ pub(super) fn node<S: Scalar>(z: &[S]) -> Node<'_, S> {
 }
 
 /// $\dot H$ along $\dot x_{P1}$, its entries in columns.
-pub(super) fn mass_rate<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn mass_rate<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let node = node(z);
     rate(node.x_p1(), node.xdot_p1(), |q| {
         Ok(mass(&p.model, q)?.as_slice().to_vec())
@@ -160,7 +160,7 @@ pub(super) fn mass_rate<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// $\dot C$ along $\dot x$.
-pub(super) fn bias_rate<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn bias_rate<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let (node, n) = (node(z), p.dof());
     rate(node.x, node.xdot, |x| {
         bias_force(&p.model, &x[..n], &x[n..])
@@ -168,7 +168,7 @@ pub(super) fn bias_rate<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// $\gamma$, the rate of $H (H \dot x_{P2} + C)$ along the curve.
-pub(super) fn gamma<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn gamma<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let (node, n) = (node(z), p.dof());
     let at = [node.x, node.xdot_p2()].concat();
     let along = [node.xdot, node.xddot_p2()].concat();
@@ -181,7 +181,7 @@ pub(super) fn gamma<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// $2 H (H \dot x_{P2} + C)$ as a constant.
-fn twice_h_force<S: Over<F>>(p: &Point, z: &[S]) -> Result<DVector<Jet<S, 1>>> {
+fn twice_h_force<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<DVector<Jet<S, 1>>> {
     let node = node(z);
     let h = mass(&p.model, node.x_p1())?;
     let c = vector(&bias_force(&p.model, node.x_p1(), node.x_p2())?);
@@ -190,7 +190,7 @@ fn twice_h_force<S: Over<F>>(p: &Point, z: &[S]) -> Result<DVector<Jet<S, 1>>> {
 }
 
 /// $\alpha_1$, the gradient in $x_{P1}$ of $-FD_0$ times a vector held fixed.
-pub(super) fn alpha_1<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn alpha_1<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let (fixed, v) = (twice_h_force(p, z)?, constant(node(z).x_p2()));
     let row = jacobian(node(z).x_p1(), |q| {
         Ok(vec![-vector(&drift(&p.model, q, &v)?).dot(&fixed)])
@@ -199,7 +199,7 @@ pub(super) fn alpha_1<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// $\alpha_2$, the same gradient in $x_{P2}$.
-pub(super) fn alpha_2<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn alpha_2<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let (fixed, q) = (twice_h_force(p, z)?, constant(node(z).x_p1()));
     let row = jacobian(node(z).x_p2(), |v| {
         Ok(vec![-vector(&drift(&p.model, &q, v)?).dot(&fixed)])
@@ -208,13 +208,13 @@ pub(super) fn alpha_2<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// $\dot x_{P2} - FD_0$.
-fn miss<S: Over<F>>(p: &Point, z: &[S]) -> Result<DVector<S>> {
+fn miss<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<DVector<S>> {
     let node = node(z);
     Ok(vector(node.xdot_p2()) - vector(&drift(&p.model, node.x_p1(), node.x_p2())?))
 }
 
 /// $\Gamma$, the gradient in $x_{P1}$ of $|H w|^2 / 2$ with `w` held fixed.
-pub(super) fn capital_gamma<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn capital_gamma<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let w = vector(&constant(miss(p, z)?.as_slice()));
     let row = jacobian(node(z).x_p1(), |q| {
         let force = mass(&p.model, q)? * &w;
@@ -224,7 +224,7 @@ pub(super) fn capital_gamma<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
 }
 
 /// Theorem B3 with every quantity by duals of the dynamics.
-fn theorem_b3<S: Over<F>>(p: &Point, z: &[S]) -> Result<TheoremB3<S>> {
+fn theorem_b3<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<TheoremB3<S>> {
     let (node, n, model) = (node(z), p.dof(), &p.model);
     let (q, v) = (node.x_p1(), node.x_p2());
     let (fixed_q, fixed_v) = (constant(q), constant(v));
@@ -242,42 +242,42 @@ fn theorem_b3<S: Over<F>>(p: &Point, z: &[S]) -> Result<TheoremB3<S>> {
 }
 
 /// $\Omega_1$ (B6).
-pub(super) fn omega_1<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn omega_1<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let mut omega = DVector::zeros(2 * p.dof());
     theorem_b3(p, z)?.omega_1(node(z), &mut omega);
     Ok(omega.as_slice().to_vec())
 }
 
 /// $\Omega_2$ (B7).
-pub(super) fn omega_2<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn omega_2<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let mut omega = DVector::zeros(2 * p.dof());
     theorem_b3(p, z)?.omega_2(node(z), p.k, &mut omega);
     Ok(omega.as_slice().to_vec())
 }
 
 /// $\Omega_3$ (B8).
-pub(super) fn omega_3<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn omega_3<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let mut omega = DVector::zeros(2 * p.dof());
     theorem_b3(p, z)?.omega_3(node(z), p.k, &mut omega);
     Ok(omega.as_slice().to_vec())
 }
 
 /// $\Omega_4$ (B9).
-pub(super) fn omega_4<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn omega_4<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let mut omega = DVector::zeros(2 * p.dof());
     theorem_b3(p, z)?.omega_4(node(z), p.k, &mut omega);
     Ok(omega.as_slice().to_vec())
 }
 
 /// $\Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$.
-pub(super) fn sum<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn sum<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let mut omega = vec![S::zero(); 2 * p.dof()];
     theorem_b3(p, z)?.omega(node(z), p.k, &mut omega)?;
     Ok(omega)
 }
 
 /// $L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2$ at $[x; \dot x]$.
-fn lagrangian<S: Over<F>>(p: &Point, y: &[S]) -> Result<S> {
+fn lagrangian<S: AlgebraOver<F>>(p: &Point, y: &[S]) -> Result<S> {
     let n = p.dof();
     let (q, v, qdot, vdot) = (&y[..n], &y[n..2 * n], &y[2 * n..3 * n], &y[3 * n..]);
     let slip = vector(qdot) - vector(v);
@@ -286,7 +286,7 @@ fn lagrangian<S: Over<F>>(p: &Point, y: &[S]) -> Result<S> {
 }
 
 /// The heat flow (7) of that Lagrangian in the metric (11), by nested duals: the definition of $\Omega$.
-pub(super) fn flow<S: Over<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
+pub(super) fn flow<S: AlgebraOver<F>>(p: &Point, z: &[S]) -> Result<Vec<S>> {
     let (m, node) = (2 * p.dof(), node(z));
     let y = moving(&z[..2 * m], &z[m..]);
     let gradient = jacobian(&y, |y| Ok(vec![lagrangian(p, y)?]))?;

@@ -1,14 +1,14 @@
 //! The relaxation: the derivatives of its objective, and what it has to do with the flow.
 
-use super::reference::{JJ, Truth, effort, jacobian, rate, stack, unit, variation};
-use super::{Claim, F, Identity, Point};
+use super::reference::{JJ, Reference, effort, jacobian, rate, stack, unit, variation};
+use super::{Equality, F, Identity, Point};
 use crate::error::Result;
 use crate::flow::{ControlForm, RightHandSide};
 use crate::linalg::Ldlt;
 use crate::relax::{
-    Derivatives, Grid, Objective, Point as CurvePoint, PointCost, PointDerivatives, SquaredControl,
+    ControlEffort, Derivatives, Grid, Objective, Point as CurvePoint, PointCost, PointDerivatives,
 };
-use crate::scalar::{Jet, Over};
+use crate::scalar::{AlgebraOver, Jet};
 use nalgebra::{DMatrix, DVector};
 use num_traits::{One, Zero};
 use rand::{RngExt, SeedableRng};
@@ -53,7 +53,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// A discretised objective: two pieces of degree 4 with two points each, all numbers random.
+/// A discretised objective: two segments of degree 4 with two points each, all numbers random.
 struct Example {
     grid: Grid<F>,
     coefficients: DMatrix<F>,
@@ -65,16 +65,16 @@ impl Example {
     fn new(p: &Point) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(p.k.residue());
         let mut number = || F::new(rng.random_range(0..F::ORDER));
-        let (pieces, points, functions, count) = (2, 2, 5, 8);
+        let (segments, points, functions, count) = (2, 2, 5, 8);
         // The last function but one is free, as with a free final velocity.
         let free = 2..count - 1;
-        let times = (0..pieces * points).map(|_| number()).collect();
+        let times = (0..segments * points).map(|_| number()).collect();
         let weights = (0..points).map(|_| number()).collect();
         let table = DMatrix::from_fn(functions, 3 * points, |_, _| number());
         let coefficients = DMatrix::from_fn(p.dof(), count, |_, _| number());
         Self {
             direction: DVector::from_fn(free.len() * p.dof(), |_, _| number()),
-            grid: Grid::from_table(pieces, free.clone(), times, weights, table),
+            grid: Grid::from_table(segments, free.clone(), times, weights, table),
             coefficients,
             free,
         }
@@ -86,30 +86,30 @@ impl Example {
     }
 
     /// The objective with other unknowns, over any scalar.
-    fn value<S: Over<F>>(&self, p: &Point, unknowns: &[S]) -> Result<S> {
+    fn value<S: AlgebraOver<F>>(&self, p: &Point, unknowns: &[S]) -> Result<S> {
         let first = self.free.start * p.dof();
         let mut coefficients = self.coefficients.map(S::lift);
         coefficients.as_mut_slice()[first..first + unknowns.len()].copy_from_slice(unknowns);
         let grid = self.grid.map(S::lift);
-        Objective::new(&grid, SquaredControl::new(&p.model), p.dof()).value(&coefficients)
+        Objective::new(&grid, ControlEffort::new(&p.model), p.dof()).value(&coefficients)
     }
 
     fn derivatives(&self, p: &Point) -> Result<(F, Derivatives<F>)> {
         let mut derivatives = Derivatives::new(&self.grid, p.dof());
-        let cost = SquaredControl::new(&p.model);
+        let cost = ControlEffort::new(&p.model);
         let value = Objective::new(&self.grid, cost, p.dof())
             .derivatives(&self.coefficients, &mut derivatives)?;
         Ok((value, derivatives))
     }
 }
 
-fn objective_gradient(p: &Point) -> Result<Vec<Claim>> {
+fn objective_gradient(p: &Point) -> Result<Vec<Equality>> {
     let example = Example::new(p);
     let (value, derivatives) = example.derivatives(p)?;
     let by_duals = jacobian(example.unknowns(), |c| Ok(vec![example.value(p, c)?]))?;
     Ok(vec![
-        Claim::numbers("J", value, example.value(p, example.unknowns())?),
-        Claim::vectors(
+        Equality::numbers("J", value, example.value(p, example.unknowns())?),
+        Equality::vectors(
             "gradient",
             &derivatives.gradient,
             &by_duals.row(0).transpose(),
@@ -118,7 +118,7 @@ fn objective_gradient(p: &Point) -> Result<Vec<Claim>> {
 }
 
 /// A matrix that is wrong maps a random direction to the right vector with the probability of the bound only.
-fn objective_hessian(p: &Point) -> Result<Vec<Claim>> {
+fn objective_hessian(p: &Point) -> Result<Vec<Equality>> {
     let example = Example::new(p);
     let (_, derivatives) = example.derivatives(p)?;
     let unknowns = example.unknowns();
@@ -132,7 +132,7 @@ fn objective_hessian(p: &Point) -> Result<Vec<Claim>> {
         right[i] = rates[0];
     }
     let left = derivatives.hessian.to_dense() * &example.direction;
-    Ok(vec![Claim::vectors("Hessian", &left, &right)])
+    Ok(vec![Equality::vectors("Hessian", &left, &right)])
 }
 
 /// The same point on the manifold $v = \dot q$.
@@ -150,16 +150,16 @@ fn on_the_manifold(p: &Point) -> Point {
     }
 }
 
-fn flow_of_the_objective(p: &Point) -> Result<Vec<Claim>> {
+fn flow_of_the_objective(p: &Point) -> Result<Vec<Equality>> {
     let (p, n) = (&on_the_manifold(p), p.dof());
     let moves = [
         &p.w,
-        &(&p.w * p.spare[0]),
-        &(&p.w * p.spare[1] + &p.w.map(|w| w * w)),
+        &(&p.w * p.extra[0]),
+        &(&p.w * p.extra[1] + &p.w.map(|w| w * w)),
     ];
     let state = [p.x.rows(0, n), p.x.rows(n, n), p.xdot.rows(n, n)];
 
-    let mut cost = SquaredControl::new(&p.model);
+    let mut cost = ControlEffort::new(&p.model);
     let mut derivatives = PointDerivatives::new(n);
     let [q, v, a] = state.each_ref().map(|part| part.as_slice());
     let point = CurvePoint {
@@ -178,16 +178,16 @@ fn flow_of_the_objective(p: &Point) -> Result<Vec<Claim>> {
     let (dx, dxdot) = (stack(moves[0], moves[1]), stack(moves[1], moves[2]));
     let mut omega = DVector::zeros(2 * n);
     ControlForm::new(&p.model).omega(p.node(), p.k, omega.as_mut_slice())?;
-    let flow = Truth::at(p)?.metric() * omega;
+    let flow = Reference::at(p)?.metric() * omega;
     let momentum = by_lagrangian.by_xdot.dot(&dxdot) + by_lagrangian.momentum_rate.dot(&dx);
-    Ok(vec![Claim::numbers(
+    Ok(vec![Equality::numbers(
         "variation",
         left,
         momentum - dx.dot(&flow),
     )])
 }
 
-fn euler_step(p: &Point) -> Result<Vec<Claim>> {
+fn euler_step(p: &Point) -> Result<Vec<Equality>> {
     let example = Example::new(p);
     let (_, derivatives) = example.derivatives(p)?;
     let Derivatives {
@@ -205,5 +205,5 @@ fn euler_step(p: &Point) -> Result<Vec<Claim>> {
     // c' = -D^-1 g(c) implicitly: D (c1 - c0) + h g(c1) = 0, with g(c1) to first order.
     let euler = solve(&metric + &hessian * h, -&gradient * h);
     let newton = solve(hessian + metric * (F::one() / h), -gradient);
-    Ok(vec![Claim::vectors("step", &euler, &newton)])
+    Ok(vec![Equality::vectors("step", &euler, &newton)])
 }

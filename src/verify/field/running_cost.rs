@@ -1,14 +1,14 @@
 //! The relaxation with a running cost of one's own and a free horizon.
 
 use super::reference::{JJ, jacobian, rate, unit, vector};
-use super::{Claim, F, Identity, Point};
+use super::{Equality, F, Identity, Point};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::relax::{
-    ChainRule, Grid, MomentDerivatives, Objective, Point as CurvePoint, PointCost,
-    PointDerivatives, SquaredControl, horizon_slope,
+    ChainRule, ControlEffort, Grid, Objective, Point as CurvePoint, PointCost, PointDerivatives,
+    StageDerivatives, horizon_slope,
 };
-use crate::scalar::{Jet, Over};
+use crate::scalar::{AlgebraOver, Jet};
 use nalgebra::{DMatrix, DVector};
 use num_traits::{One, Zero};
 use rand::{RngExt, SeedableRng};
@@ -39,7 +39,7 @@ fn numbers(p: &Point) -> impl FnMut() -> F {
 }
 
 /// A cubic that couples every entry of `y` with others.
-fn cubic<S: Over<F>>(weights: &[F], y: &[S]) -> S {
+fn cubic<S: AlgebraOver<F>>(weights: &[F], y: &[S]) -> S {
     let count = y.len();
     (0..count).fold(S::zero(), |sum, i| {
         let (next, far) = (y[(i + 1) % count], y[(i + count / 2 + 1) % count]);
@@ -48,7 +48,7 @@ fn cubic<S: Over<F>>(weights: &[F], y: &[S]) -> S {
 }
 
 /// The same with the control for the last entries.
-fn along_motions<S: Over<F>>(p: &Point, weights: &[F], z: &[S]) -> Result<S> {
+fn along_motions<S: AlgebraOver<F>>(p: &Point, weights: &[F], z: &[S]) -> Result<S> {
     let n = p.dof();
     let mut y = [z, &vec![S::zero(); n]].concat();
     let (z, u) = y.split_at_mut(3 * n);
@@ -59,13 +59,13 @@ fn along_motions<S: Over<F>>(p: &Point, weights: &[F], z: &[S]) -> Result<S> {
 }
 
 /// Numbers that move along entry `i`.
-fn moved<S: Over<F>>(x: &[S], i: usize) -> Vec<Jet<S, 1>> {
+fn moved<S: AlgebraOver<F>>(x: &[S], i: usize) -> Vec<Jet<S, 1>> {
     let along: Vec<S> = unit(x.len(), i);
     let both = x.iter().zip(along);
     both.map(|(x, e)| Jet::new(*x, [e])).collect()
 }
 
-fn chain_rule(p: &Point) -> Result<Vec<Claim>> {
+fn chain_rule(p: &Point) -> Result<Vec<Equality>> {
     let (n, mut number) = (p.dof(), numbers(p));
     let weights: Vec<F> = (0..4 * n).map(|_| number()).collect();
     let z = [p.x.as_slice(), &p.xdot.as_slice()[n..]].concat();
@@ -78,7 +78,7 @@ fn chain_rule(p: &Point) -> Result<Vec<Claim>> {
     };
     let mut rule = ChainRule::new(&p.model);
     let y = [&z, rule.linearise(point)?].concat();
-    let mut by_y = MomentDerivatives::new(n);
+    let mut by_y = StageDerivatives::new(n);
     let gradient = jacobian(&y, |y| Ok(vec![cubic(&weights, y)]))?;
     by_y.gradient.copy_from(&gradient.row(0).transpose());
     for i in 0..4 * n {
@@ -102,15 +102,15 @@ fn chain_rule(p: &Point) -> Result<Vec<Claim>> {
         image[i] = rates[0];
     }
     Ok(vec![
-        Claim::vectors("gradient", &left, &right.row(0).transpose()),
-        Claim::vectors("Hessian", &(hessian * vector(&direction)), &image),
+        Equality::vectors("gradient", &left, &right.row(0).transpose()),
+        Equality::vectors("Hessian", &(hessian * vector(&direction)), &image),
     ])
 }
 
 /// The effort times time.
-struct LateEffort<'m, S: Over<F>>(SquaredControl<'m, F, S>);
+struct LateEffort<'m, S: AlgebraOver<F>>(ControlEffort<'m, F, S>);
 
-impl<S: Over<F>> PointCost<S> for LateEffort<'_, S> {
+impl<S: AlgebraOver<F>> PointCost<S> for LateEffort<'_, S> {
     fn value(&mut self, point: CurvePoint<'_, S>) -> Result<S> {
         Ok(self.0.value(point)? * point.time)
     }
@@ -130,7 +130,7 @@ impl<S: Over<F>> PointCost<S> for LateEffort<'_, S> {
     }
 }
 
-/// Two pieces of degree 4 with two points each, on a horizon that may move.
+/// Two segments of degree 4 with two points each, on a horizon that may move.
 struct Example {
     times: Vec<F>,
     weights: Vec<F>,
@@ -155,7 +155,7 @@ impl Example {
     }
 
     /// The functions in time, and the coefficients.
-    fn on<S: Over<F>>(&self, horizon: S) -> (Grid<S>, DMatrix<S>) {
+    fn on<S: AlgebraOver<F>>(&self, horizon: S) -> (Grid<S>, DMatrix<S>) {
         let rate = S::one() / horizon;
         let powers = [S::one(), rate, rate * rate];
         let shape = self.table.shape();
@@ -170,15 +170,15 @@ impl Example {
     }
 }
 
-fn horizon(p: &Point) -> Result<Vec<Claim>> {
+fn horizon(p: &Point) -> Result<Vec<Equality>> {
     let (example, horizon) = (Example::new(p), p.k);
     let (grid, curve) = example.on(horizon);
-    let mut cost = LateEffort(SquaredControl::new(&p.model));
+    let mut cost = LateEffort(ControlEffort::new(&p.model));
     let left = horizon_slope(&grid, &mut cost, &curve, &example.rates, horizon)?;
     let right = rate(&[horizon], &[F::one()], |horizon| {
         let (grid, curve) = example.on(horizon[0]);
-        let cost = LateEffort(SquaredControl::new(&p.model));
+        let cost = LateEffort(ControlEffort::new(&p.model));
         Ok(vec![Objective::new(&grid, cost, p.dof()).value(&curve)?])
     })?;
-    Ok(vec![Claim::numbers("slope", left, right[0])])
+    Ok(vec![Equality::numbers("slope", left, right[0])])
 }

@@ -1,10 +1,10 @@
 //! (B5) to (B16): the right-hand side of the flow, and its terms in the velocity of the curve.
 
 use super::reference::{
-    Truth, blocks, drift, gradient, gradient_and_rate, inertia_force, stack, still, two, unit,
+    Reference, blocks, drift, gradient, gradient_and_rate, inertia_force, stack, still, two, unit,
     vector,
 };
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{Data, aba, rnea};
 use crate::error::Result;
 use crate::flow::{
@@ -18,7 +18,7 @@ use num_traits::Zero;
 pub(super) fn identity(
     label: &'static str,
     statement: &'static str,
-    claims: fn(&Point) -> Result<Vec<Claim>>,
+    claims: fn(&Point) -> Result<Vec<Equality>>,
 ) -> Identity {
     Identity {
         label,
@@ -66,70 +66,80 @@ pub(super) fn terms(p: &Point, t: &mut TheoremB3<F>) -> [DVector<F>; 4] {
 
 /// What the terms of Theorem B3 mean: $G^{-1}$ times the rate of $\partial L / \partial \dot x$, and times gradients of `L`
 /// in `x` through $FD_0$, through $x_{P2}$ (the sign turned) and through $G$, everything else held fixed.
-pub(super) fn meanings(truth: &Truth<'_>) -> Result<[DVector<F>; 4]> {
-    let (n, k) = (truth.n, truth.p.k);
-    let xdot = truth.p.xdot.map(J::constant);
-    let h = truth.h.map(J::constant);
-    let through_fd0 = truth.by_drift(|fd| {
+pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<F>; 4]> {
+    let (n, k) = (reference.n, reference.p.k);
+    let xdot = reference.p.xdot.map(J::constant);
+    let h = reference.h.map(J::constant);
+    let through_fd0 = reference.by_drift(|fd| {
         let force = &h * (xdot.rows(n, n) - fd.rows(n, n));
         force.dot(&force)
     })?;
-    let through_x_p2 = truth.by_drift(|fd| {
+    let through_x_p2 = reference.by_drift(|fd| {
         let slip = xdot.rows(0, n) - fd.rows(0, n);
         slip.dot(&slip) * J::constant(k)
     })?;
     Ok([
-        truth.raise(&truth.variation()?.momentum_rate),
-        truth.raise(&through_fd0),
-        -truth.raise(&through_x_p2),
-        truth.raise(&truth.by_metric()?),
+        reference.raise(&reference.variation()?.momentum_rate),
+        reference.raise(&through_fd0),
+        -reference.raise(&through_x_p2),
+        reference.raise(&reference.by_metric()?),
     ])
 }
 
 /// Term `i` of Theorem B3 against what it means.
-fn term(p: &Point, what: &'static str, i: usize) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let right = &terms(p, &mut truth.theorem())[i];
-    Ok(vec![Claim::vectors(what, &meanings(&truth)?[i], right)])
+fn term(p: &Point, what: &'static str, i: usize) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let right = &terms(p, &mut reference.theorem())[i];
+    Ok(vec![Equality::vectors(
+        what,
+        &documentation(&reference)?[i],
+        right,
+    )])
 }
 
-fn b5(p: &Point) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
+fn b5(p: &Point) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
     let mut omega = DVector::zeros(2 * p.dof());
-    truth.theorem().omega(p.node(), p.k, omega.as_mut_slice())?;
-    Ok(vec![Claim::vectors("Omega", &truth.omega()?, &omega)])
+    reference
+        .theorem()
+        .omega(p.node(), p.k, omega.as_mut_slice())?;
+    Ok(vec![Equality::vectors(
+        "Omega",
+        &reference.omega()?,
+        &omega,
+    )])
 }
 
-fn b6(p: &Point) -> Result<Vec<Claim>> {
+fn b6(p: &Point) -> Result<Vec<Equality>> {
     term(p, "Omega_1", 0)
 }
 
-fn b7(p: &Point) -> Result<Vec<Claim>> {
+fn b7(p: &Point) -> Result<Vec<Equality>> {
     term(p, "Omega_2", 1)
 }
 
-fn b8(p: &Point) -> Result<Vec<Claim>> {
+fn b8(p: &Point) -> Result<Vec<Equality>> {
     term(p, "Omega_3", 2)
 }
 
-fn b9(p: &Point) -> Result<Vec<Claim>> {
+fn b9(p: &Point) -> Result<Vec<Equality>> {
     term(p, "Omega_4", 3)
 }
 
-fn b10(p: &Point) -> Result<Vec<Claim>> {
-    let left = Truth::at(p)?.omega()?;
+fn b10(p: &Point) -> Result<Vec<Equality>> {
+    let left = Reference::at(p)?.omega()?;
     let algorithm = omega_of(p, AlgorithmB1::new(&p.model))?;
     let control = omega_of(p, ControlForm::new(&p.model))?;
     Ok(vec![
-        Claim::vectors("Algorithm B1", &left, &algorithm),
-        Claim::vectors("control form", &left, &control),
+        Equality::vectors("Algorithm B1", &left, &algorithm),
+        Equality::vectors("control form", &left, &control),
     ])
 }
 
-fn b11(p: &Point) -> Result<Vec<Claim>> {
-    let (truth, node) = (Truth::at(p)?, p.node());
-    let slip = truth.slip();
-    let explicit = slip.dot(&(truth.metric() * &slip));
+fn b11(p: &Point) -> Result<Vec<Equality>> {
+    let (reference, node) = (Reference::at(p)?, p.node());
+    let slip = reference.slip();
+    let explicit = slip.dot(&(reference.metric() * &slip));
     let by_definition = super::reference::effort(p, node.x, node.xdot)?;
     let mut u = vec![F::zero(); p.dof()];
     let data = &mut Data::new(&p.model);
@@ -143,8 +153,8 @@ fn b11(p: &Point) -> Result<Vec<Claim>> {
     )?;
     let of_control = lagrangian_of_control(node.xdot_p1(), node.x_p2(), &u, p.k)?;
     Ok(vec![
-        Claim::numbers("lagrangian", explicit, by_definition),
-        Claim::numbers("lagrangian of the control", explicit, of_control),
+        Equality::numbers("lagrangian", explicit, by_definition),
+        Equality::numbers("lagrangian of the control", explicit, of_control),
     ])
 }
 
@@ -169,8 +179,8 @@ fn h_inverse(p: &Point) -> Result<DMatrix<F>> {
     Ok(inverse)
 }
 
-fn b12(p: &Point) -> Result<Vec<Claim>> {
-    let (n, truth) = (p.dof(), Truth::at(p)?);
+fn b12(p: &Point) -> Result<Vec<Equality>> {
+    let (n, reference) = (p.dof(), Reference::at(p)?);
     let (zero, identity) = (DMatrix::zeros(n, n), DMatrix::identity(n, n));
     let fbar = blocks([[&identity, &zero], [&zero, &h_inverse(p)?]]);
     let mut factors = Ldlt::new(2 * n);
@@ -179,67 +189,74 @@ fn b12(p: &Point) -> Result<Vec<Claim>> {
     factors.solve_columns(&mut inverse);
     let k = blocks([[&(&identity * p.k), &zero], [&zero, &identity]]);
     let left = inverse.transpose() * k * inverse;
-    Ok(vec![Claim::new("G", left, truth.metric())])
+    Ok(vec![Equality::new("G", left, reference.metric())])
 }
 
-fn b13(p: &Point) -> Result<Vec<Claim>> {
-    let (n, truth) = (p.dof(), Truth::at(p)?);
+fn b13(p: &Point) -> Result<Vec<Equality>> {
+    let (n, reference) = (p.dof(), Reference::at(p)?);
     let along = stack(&DVector::zeros(2 * n), &p.xddot);
     let at = stack(&p.x, &p.xdot);
     let [_, rates] = gradient_and_rate(at.as_slice(), along.as_slice(), |x, xdot| {
         super::reference::effort(p, x, xdot)
     })?;
-    let right = truth.metric() * &p.xddot * two();
+    let right = reference.metric() * &p.xddot * two();
     let left = rates.rows(2 * n, 2 * n).into_owned();
     // The block H^T H again, from inverse dynamics: the gradient of |H w|^2 in w is 2 H^T H w.
-    let by_w = gradient(truth.w.as_slice(), |w| {
+    let by_w = gradient(reference.w.as_slice(), |w| {
         let force = inertia_force(&p.model, &still(p.x.as_slice()), w)?;
         Ok(force.dot(&force))
     })?;
     Ok(vec![
-        Claim::vectors("2 G d", &left, &right),
-        Claim::vectors("2 H^T H w", &by_w, &(truth.hth() * &truth.w * two())),
+        Equality::vectors("2 G d", &left, &right),
+        Equality::vectors(
+            "2 H^T H w",
+            &by_w,
+            &(reference.hth() * &reference.w * two()),
+        ),
     ])
 }
 
-fn b14(p: &Point) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let [xdot_p1, xdot_p2, ..] = truth.rates();
-    let left = truth.variation()?.by_xdot;
-    let middle = truth.metric() * truth.slip() * two();
-    let ht = truth.h.transpose();
+fn b14(p: &Point) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let [xdot_p1, xdot_p2, ..] = reference.rates();
+    let left = reference.variation()?.by_xdot;
+    let middle = reference.metric() * reference.slip() * two();
+    let ht = reference.h.transpose();
     let right = stack(
-        &((xdot_p1 - truth.x_p2()) * p.k),
-        &(&ht * &truth.h * xdot_p2 + ht * &truth.c),
+        &((xdot_p1 - reference.x_p2()) * p.k),
+        &(&ht * &reference.h * xdot_p2 + ht * &reference.c),
     ) * two();
     Ok(vec![
-        Claim::vectors("2 G (xdot - F_d)", &left, &middle),
-        Claim::vectors("blocks", &left, &right),
+        Equality::vectors("2 G (xdot - F_d)", &left, &middle),
+        Equality::vectors("blocks", &left, &right),
     ])
 }
 
 /// $\gamma$: half the second block of (B15).
-fn gamma(truth: &Truth<'_>) -> DVector<F> {
-    let [_, xdot_p2, _, xddot_p2] = truth.rates();
-    let (ht, hdot_t) = (truth.h.transpose(), truth.hdot.transpose());
-    (&hdot_t * &truth.h + &ht * &truth.hdot) * xdot_p2
-        + &ht * &truth.h * xddot_p2
-        + hdot_t * &truth.c
-        + ht * &truth.cdot
+fn gamma(reference: &Reference<'_>) -> DVector<F> {
+    let [_, xdot_p2, _, xddot_p2] = reference.rates();
+    let (ht, hdot_t) = (reference.h.transpose(), reference.hdot.transpose());
+    (&hdot_t * &reference.h + &ht * &reference.hdot) * xdot_p2
+        + &ht * &reference.h * xddot_p2
+        + hdot_t * &reference.c
+        + ht * &reference.cdot
 }
 
-fn b15(p: &Point) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let [_, xdot_p2, xddot_p1, _] = truth.rates();
-    let right = stack(&((xddot_p1 - xdot_p2) * p.k), &gamma(&truth)) * two();
-    let left = truth.variation()?.momentum_rate;
-    Ok(vec![Claim::vectors("d/dt dL/dxdot", &left, &right)])
+fn b15(p: &Point) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let [_, xdot_p2, xddot_p1, _] = reference.rates();
+    let right = stack(&((xddot_p1 - xdot_p2) * p.k), &gamma(&reference)) * two();
+    let left = reference.variation()?.momentum_rate;
+    Ok(vec![Equality::vectors("d/dt dL/dxdot", &left, &right)])
 }
 
-fn b16(p: &Point) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let [_, xdot_p2, xddot_p1, _] = truth.rates();
-    let right = stack(&(xddot_p1 - xdot_p2), &truth.solve_hth(&gamma(&truth))) * two();
-    let left = truth.raise(&truth.variation()?.momentum_rate);
-    Ok(vec![Claim::vectors("Omega_1", &left, &right)])
+fn b16(p: &Point) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let [_, xdot_p2, xddot_p1, _] = reference.rates();
+    let right = stack(
+        &(xddot_p1 - xdot_p2),
+        &reference.solve_hth(&gamma(&reference)),
+    ) * two();
+    let left = reference.raise(&reference.variation()?.momentum_rate);
+    Ok(vec![Equality::vectors("Omega_1", &left, &right)])
 }

@@ -1,10 +1,10 @@
 //! (B17) to (B36): the gradient of the Lagrangian in the state, and the sum of all terms.
 
 use super::reference::{
-    Truth, blocks, contract, inertia_force, jacobian, stack, still, two, unit, variation,
+    Reference, blocks, contract, inertia_force, jacobian, stack, still, two, unit, variation,
 };
 use super::theorem_b3::{identity, terms};
-use super::{Claim, F, Identity, J, Point};
+use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, lagrangian_of_control};
@@ -38,18 +38,22 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// `dL/dx` by duals against an expression.
-fn by_x(p: &Point, right: impl Fn(&Truth<'_>) -> Result<DVector<F>>) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let left = truth.variation()?.by_x;
-    Ok(vec![Claim::vectors("dL/dx", &left, &right(&truth)?)])
+fn by_x(p: &Point, right: impl Fn(&Reference<'_>) -> Result<DVector<F>>) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let left = reference.variation()?.by_x;
+    Ok(vec![Equality::vectors("dL/dx", &left, &right(&reference)?)])
 }
 
 /// `(xdot - F_d)^T dG/dx (xdot - F_d)`.
-fn through_metric(truth: &Truth<'_>) -> Result<DVector<F>> {
-    Ok(contract(&truth.slip(), &truth.dmetric()?, &truth.slip()))
+fn through_metric(reference: &Reference<'_>) -> Result<DVector<F>> {
+    Ok(contract(
+        &reference.slip(),
+        &reference.dmetric()?,
+        &reference.slip(),
+    ))
 }
 
-fn b17(p: &Point) -> Result<Vec<Claim>> {
+fn b17(p: &Point) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (slip, g) = (t.slip(), t.metric());
         let first = -(t.dfd.transpose() * &g * &slip);
@@ -58,7 +62,7 @@ fn b17(p: &Point) -> Result<Vec<Claim>> {
     })
 }
 
-fn b18(p: &Point) -> Result<Vec<Claim>> {
+fn b18(p: &Point) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (xdot, g, dt) = (&t.p.xdot, t.metric(), t.dfd.transpose());
         let first = -(&dt * &g * xdot) + dt * &g * &t.fd;
@@ -68,7 +72,7 @@ fn b18(p: &Point) -> Result<Vec<Claim>> {
     })
 }
 
-fn b19(p: &Point) -> Result<Vec<Claim>> {
+fn b19(p: &Point) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (xdot, g, dt) = (&t.p.xdot, t.metric(), t.dfd.transpose());
         let (by_xdot, by_fd) = (&dt * &g * xdot, &dt * &g * &t.fd);
@@ -76,7 +80,7 @@ fn b19(p: &Point) -> Result<Vec<Claim>> {
     })
 }
 
-fn b20(p: &Point) -> Result<Vec<Claim>> {
+fn b20(p: &Point) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let force = t.dfd.transpose() * t.metric();
         let drift = &force * &t.fd * two() - force * &t.p.xdot * two();
@@ -85,32 +89,32 @@ fn b20(p: &Point) -> Result<Vec<Claim>> {
 }
 
 /// `(dF_d/dx)^T` in the blocks of (B21).
-fn drift_blocks(t: &Truth<'_>) -> DMatrix<F> {
+fn drift_blocks(t: &Reference<'_>) -> DMatrix<F> {
     let (zero, identity) = (DMatrix::zeros(t.n, t.n), DMatrix::identity(t.n, t.n));
     let [dq, dv] = t.dfd0().map(|d| d.transpose());
     blocks([[&zero, &dq], [&identity, &dv]])
 }
 
-fn b21(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b21(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let g = t.metric().map(J::constant);
     // With G held fixed this is the gradient of F_d^T G F_d.
     let left = t.by_drift(|fd| fd.dot(&(&g * fd)))?;
     let [dq, dv] = t.dfd0().map(|d| d.transpose() * t.h.transpose() * &t.c);
     let right = stack(&-dq, &(t.x_p2() * p.k - dv)) * two();
     Ok(vec![
-        Claim::new("dF_d^T/dx", t.dfd.transpose(), drift_blocks(&t)),
-        Claim::vectors(
+        Equality::new("dF_d^T/dx", t.dfd.transpose(), drift_blocks(&t)),
+        Equality::vectors(
             "middle",
             &left,
             &(drift_blocks(&t) * t.metric() * &t.fd * two()),
         ),
-        Claim::vectors("right", &left, &right),
+        Equality::vectors("right", &left, &right),
     ])
 }
 
-fn b22(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b22(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let [xdot_p1, xdot_p2, ..] = t.rates();
     let momentum = (t.metric() * &p.xdot * two()).map(J::constant);
     // With G and xdot held fixed this is the gradient of 2 F_d^T G xdot.
@@ -119,39 +123,39 @@ fn b22(p: &Point) -> Result<Vec<Claim>> {
     let right = stack(&dq, &(xdot_p1 * p.k + dv)) * two();
     let middle = drift_blocks(&t) * t.metric() * &p.xdot * two();
     Ok(vec![
-        Claim::vectors("middle", &left, &middle),
-        Claim::vectors("right", &left, &right),
+        Equality::vectors("middle", &left, &middle),
+        Equality::vectors("right", &left, &right),
     ])
 }
 
 /// `dFD_0^T/dx_P1 f` and `dFD_0^T/dx_P2 f` with `f = H^T (2 C + 2 H xdot_P2)`.
-fn drift_forces(t: &Truth<'_>) -> [DVector<F>; 2] {
+fn drift_forces(t: &Reference<'_>) -> [DVector<F>; 2] {
     let [_, xdot_p2, ..] = t.rates();
     let force = t.h.transpose() * (&t.c * two() + &t.h * xdot_p2 * two());
     t.dfd0().map(|d| d.transpose() * &force)
 }
 
 /// `2 k (xdot_P1 - x_P2)`.
-fn slip_force(t: &Truth<'_>) -> DVector<F> {
+fn slip_force(t: &Reference<'_>) -> DVector<F> {
     let [xdot_p1, ..] = t.rates();
     (xdot_p1 - t.x_p2()) * (t.p.k * two())
 }
 
 /// With `G` held fixed: the gradient of `(xdot - F_d)^T G (xdot - F_d)`.
-fn through_drift(t: &Truth<'_>) -> Result<DVector<F>> {
+fn through_drift(t: &Reference<'_>) -> Result<DVector<F>> {
     let (g, xdot) = (t.metric().map(J::constant), t.p.xdot.map(J::constant));
     t.by_drift(|fd| (&xdot - fd).dot(&(&g * (&xdot - fd))))
 }
 
-fn b23(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b23(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let [by_q, by_v] = drift_forces(&t);
     let right = stack(&-by_q, &-by_v) - stack(&DVector::zeros(t.n), &slip_force(&t));
-    Ok(vec![Claim::vectors("sum", &through_drift(&t)?, &right)])
+    Ok(vec![Equality::vectors("sum", &through_drift(&t)?, &right)])
 }
 
-fn b24(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b24(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let (g, dt) = (t.metric(), t.dfd.transpose());
     let second = (t.fd.transpose() * &g * &t.dfd).transpose();
     let printed = &dt * &g * &t.fd + second - dt * g * &p.xdot * two();
@@ -160,23 +164,30 @@ fn b24(p: &Point) -> Result<Vec<Claim>> {
     let omega_3 = stack(&DVector::zeros(t.n), &t.solve_hth(&slip_force(&t)));
     let right = omega_2 - omega_3;
     Ok(vec![
-        Claim::vectors("printed left side", &t.raise(&printed), &right),
-        Claim::vectors("gradient", &t.raise(&through_drift(&t)?), &right),
+        Equality::vectors("printed left side", &t.raise(&printed), &right),
+        Equality::vectors("gradient", &t.raise(&through_drift(&t)?), &right),
     ])
 }
 
 /// `dL/dx` through `G` alone, by duals of inverse dynamics, against an expression.
-fn by_metric(p: &Point, right: impl Fn(&Truth<'_>) -> Result<DVector<F>>) -> Result<Vec<Claim>> {
-    let truth = Truth::at(p)?;
-    let left = truth.by_metric()?;
-    Ok(vec![Claim::vectors("through G", &left, &right(&truth)?)])
+fn by_metric(
+    p: &Point,
+    right: impl Fn(&Reference<'_>) -> Result<DVector<F>>,
+) -> Result<Vec<Equality>> {
+    let reference = Reference::at(p)?;
+    let left = reference.by_metric()?;
+    Ok(vec![Equality::vectors(
+        "through G",
+        &left,
+        &right(&reference)?,
+    )])
 }
 
-fn b25(p: &Point) -> Result<Vec<Claim>> {
+fn b25(p: &Point) -> Result<Vec<Equality>> {
     by_metric(p, through_metric)
 }
 
-fn b26(p: &Point) -> Result<Vec<Claim>> {
+fn b26(p: &Point) -> Result<Vec<Equality>> {
     by_metric(p, |t| {
         let (slip, dhth, zero) = (t.slip(), t.dhth()?, DMatrix::zeros(t.n, t.n));
         Ok(DVector::from_fn(2 * t.n, |i, _| {
@@ -186,12 +197,12 @@ fn b26(p: &Point) -> Result<Vec<Claim>> {
     })
 }
 
-fn b27(p: &Point) -> Result<Vec<Claim>> {
+fn b27(p: &Point) -> Result<Vec<Equality>> {
     by_metric(p, |t| Ok(contract(&t.w, &t.dhth()?, &t.w)))
 }
 
-fn b28(p: &Point) -> Result<Vec<Claim>> {
-    let (n, t) = (p.dof(), Truth::at(p)?);
+fn b28(p: &Point) -> Result<Vec<Equality>> {
+    let (n, t) = (p.dof(), Reference::at(p)?);
     // H from inverse dynamics, in which the velocity takes part.
     let derivative = jacobian(p.x.as_slice(), |x| {
         let columns: Result<Vec<_>> = (0..n)
@@ -206,8 +217,8 @@ fn b28(p: &Point) -> Result<Vec<Claim>> {
         .collect();
     let by_q = DMatrix::from_vec(n * n, n, by_q);
     Ok(vec![
-        Claim::new("by x_P1", derivative.columns(0, n).into_owned(), by_q),
-        Claim::new(
+        Equality::new("by x_P1", derivative.columns(0, n).into_owned(), by_q),
+        Equality::new(
             "by x_P2",
             derivative.columns(n, n).into_owned(),
             DMatrix::zeros(n * n, n),
@@ -215,82 +226,82 @@ fn b28(p: &Point) -> Result<Vec<Claim>> {
     ])
 }
 
-fn b29(p: &Point) -> Result<Vec<Claim>> {
+fn b29(p: &Point) -> Result<Vec<Equality>> {
     by_metric(p, |t| {
         let upper = contract(&t.w, &t.dhth()?[..t.n], &t.w);
         Ok(stack(&upper, &DVector::zeros(t.n)))
     })
 }
 
-fn b30(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b30(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let beta = DVector::from_iterator(
         2 * t.n,
         t.dhth()?.iter().map(|d| (t.w.transpose() * d * &t.w)[0]),
     );
-    Ok(vec![Claim::vectors("beta", &t.by_metric()?, &beta)])
+    Ok(vec![Equality::vectors("beta", &t.by_metric()?, &beta)])
 }
 
 /// An expression in `dH/dx_i` for every `i`.
-fn by_slice(t: &Truth<'_>, f: impl Fn(&DMatrix<F>) -> F) -> DVector<F> {
+fn by_slice(t: &Reference<'_>, f: impl Fn(&DMatrix<F>) -> F) -> DVector<F> {
     DVector::from_iterator(t.dh.len(), t.dh.iter().map(f))
 }
 
-fn b31(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b31(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let (w, hw) = (&t.w, &t.h * &t.w);
     let right = by_slice(&t, |d| {
         w.dot(&(d.transpose() * &hw)) + w.dot(&(t.h.transpose() * d * w))
     });
     let left = contract(&t.w, &t.dhth()?, &t.w);
-    Ok(vec![Claim::vectors("beta", &left, &right)])
+    Ok(vec![Equality::vectors("beta", &left, &right)])
 }
 
-fn b32(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b32(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let left = by_slice(&t, |d| t.w.dot(&(t.h.transpose() * d * &t.w)));
     let right = by_slice(&t, |d| t.w.dot(&(d.transpose() * &t.h * &t.w)));
     // Each is half of the gradient.
     let half = t.by_metric()? * two().inverse();
     Ok(vec![
-        Claim::vectors("transposed", &left, &right),
-        Claim::vectors("half of beta", &half, &right),
+        Equality::vectors("transposed", &left, &right),
+        Equality::vectors("half of beta", &half, &right),
     ])
 }
 
-fn b33(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b33(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let hw = &t.h * &t.w;
     let left = contract(&t.w, &t.dhth()?, &t.w);
     let middle = by_slice(&t, |d| t.w.dot(&(d.transpose() * &hw)) * two());
     let right = by_slice(&t, |d| (d * &t.w).dot(&hw) * two());
     Ok(vec![
-        Claim::vectors("middle", &left, &middle),
-        Claim::vectors("right", &left, &right),
+        Equality::vectors("middle", &left, &middle),
+        Equality::vectors("right", &left, &right),
     ])
 }
 
 /// `[2 [dH/dx_P1 w]^T H w; 0]`.
-fn contracted(t: &Truth<'_>) -> DVector<F> {
+fn contracted(t: &Reference<'_>) -> DVector<F> {
     let upper = t.dh_dq_w().transpose() * &t.h * &t.w * two();
     stack(&upper, &DVector::zeros(t.n))
 }
 
-fn b34(p: &Point) -> Result<Vec<Claim>> {
+fn b34(p: &Point) -> Result<Vec<Equality>> {
     by_metric(p, |t| Ok(contracted(t)))
 }
 
-fn b35(p: &Point) -> Result<Vec<Claim>> {
-    let t = Truth::at(p)?;
+fn b35(p: &Point) -> Result<Vec<Equality>> {
+    let t = Reference::at(p)?;
     let right = contracted(&t) * p.k.inverse();
     Ok(vec![
-        Claim::vectors("printed left side", &t.raise(&through_metric(&t)?), &right),
-        Claim::vectors("gradient", &t.raise(&t.by_metric()?), &right),
+        Equality::vectors("printed left side", &t.raise(&through_metric(&t)?), &right),
+        Equality::vectors("gradient", &t.raise(&t.by_metric()?), &right),
     ])
 }
 
-fn b36(p: &Point) -> Result<Vec<Claim>> {
-    let (n, t) = (p.dof(), Truth::at(p)?);
+fn b36(p: &Point) -> Result<Vec<Equality>> {
+    let (n, t) = (p.dof(), Reference::at(p)?);
     let by_control = variation(p, |x, xdot| {
         let mut u = vec![super::reference::JJ::zero(); n];
         let data = &mut Data::new(&p.model);
@@ -302,7 +313,7 @@ fn b36(p: &Point) -> Result<Vec<Claim>> {
     let sum = one - (two - three + four);
     let algorithm = super::theorem_b3::omega_of(p, AlgorithmB1::new(&p.model))?;
     Ok(vec![
-        Claim::vectors("flow", &left, &sum),
-        Claim::vectors("Omega", &sum, &algorithm),
+        Equality::vectors("flow", &left, &sum),
+        Equality::vectors("Omega", &sum, &algorithm),
     ])
 }

@@ -4,7 +4,7 @@
 //! tensor, the docstring says which index the product sums over.
 
 use super::{Quantities, of_blocks, scaled};
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The four blocks of $\Omega_i$ in the state, (B45) to (B48), `2 N` by `2 N`.
@@ -25,7 +25,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_2_dx<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let per_k = C::one() / k;
         let by_p1 =
@@ -43,7 +43,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_3_dx<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let by_p1 = self.dhth_inverse_dx_p1(&self.slip());
         let by_p2 = -self.solve_hth(self.identity());
@@ -56,7 +56,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_4_dx<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let (by_p1, by_p2) = (self.dcapital_gamma_dx_p1(), self.dcapital_gamma_dx_p2());
         let half = of_blocks([[by_p1, by_p2], [self.zero(), self.zero()]]);

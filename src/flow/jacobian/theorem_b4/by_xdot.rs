@@ -2,7 +2,7 @@
 
 use super::{Quantities, of_blocks, scaled};
 use crate::linalg::Tensor3;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The four blocks of $\Omega_i$ in the rate, (B62) to (B65), `2 N` by `2 N`.
@@ -21,7 +21,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_2_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let above = scaled(self.dalpha_1_dxdot_p2(), C::one() / k);
         let below = self.solve_hth(self.dalpha_2_dxdot_p2());
@@ -32,7 +32,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_3_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let below = scaled(self.solve_hth(self.identity()), k) * S::from_f64(2.0);
         of_blocks([[self.zero(), self.zero()], [below, self.zero()]])
@@ -43,7 +43,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_4_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         let half = scaled(self.dcapital_gamma_dxdot_p2(), C::one() / k);
         let above = half * S::from_f64(2.0);

@@ -17,7 +17,7 @@ use crate::dynamics::Data;
 use crate::error::Result;
 use crate::flow::Node;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The Jacobian of the right-hand side by Theorem B4 and Algorithm B2. Cost O(N^4) in time and memory; it allocates.
@@ -28,7 +28,7 @@ pub struct TheoremB4<'m, C: Scalar, S: Scalar> {
     quantities: Quantities<S>,
 }
 
-impl<'m, C: Scalar, S: Over<C>> TheoremB4<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -63,8 +63,8 @@ impl<'m, C: Scalar, S: Over<C>> TheoremB4<'m, C, S> {
     }
 }
 
-impl<C: Scalar, S: Over<C>> NodeJacobian<C, S> for TheoremB4<'_, C, S> {
-    fn at(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
+impl<C: Scalar, S: AlgebraOver<C>> NodeJacobian<C, S> for TheoremB4<'_, C, S> {
+    fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)
     }
 }
@@ -74,7 +74,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_dx<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         self.domega_1_dx() - (self.domega_2_dx(k) - self.domega_3_dx(k) + self.domega_4_dx(k))
     }
@@ -84,7 +84,7 @@ impl<S: Scalar> Quantities<S> {
     #[must_use]
     pub fn domega_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         self.domega_1_dxdot()
             - (self.domega_2_dxdot(k) - self.domega_3_dxdot(k) + self.domega_4_dxdot(k))
@@ -102,6 +102,6 @@ fn of_blocks<S: Scalar>([[a, b], [c, d]]: [[DMatrix<S>; 2]; 2]) -> DMatrix<S> {
 }
 
 /// The product `c * matrix`, without promoting the constant `c`.
-fn scaled<C: Scalar, S: Over<C>>(matrix: DMatrix<S>, c: C) -> DMatrix<S> {
+fn scaled<C: Scalar, S: AlgebraOver<C>>(matrix: DMatrix<S>, c: C) -> DMatrix<S> {
     matrix.map(|entry| entry.scale(c))
 }

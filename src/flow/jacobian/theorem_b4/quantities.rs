@@ -3,15 +3,15 @@
 use crate::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
     InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
-    aba_derivatives, aba_second_derivatives, bias, cdot_derivatives, crba_second_derivatives,
-    hdot_derivatives, rnea_derivatives, rnea_second_derivatives,
+    aba_derivatives, aba_second_derivatives, bias, bias_rate_derivatives, crba_second_derivatives,
+    mass_matrix_rate_derivatives, rnea_derivatives, rnea_second_derivatives,
 };
 use crate::error::Result;
 use crate::flow::Node;
 use crate::linalg::Ldlt;
 use crate::linalg::Tensor3;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
 /// The quantities that Theorem B4 is written in, at one node.
@@ -84,7 +84,7 @@ impl<S: Scalar> Quantities<S> {
         node: Node<'_, S>,
     ) -> Result<()>
     where
-        S: Over<C>,
+        S: AlgebraOver<C>,
     {
         node.check(self.c.len(), 2 * model.dof())?;
         self.x_p2.copy_from_slice(node.x_p2());
@@ -105,7 +105,7 @@ impl<S: Scalar> Quantities<S> {
         // Line 5.
         self.cdot = &self.dc.dq * &self.xdot_p1 + &self.dc.dv * &self.xdot_p2;
         // Line 6.
-        hdot_derivatives(&self.mass.dqdq, node.xdot_p1(), &mut self.dhdot)?;
+        mass_matrix_rate_derivatives(&self.mass.dqdq, node.xdot_p1(), &mut self.dhdot)?;
         // Line 7.
         rnea_second_derivatives(model, data, q, v, zero, &mut self.d2c)?;
         // Line 8.
@@ -114,7 +114,7 @@ impl<S: Scalar> Quantities<S> {
         aba_second_derivatives(&self.fd0, &self.d2id, &mut self.d2fd0)?;
         // Line 10.
         let (qdot, vdot) = (&self.xdot_p1, &self.xdot_p2);
-        cdot_derivatives(&self.d2c, qdot, vdot, &mut self.dcdot)?;
+        bias_rate_derivatives(&self.d2c, qdot, vdot, &mut self.dcdot)?;
         self.ldlt.factorise(&self.mass.h);
         Ok(())
     }

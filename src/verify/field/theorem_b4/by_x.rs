@@ -7,7 +7,7 @@ use crate::verify::field::reference_b4::{
     In, all, alpha_1, alpha_2, block, capital_gamma, gamma, gathered, omega_1, omega_2, omega_3,
     omega_4, vector,
 };
-use crate::verify::field::{Claim, F, Identity, Point};
+use crate::verify::field::{Equality, F, Identity, Point};
 use nalgebra::DVector;
 
 /// The identities of this file.
@@ -69,7 +69,7 @@ fn value(
     p: &Point,
     meaning: fn(&Point, &[F]) -> Result<Vec<F>>,
     formula: fn(&Quantities<F>) -> DVector<F>,
-) -> Result<Vec<Claim>> {
+) -> Result<Vec<Equality>> {
     let (left, right) = (formula(&gathered(p)?), vector(&meaning(p, &all(p))?));
-    Ok(vec![Claim::vectors("value", &left, &right)])
+    Ok(vec![Equality::vectors("value", &left, &right)])
 }

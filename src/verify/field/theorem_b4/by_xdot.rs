@@ -8,7 +8,7 @@ use crate::verify::field::reference_b4::{
     In, all, alpha_1, alpha_2, bias_rate, block, capital_gamma, derivative, gamma, gathered, mass,
     mass_rate, omega_1, omega_2, omega_3, omega_4, unfold, vector,
 };
-use crate::verify::field::{Claim, Identity, Point};
+use crate::verify::field::{Equality, Identity, Point};
 use nalgebra::DMatrix;
 
 /// The identities of this file.
@@ -90,42 +90,42 @@ fn relations() -> Vec<Identity> {
     ]
 }
 
-fn b71(p: &Point) -> Result<Vec<Claim>> {
+fn b71(p: &Point) -> Result<Vec<Equality>> {
     let (t, n) = (gathered(p)?, p.dof());
     let left = DMatrix::from_vec(n, n, mass_rate(p, &all(p))?);
     let right = t.mass.dq.times_third(&t.xdot_p1);
-    Ok(vec![Claim::new("Hdot", left, right)])
+    Ok(vec![Equality::new("Hdot", left, right)])
 }
 
-fn b72(p: &Point) -> Result<Vec<Claim>> {
+fn b72(p: &Point) -> Result<Vec<Equality>> {
     let t = gathered(p)?;
     let left = vector(&bias_rate(p, &all(p))?);
     let right = &t.dc.dq * &t.xdot_p1 + &t.dc.dv * &t.xdot_p2;
-    Ok(vec![Claim::vectors("Cdot", &left, &right)])
+    Ok(vec![Equality::vectors("Cdot", &left, &right)])
 }
 
 /// The tensor of `H^T` by duals against ours of `H`.
-fn b73(p: &Point) -> Result<Vec<Claim>> {
+fn b73(p: &Point) -> Result<Vec<Equality>> {
     let right = jacobian(p.node().x_p1(), |q| {
         Ok(mass(&p.model, q)?.transpose().as_slice().to_vec())
     })?;
     let left = unfold(p.dof(), gathered(p)?.mass.dq.entries());
-    Ok(vec![Claim::new("dH/dx_P1", left, right)])
+    Ok(vec![Equality::new("dH/dx_P1", left, right)])
 }
 
-fn b74(p: &Point) -> Result<Vec<Claim>> {
+fn b74(p: &Point) -> Result<Vec<Equality>> {
     let left = unfold(p.dof(), gathered(p)?.dhdot_dxdot_p1().entries());
     let right = derivative(p, In::XdotP1, mass_rate)?;
-    Ok(vec![Claim::new("dHdot/dxdot_P1", left, right)])
+    Ok(vec![Equality::new("dHdot/dxdot_P1", left, right)])
 }
 
 /// With it the step that has no label, $\partial \dot C / \partial \dot x_{P2} = \partial C / \partial x_{P2}$.
-fn b77(p: &Point) -> Result<Vec<Claim>> {
+fn b77(p: &Point) -> Result<Vec<Equality>> {
     let t = gathered(p)?;
     let (dgamma, dcdot) = (t.dgamma_dxdot_p2(), t.dcdot_dxdot_p2().clone());
     let by = |f| derivative(p, In::XdotP2, f);
     Ok(vec![
-        Claim::new("dgamma/dxdot_P2", dgamma, by(gamma)?),
-        Claim::new("dCdot/dxdot_P2", dcdot, by(bias_rate)?),
+        Equality::new("dgamma/dxdot_P2", dgamma, by(gamma)?),
+        Equality::new("dCdot/dxdot_P2", dcdot, by(bias_rate)?),
     ])
 }

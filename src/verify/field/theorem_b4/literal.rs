@@ -1,6 +1,6 @@
 //! What the text says where it is wrong or leaves a choice: read literally it fails over the field.
 
-use crate::dynamics::{InverseDynamicsSecondDerivatives, cdot_derivatives};
+use crate::dynamics::{InverseDynamicsSecondDerivatives, bias_rate_derivatives};
 use crate::flow::jacobian::theorem_b4::Quantities;
 use crate::verify::field::reference_b4::{In, alpha_2, capital_gamma, derivative, gathered};
 use crate::verify::field::{F, Point};
@@ -43,12 +43,12 @@ fn b59_and_b60_and_b70_read_left_to_right_are_transposed() {
 #[test]
 fn b56_with_rows_in_q_fails() {
     let (p, t) = at_a_point();
-    let truth = derivative(&p, In::XP1, alpha_2).expect("sizes agree");
+    let reference = derivative(&p, In::XP1, alpha_2).expect("sizes agree");
     let force = &t.mass.h * &t.xdot_p2 + &t.c;
     let twice = t.mass.h.tr_mul(&(&force + &force));
     let mixed = t.d2fd0.dqdv.times_first(&twice);
-    assert_eq!(t.dalpha_2_dx_p1(), truth);
-    assert_ne!(t.dalpha_2_dx_p1() + mixed.transpose() - mixed, truth);
+    assert_eq!(t.dalpha_2_dx_p1(), reference);
+    assert_ne!(t.dalpha_2_dx_p1() + mixed.transpose() - mixed, reference);
 }
 
 #[test]
@@ -70,6 +70,6 @@ fn lines_8_to_10_of_algorithm_b2_as_printed_fail() {
         dvdv: t.d2c.dqdv.clone(),
         ..t.d2c.clone()
     };
-    cdot_derivatives(&without, &t.xdot_p1, &t.xdot_p2, &mut printed).expect("sizes agree");
+    bias_rate_derivatives(&without, &t.xdot_p1, &t.xdot_p2, &mut printed).expect("sizes agree");
     assert_ne!(printed.dv, t.dcdot.dv);
 }

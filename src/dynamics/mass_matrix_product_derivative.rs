@@ -3,7 +3,7 @@
 use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\, w$ in `q` for a fixed `w`, into `k`,
@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 ///
 /// # Errors
 /// `q` or `w` does not have one entry a joint, or `k` is not `N` by `N`.
-pub fn crba_contracted<C: Scalar, S: Over<C>>(
+pub fn mass_matrix_product_derivative<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 ///
 /// # Errors
 /// The lengths differ.
-pub fn hdot_derivatives<S: Scalar>(
+pub fn mass_matrix_rate_derivatives<S: Scalar>(
     d2h: &Tensor4<S>,
     qdot: &[S],
     out: &mut Tensor3<S>,

@@ -29,13 +29,13 @@
 use super::{Data, InverseDynamicsDerivatives, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, cross, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// The gradient of $w^T ID(q, v, a)$.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContractedGradient<S: Scalar> {
+pub struct RneaVjp<S: Scalar> {
     /// $(\partial ID / \partial q)^T w$, `N` entries.
     pub q: DVector<S>,
     /// $(\partial ID / \partial v)^T w$, `N` entries.
@@ -44,7 +44,7 @@ pub struct ContractedGradient<S: Scalar> {
     pub a: DVector<S>,
 }
 
-impl<S: Scalar> ContractedGradient<S> {
+impl<S: Scalar> RneaVjp<S> {
     /// Room for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
@@ -58,7 +58,7 @@ impl<S: Scalar> ContractedGradient<S> {
 
 /// The blocks of the Hessian of $w^T ID(q, v, a)$, `N` by `N` each; that in `a` twice and that in `v` and `a` are zero.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContractedHessian<S: Scalar> {
+pub struct RneaWeightedHessian<S: Scalar> {
     /// $\partial^2 (w^T ID) / \partial q_i \partial q_j$.
     pub qq: DMatrix<S>,
     /// $\partial^2 (w^T ID) / \partial q_i \partial v_j$.
@@ -69,7 +69,7 @@ pub struct ContractedHessian<S: Scalar> {
     pub qa: DMatrix<S>,
 }
 
-impl<S: Scalar> ContractedHessian<S> {
+impl<S: Scalar> RneaWeightedHessian<S> {
     /// Room for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
@@ -102,14 +102,14 @@ impl<S: Scalar> ContractedHessian<S> {
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
-pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
+pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
     v: &[S],
     a: &[S],
     w: &[S],
-    out: &mut ContractedGradient<S>,
+    out: &mut RneaVjp<S>,
 ) -> Result<()> {
     for (what, vector) in [("out.q", &out.q), ("out.v", &out.v), ("out.a", &out.a)] {
         model.check(what, vector.len())?;
@@ -119,14 +119,15 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
     data.sum_forces(model);
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
-        let (axis, rate, rate2) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
+        let (axis, rate, psi_ddot) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
         let (force, momentum, p) = (
             data.forces[i],
             data.virtual_momenta[i],
             data.virtual_couples[i],
         );
-        out.q[i] =
-            dot(&rate.angular, &p) + rate2.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
+        out.q[i] = dot(&rate.angular, &p)
+            + psi_ddot.dot(&momentum)
+            + data.virtual_axis_rates[i].dot(&force);
         out.v[i] = dot(&axis.angular, &p) + rate.dot(&momentum) * two;
         out.a[i] = axis.dot(&momentum);
         if let Some(parent) = joint.parent() {
@@ -141,14 +142,14 @@ pub fn rnea_contracted_gradient<C: Scalar, S: Over<C>>(
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
-pub fn rnea_contracted_hessian<C: Scalar, S: Over<C>>(
+pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],
     v: &[S],
     a: &[S],
     w: &[S],
-    out: &mut ContractedHessian<S>,
+    out: &mut RneaWeightedHessian<S>,
 ) -> Result<()> {
     out.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
@@ -159,28 +160,28 @@ pub fn rnea_contracted_hessian<C: Scalar, S: Over<C>>(
 }
 
 /// Inverse dynamics at `[q, v, a]`, `N` entries each, with its first derivatives, and the Hessian of $w^T ID$ for the weights `w`
-/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives) and [`rnea_contracted_hessian`], which have most
+/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives) and [`rnea_weighted_hessian`], which have most
 /// of their work in common. Cost O(N d) with d the depth of the tree.
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `first` or `second` was made for another size.
-pub fn rnea_second_order<C: Scalar, S: Over<C>>(
+pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     [q, v, a]: [&[S]; 3],
     weigh: impl FnOnce(&DVector<S>, &mut [S]),
     first: &mut InverseDynamicsDerivatives<S>,
-    second: &mut ContractedHessian<S>,
+    second: &mut RneaWeightedHessian<S>,
 ) -> Result<()> {
     first.clear(model)?;
     second.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
     data.sum_forces(model);
     data.read_torques(&mut first.tau);
-    let mut w = std::mem::take(&mut data.numbers);
+    let mut w = std::mem::take(&mut data.scalar_scratch);
     weigh(&first.tau, &mut w);
     let contracted = data.contract(model, &w);
-    data.numbers = w;
+    data.scalar_scratch = w;
     contracted?;
     data.sweep(model, Some(first), second);
     Ok(())
@@ -204,7 +205,7 @@ impl<S: Scalar> Data<S> {
         &mut self,
         model: &Model<C>,
         mut first: Option<&mut InverseDynamicsDerivatives<S>>,
-        out: &mut ContractedHessian<S>,
+        out: &mut RneaWeightedHessian<S>,
     ) {
         for i in 0..model.dof() {
             let mu = &self.virtual_velocities[i];
@@ -215,7 +216,7 @@ impl<S: Scalar> Data<S> {
             // A push on the subtree of k is what moving joint k changes of F.
             let f = self.push(k);
             if let Some(first) = first.as_deref_mut() {
-                f.meet(model, self, k, first);
+                f.fill_row_and_column(model, self, k, first);
             }
             let (axis, rate, gained) = (
                 &self.axes[k],
@@ -235,9 +236,9 @@ impl<S: Scalar> Data<S> {
 
             for j in path_to_base(model, k) {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
-                let (rate2_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
+                let (psi_ddot_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
                 out.qq[(j, k)] =
-                    dot(&rate_j.angular, &p_by_q) + rate2_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
+                    dot(&rate_j.angular, &p_by_q) + psi_ddot_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
                 out.qq[(k, j)] = out.qq[(j, k)];
                 out.vv[(j, k)] = dot(&axis_j.angular, &p_by_v);
                 out.vv[(k, j)] = out.vv[(j, k)];

@@ -3,7 +3,7 @@
 use super::{Data, check_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force};
 use nalgebra::DMatrix;
 
@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 ///
 /// # Errors
 /// `q` or `v` does not have one entry a joint, or a result is not `N` by `N`.
-pub fn crba_derivatives<C: Scalar, S: Over<C>>(
+pub fn mass_matrix_and_rate<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
     q: &[S],

@@ -38,7 +38,7 @@ impl<S: Scalar> BiasRateDerivatives<S> {
 ///
 /// # Errors
 /// The lengths differ.
-pub fn cdot_derivatives<S: Scalar>(
+pub fn bias_rate_derivatives<S: Scalar>(
     d2c: &InverseDynamicsSecondDerivatives<S>,
     qdot: &DVector<S>,
     vdot: &DVector<S>,
