@@ -1,6 +1,7 @@
 //! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
 
 use crate::common::robot;
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{Bounds, CollisionSphere, Sphere, SphereClearance};
 use aghf::dynamics::{
@@ -8,7 +9,8 @@ use aghf::dynamics::{
     frame_jacobian, mass_matrix_and_rate, rnea, rnea_derivatives,
 };
 use aghf::flow::Penalty;
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
+use aghf::flow::PenaltyWeights;
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
 use aghf::scalar::AlgebraOver;
 use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;
@@ -92,14 +94,16 @@ fn nothing_is_allocated<S: AlgebraOver<f64>>() {
         c_cons: 2.0,
     };
     let constraints = Penalised {
-        state: (
-            SphereClearance { balls, spheres },
-            Bounds::positions(&model),
-        ),
-        penalty,
-        torque: TorquePenalty {
-            limits: TorqueLimits::of(&model),
-            penalty,
+        constraints: Constraints {
+            state: (
+                SphereClearance { balls, spheres },
+                Bounds::positions(&model),
+            ),
+            torque: TorqueLimits::of(&model),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
         },
     };
     let mut constrained = constraints.right_hand_side(&model);

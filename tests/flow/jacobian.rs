@@ -2,7 +2,7 @@
 
 use crate::common::{config, model_and_node, node, robot, robots, solve_bound};
 use aghf::flow::jacobian::{
-    CentralDifference, ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
+    CentralDifference, ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
 use aghf::flow::{AlgorithmB1, Node};
 use aghf::model::{Model, random_tree};
@@ -56,10 +56,10 @@ proptest! {
         let bound = bound(&model, &parts[0]);
         for k in PENALTIES {
             let by_duals = blocks(&mut ForwardDual::new(&model), &parts, k);
-            assert_same(&blocks(&mut ControlForm::new(&model), &parts, k), &by_duals, bound);
+            assert_same(&blocks(&mut ControlFormJacobian::new(&model), &parts, k), &by_duals, bound);
             // The same through the paper's route to Omega.
             let mut b1 = ForwardDual::of(AlgorithmB1::new(&model), model.dof());
-            assert_same(&blocks(&mut ControlForm::new(&model), &parts, k), &blocks(&mut b1, &parts, k), 10.0 * bound);
+            assert_same(&blocks(&mut ControlFormJacobian::new(&model), &parts, k), &blocks(&mut b1, &parts, k), 10.0 * bound);
         }
     }
 
@@ -115,7 +115,7 @@ fn special_states() {
             for k in PENALTIES {
                 let by_duals = blocks(&mut ForwardDual::new(&model), &parts, k);
                 assert_same(
-                    &blocks(&mut ControlForm::new(&model), &parts, k),
+                    &blocks(&mut ControlFormJacobian::new(&model), &parts, k),
                     &by_duals,
                     bound(&model, &parts[0]),
                 );

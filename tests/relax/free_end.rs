@@ -1,14 +1,14 @@
 //! What the relaxation can be asked for besides the least effort from state to state.
 
 use crate::common::slider;
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{Bound, Bounds, Side};
 use aghf::curve::Curve;
 use aghf::motion::{Feedback, Problem, simulate};
 use aghf::relax::relax;
 use aghf::relax::{
-    Constraints, CostThroughDynamics, FreeHorizon, RelaxSettings, RelaxSolution, relax_constrained,
-    relax_with,
+    CostThroughDynamics, FreeHorizon, RelaxSettings, RelaxSolution, relax_constrained, relax_with,
 };
 use aghf::relax::{HyperDual64, StageInput};
 use aghf::scenario::Scenario;

@@ -1,6 +1,7 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
 use crate::common::{robot, slider};
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
 use aghf::curve::{Chebyshev, Curve};
@@ -9,7 +10,7 @@ use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
 use aghf::relax::relax;
-use aghf::relax::{Constraints, RelaxSettings, RelaxSolution, relax_constrained};
+use aghf::relax::{RelaxSettings, RelaxSolution, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
 

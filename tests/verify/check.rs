@@ -2,7 +2,9 @@
 
 use crate::common::{robot, robots};
 use aghf::flow::Node;
-use aghf::flow::jacobian::{ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
+use aghf::flow::jacobian::{
+    ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
+};
 use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
@@ -109,7 +111,7 @@ fn rounding_is_no_error() {
 
 /// A Jacobian with one wrong entry in one block.
 struct OneWrong<'m> {
-    right: ControlForm<'m, f64, f64>,
+    right: ControlFormJacobian<'m, f64, f64>,
     entry: (usize, usize),
     by: f64,
 }
@@ -132,7 +134,7 @@ fn a_wrong_entry_is_found() {
         ((0, 0), f64::INFINITY, "P1/dx"),
     ] {
         let mut wrong = OneWrong {
-            right: ControlForm::new(&model),
+            right: ControlFormJacobian::new(&model),
             entry,
             by,
         };

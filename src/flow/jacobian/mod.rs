@@ -6,7 +6,7 @@ mod forward_dual;
 pub mod theorem_b4;
 
 pub use central_difference::CentralDifference;
-pub use control_form::ControlForm;
+pub use control_form::ControlFormJacobian;
 pub use forward_dual::ForwardDual;
 pub use theorem_b4::TheoremB4;
 
@@ -95,7 +95,7 @@ macro_rules! implementations {
 
 implementations! {
     /// Analytic, by contracted second derivatives of inverse dynamics.
-    #[default] ControlForm: ControlForm,
+    #[default] ControlForm: ControlFormJacobian,
     /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
     TheoremB4: TheoremB4,
     /// Dual numbers, eight tangents at a time.
@@ -113,18 +113,19 @@ impl JacobianKind {
         model: &'a Model,
         constraints: &'a Penalised<K>,
     ) -> Box<dyn NodeJacobian + 'a> {
-        let (n, torque) = (model.dof(), constraints.torque.clone());
+        let (n, torque) = (model.dof(), constraints.torque_penalty());
         let of_state = constraints.state_penalty(model);
         match self {
             Self::Dual => Box::new(ForwardDual::of(constraints.right_hand_side(model), n)),
             Self::Difference => {
                 Box::new(CentralDifference::of(constraints.right_hand_side(model), n))
             }
-            Self::ControlForm => {
-                Box::new(Sum::new(ControlForm::with_cost(model, torque), of_state))
-            }
+            Self::ControlForm => Box::new(Sum::new(
+                ControlFormJacobian::with_cost(model, torque),
+                of_state,
+            )),
             other => {
-                let of_torque = ControlForm::of_cost(model, torque);
+                let of_torque = ControlFormJacobian::of_cost(model, torque);
                 let paper = Sum::new(other.build(model), of_torque);
                 Box::new(Sum::new(paper, of_state))
             }
