@@ -289,7 +289,10 @@ fn bad_settings_are_errors() {
         &degree(5),
     );
     let cases = [
-        (degree(3), "settings: degree: it is 3, at least 4 and at most 64"),
+        (
+            degree(3),
+            "settings: degree: it is 3, at least 4 and at most 64",
+        ),
         (degree(65), "settings: degree: it is 65"),
         (
             RelaxSettings {

@@ -1,7 +1,7 @@
 //! The constrained flow (A4) and its Jacobian.
 
 use super::Penalty;
-use super::jacobian::{NodeBlocks, NodeJacobian};
+use super::jacobian::{self, NodeBlocks, NodeJacobian};
 use super::{ControlForm, Node, RightHandSide, TorquePenalty};
 use crate::constraint::{Constraint, Evaluator, Weights};
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
@@ -26,6 +26,10 @@ pub struct Penalised<K, C: Scalar = f64> {
 pub type Constrained<'a, C, S, K> =
     Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
 
+/// An analytic Jacobian `P` of the flow of the paper's Lagrangian, and those of the penalties.
+pub type WithPenalties<'a, P, C, S, K> =
+    Sum<Sum<P, jacobian::ControlForm<'a, C, S, TorquePenalty<C>>, S>, StatePenalty<'a, C, S, K>, S>;
+
 impl<K, C: Scalar> Penalised<K, C>
 where
     K: Constraint<C>,
@@ -49,6 +53,18 @@ where
         model: &'a Model<C>,
     ) -> StatePenalty<'a, C, S, &'a K> {
         StatePenalty::new(model, &self.state, self.penalty)
+    }
+
+    /// An analytic Jacobian of the flow of the paper's Lagrangian with what all constraints add: the terms of
+    /// the control, then those of the state. `paper` must not know of the constraints.
+    #[must_use]
+    pub fn with_penalties<'a, P, S: AlgebraOver<C>>(
+        &'a self,
+        model: &'a Model<C>,
+        paper: P,
+    ) -> WithPenalties<'a, P, C, S, &'a K> {
+        let of_torque = jacobian::ControlForm::of_cost(model, self.torque.clone());
+        Sum::new(Sum::new(paper, of_torque), self.state_penalty(model))
     }
 }
 

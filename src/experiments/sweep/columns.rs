@@ -60,7 +60,7 @@ fn columns(rows: &[Row]) -> [Column; 20] {
         count(|r| Some(r.p)),
         real(|r| Some(r.k)),
         real(|r| Some(r.s_max)),
-        text(|r| Some(crate::output::choice(&r.guess))),
+        text(|r| Some(r.guess.to_string())),
         real(|r| r.k_cons),
         real(|r| r.c_cons),
         text(|r| Some(r.outcome.name().to_owned())),
