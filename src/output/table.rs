@@ -82,8 +82,8 @@ pub fn summary_table(summary: &Summary) -> String {
 /// The parameters of a flow, and what only a flow has to say.
 fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
-        "jacobian {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
-        d.jacobian, d.k, d.s_max, d.tolerance, d.guess
+        "jacobian {}, integrator {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
+        d.jacobian, d.integrator, d.k, d.s_max, d.tolerance, d.guess
     );
     let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
     let work = format!(
