@@ -3,7 +3,7 @@
 use crate::dynamics::{Data, aba, crba, rnea};
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// A function $L(x, \dot x)$ whose integral over time a flow makes smaller.
@@ -16,7 +16,13 @@ pub trait Lagrangian<C: Scalar = f64> {
     ///
     /// # Errors
     /// The lengths are not those of the robot.
-    fn value<S: AlgebraOver<C>>(&self, model: &Model<C>, x: &[S], xdot: &[S], k: C) -> Result<S>;
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S>;
 }
 
 /// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
@@ -24,7 +30,13 @@ pub trait Lagrangian<C: Scalar = f64> {
 pub struct AghfLagrangian;
 
 impl<C: Scalar> Lagrangian<C> for AghfLagrangian {
-    fn value<S: AlgebraOver<C>>(&self, model: &Model<C>, x: &[S], xdot: &[S], k: C) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S> {
         let n = model.dof();
         let mut u = vec![S::zero(); n];
         let ((q, v), (qdot, vdot)) = (split(x), split(xdot));

@@ -6,7 +6,7 @@ use crate::dynamics::{Data, crba};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Jet, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::DMatrix;
 
 /// The heat flow (7) of any [`Lagrangian`] in the metric (11):
@@ -30,7 +30,7 @@ impl<'m, C: Scalar, L: Lagrangian<C>> LagrangianFlow<'m, L, C> {
     }
 
     /// `L`, moving with the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
-    fn along<S: AlgebraOver<C>>(
+    fn along<S: AlgebraOver<C> + Tanh>(
         &self,
         node: Node<'_, S>,
         coordinate: usize,
@@ -54,7 +54,7 @@ impl<'m, C: Scalar, L: Lagrangian<C>> LagrangianFlow<'m, L, C> {
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: Lagrangian<C>> RightHandSide<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: Lagrangian<C>> RightHandSide<C, S>
     for LagrangianFlow<'_, L, C>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::flow::{ControlCost, Node};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Jet, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
 /// The Jacobian of [`ControlForm`](crate::flow::ControlForm), analytic and without third-order tensors. The default.
@@ -75,7 +75,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     upper: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlForm<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -83,7 +83,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     /// What `cost` adds to the Jacobian of the flow of the paper's Lagrangian.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
@@ -317,7 +317,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> NodeJacobian<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> NodeJacobian<C, S>
     for ControlForm<'_, C, S, L>
 {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
