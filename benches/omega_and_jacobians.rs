@@ -12,7 +12,6 @@ use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
 use aghf::model::{Model, random_chain};
 use aghf::urdf::{builtin_robot, builtin_robots};
-use clap::ValueEnum;
 use criterion::Criterion;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -91,15 +90,10 @@ fn main() {
         if n <= LARGEST_FOR_ALL {
             constrained(&mut criterion, &mut times, model, node);
         }
-        for kind in JacobianKind::value_variants() {
-            if n > LARGEST_FOR_ALL && *kind != JacobianKind::ControlForm {
+        for (name, kind) in JacobianKind::by_name() {
+            if n > LARGEST_FOR_ALL && kind != JacobianKind::ControlForm {
                 continue;
             }
-            let name = kind
-                .to_possible_value()
-                .expect("none is hidden")
-                .get_name()
-                .to_owned();
             let mut jacobian = kind.build(model);
             measure(
                 &mut criterion,

@@ -11,6 +11,7 @@ pub mod guide;
 pub mod linalg;
 pub mod model;
 pub mod motion;
+pub mod names;
 pub mod ode;
 pub mod output;
 pub mod relax;

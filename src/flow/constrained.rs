@@ -1,14 +1,14 @@
 //! The constrained flow (A4) and its Jacobian.
 
 use super::Penalty;
-use super::jacobian::{NodeBlocks, NodeJacobian};
+use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use super::{ControlForm, Node, RightHandSide, TorquePenalty};
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
 /// The penalties of the rows of [`Constraints`].
@@ -39,7 +39,7 @@ where
 {
     /// The right-hand side of the constrained flow for `model`.
     #[must_use]
-    pub fn right_hand_side<'a, S: AlgebraOver<C>>(
+    pub fn right_hand_side<'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
         model: &'a Model<C>,
     ) -> Constrained<'a, C, S, &'a K> {
@@ -60,11 +60,23 @@ where
 
     /// The terms that the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
     #[must_use]
-    pub fn state_penalty<'a, S: AlgebraOver<C>>(
+    pub fn state_penalty<'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
         model: &'a Model<C>,
     ) -> StatePenalty<'a, C, S, &'a K> {
         StatePenalty::new(model, &self.constraints.state, self.weights.state)
+    }
+
+    /// An analytic Jacobian of the flow of the paper's Lagrangian with what all constraints add: the terms of
+    /// the control, then those of the state. `paper` must not know of the constraints.
+    #[must_use]
+    pub fn with_penalties<'a, P, S: AlgebraOver<C> + Tanh>(
+        &'a self,
+        model: &'a Model<C>,
+        paper: P,
+    ) -> Sum<Sum<P, impl NodeJacobian<C, S> + 'a, S>, StatePenalty<'a, C, S, &'a K>, S> {
+        let of_torque = ControlFormJacobian::of_cost(model, self.torque_penalty());
+        Sum::new(Sum::new(paper, of_torque), self.state_penalty(model))
     }
 }
 
@@ -104,7 +116,7 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
     outer: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m, C, S, K> {
     /// For `model`, the same penalty for each row.
     #[must_use]
     pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
@@ -130,7 +142,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> StatePenalty<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> RightHandSide<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S>
     for StatePenalty<'_, C, S, K>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
@@ -160,7 +172,7 @@ impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> RightHandSide<C, S>
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> NodeJacobian<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
     for StatePenalty<'_, C, S, K>
 {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {

@@ -29,7 +29,7 @@ pub use penalty::{
 };
 pub use run::{
     FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
-    flow_with, output_count,
+    flow_with, flow_with_integrator, output_count,
 };
 
 use crate::error::Result;

@@ -111,6 +111,7 @@ fn solve_by_flow(
     let interior = settings.p - 1;
     let details = Details::Flow(FlowDetails {
         jacobian: settings.jacobian,
+        integrator: settings.integrator,
         k: settings.k,
         s_max: settings.s_max,
         tolerance: settings.tolerance,

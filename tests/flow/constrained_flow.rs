@@ -17,7 +17,7 @@ use aghf::flow::{
 };
 use aghf::flow::{FlowSettings, flow, flow_constrained};
 use aghf::model::{Model, random_tree};
-use aghf::scalar::AlgebraOver;
+use aghf::scalar::{AlgebraOver, Tanh};
 use aghf::scenario::Scenario;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -85,7 +85,7 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
 
 /// $L_{cons}$ of (A1), with the rows of the torque written out.
 impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
-    fn value<S: AlgebraOver<f64>>(
+    fn value<S: AlgebraOver<f64> + Tanh>(
         &self,
         model: &Model,
         x: &[S],
@@ -255,7 +255,7 @@ fn differences_come_close() {
 fn costs_by_their_values() {
     struct ValueAlone(TorquePenalty);
     impl ControlCost for ValueAlone {
-        fn value<S: AlgebraOver<f64>>(&self, joint: usize, u: S) -> S {
+        fn value<S: AlgebraOver<f64> + Tanh>(&self, joint: usize, u: S) -> S {
             let Penalty { k_cons, c_cons } = self.0.penalty;
             let limit = S::from_f64(self.0.limits.0[joint].unwrap_or(0.0));
             penalty(u - limit, k_cons, c_cons) + penalty(-u - limit, k_cons, c_cons)

@@ -9,10 +9,10 @@ use crate::error::Result;
 use crate::flow::{ControlCost, Node, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Jet, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
-/// The Jacobian of [`ControlFormJacobian`](crate::flow::ControlFormJacobian), analytic and without third-order tensors. The default.
+/// The Jacobian of [`ControlForm`](crate::flow::ControlForm), analytic and without third-order tensors. The default.
 ///
 /// Write $r = \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - J_v^T u$, so that $\Omega_{P2} = 2 (H H)^{-1} r$, with
 /// $J_q, J_v$ the derivatives of $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$; let $z = H^{-1} r$, $y = H^{-1} z$,
@@ -73,7 +73,7 @@ pub struct ControlFormJacobian<'m, C: Scalar, S: Scalar, L = ()> {
     upper: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlFormJacobian<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlFormJacobian<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -81,7 +81,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlFormJacobian<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlFormJacobian<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJacobian<'m, C, S, L> {
     /// The term that `cost` adds to the Jacobian of the flow of the paper's Lagrangian: the Jacobian with `cost` less that without.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlFormJacobian<'m, C, S>, S> {
@@ -311,7 +311,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlFormJacobian<'m
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> NodeJacobian<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> NodeJacobian<C, S>
     for ControlFormJacobian<'_, C, S, L>
 {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::flow::{ControlCost, Node, RightHandSide, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// The right-hand side of the flow written in the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
@@ -40,7 +40,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     sum: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlForm<'m, C, S> {
     /// The right-hand side for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -48,7 +48,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     /// The right-hand side for `model` and the Lagrangian with `cost` added.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
@@ -88,7 +88,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
     for ControlForm<'_, C, S, L>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {

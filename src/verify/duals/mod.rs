@@ -17,7 +17,7 @@ pub use relaxation::check_relaxation;
 
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
-use crate::flow::jacobian::{ForwardDual, JacobianKind};
+use crate::flow::jacobian::{ForwardDual, JacobianKind, Jacobians};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use crate::spatial::Placement;
@@ -296,23 +296,33 @@ impl Findings {
 /// None that a loaded model gives.
 pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = check_dynamics(model, options)?;
-    for (name, kind) in JacobianKind::by_name() {
-        findings.extend(match kind {
-            JacobianKind::Difference => check_differences(model, &name, options)?,
-            JacobianKind::Dual => {
+    findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
+    findings.extend(check_constraints(model, options)?);
+    Ok(findings)
+}
+
+/// Checks every Jacobian of a list with [`check_jacobian`]. Two that are built in are compared otherwise: differences with a bound
+/// of their own, and duals of the control form, which are the truth for the others, with duals of Algorithm B1.
+///
+/// # Errors
+/// An implementation refuses the model.
+pub fn check_jacobians(
+    model: &Model,
+    jacobians: &Jacobians,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for name in jacobians.names() {
+        let jacobian = &mut *jacobians.build(name, model)?;
+        findings.extend(match name.parse() {
+            Ok(JacobianKind::Difference) => check_differences(model, name, options)?,
+            Ok(JacobianKind::Dual) => {
                 let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
-                compare_jacobians(
-                    model,
-                    &name,
-                    &mut ForwardDual::new(model),
-                    &mut Printed(as_printed),
-                    FORMS_BOUND,
-                    options,
-                )?
+                let truth = &mut Printed(as_printed);
+                compare_jacobians(model, name, jacobian, truth, FORMS_BOUND, options)?
             }
-            _ => check_jacobian(model, &name, kind.build(model).as_mut(), options)?,
+            _ => check_jacobian(model, name, jacobian, options)?,
         });
     }
-    findings.extend(check_constraints(model, options)?);
     Ok(findings)
 }

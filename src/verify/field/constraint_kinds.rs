@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::flow::Penalty;
 use crate::flow::PenaltyWeights;
 use crate::flow::{ControlCost, Penalised, TorquePenalty, penalty};
-use crate::scalar::AlgebraOver;
+use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
 use nalgebra::{DMatrix, DVector, Vector3};
 use num_traits::Zero;
@@ -235,7 +235,7 @@ fn by_duals(p: &Point) -> Result<Vec<Equality>> {
 struct CostAlone(TorquePenalty<F>);
 
 impl ControlCost<F> for CostAlone {
-    fn value<S: AlgebraOver<F>>(&self, joint: usize, u: S) -> S {
+    fn value<S: AlgebraOver<F> + Tanh>(&self, joint: usize, u: S) -> S {
         self.0.value(joint, u)
     }
 }

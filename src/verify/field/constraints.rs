@@ -12,7 +12,7 @@ use crate::flow::{
     RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
     penalty_curvature, penalty_slope,
 };
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::DVector;
 use num_traits::{One, Zero};
 
@@ -39,7 +39,12 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// $L_{cons}$ over any scalar, the torque left out unless asked for.
-fn constrained<S: AlgebraOver<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) -> Result<S> {
+fn constrained<S: AlgebraOver<F> + Tanh>(
+    p: &Point,
+    torque: bool,
+    x: &[S],
+    xdot: &[S],
+) -> Result<S> {
     let (set, n) = (set(p), p.dof());
     let Penalty { k_cons, c_cons } = set.weights.state;
     let g = rows(p, &set.constraints.state, x)?;
