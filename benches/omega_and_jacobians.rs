@@ -3,11 +3,13 @@
 //! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
 //! the growth `N^e` that fits the four largest robots of each row best.
 
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{Capsule, CollisionSphere, Sphere, SphereClearance};
 use aghf::flow::Penalty;
+use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
 use aghf::model::{Model, random_chain};
 use aghf::urdf::{builtin_robot, builtin_robots};
 use criterion::Criterion;
@@ -132,11 +134,13 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
         println!("{name}: {} rows for {n} joints", 10 * balls.len());
         let spheres = (1..=10).map(sphere).collect();
         let constraints = Penalised {
-            state: SphereClearance { balls, spheres },
-            penalty,
-            torque: TorquePenalty {
-                limits: TorqueLimits::of(model),
-                penalty,
+            constraints: Constraints {
+                state: SphereClearance { balls, spheres },
+                torque: TorqueLimits::of(model),
+            },
+            weights: PenaltyWeights {
+                state: penalty,
+                torque: penalty,
             },
         };
         let (mut omega, mut blocks) = (vec![0.0; 2 * n], NodeBlocks::new(n));

@@ -17,7 +17,7 @@ mod run;
 
 pub use action::{EffortSummary, effort_of};
 pub use collocation::{Collocation, assemble_jacobian};
-pub use constrained::{Constrained, Penalised, StatePenalty, Sum, WithPenalties};
+pub use constrained::{Constrained, Penalised, PenaltyWeights, StatePenalty, Sum};
 pub use control_penalty::{ControlCost, TorquePenalty};
 pub use lagrangian::{AghfLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
 pub use lagrangian_flow::LagrangianFlow;

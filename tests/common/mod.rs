@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test file uses its own part of it
 
 pub mod ode;
+pub mod truth;
 
 use aghf::dynamics::{Data, crba};
 use aghf::flow::Node;
@@ -100,7 +101,7 @@ pub fn relative_error<'a>(
 #[macro_export]
 macro_rules! assert_close {
     ($a:expr, $b:expr, $bound:expr) => {{
-        let error = common::relative_error($a, $b);
+        let error = $crate::common::relative_error($a, $b);
         assert!(
             error <= $bound,
             "{} and {} differ by {error:e}",

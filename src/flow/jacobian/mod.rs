@@ -7,7 +7,7 @@ mod registry;
 pub mod theorem_b4;
 
 pub use central_difference::CentralDifference;
-pub use control_form::ControlForm;
+pub use control_form::ControlFormJacobian;
 pub use forward_dual::ForwardDual;
 pub use registry::{JacobianKind, Jacobians};
 pub use theorem_b4::TheoremB4;

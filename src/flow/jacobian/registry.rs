@@ -1,6 +1,6 @@
 //! Jacobians by name, those of this crate and those of its users.
 
-use super::{CentralDifference, ControlForm, ForwardDual, NodeJacobian, TheoremB4};
+use super::{CentralDifference, ControlFormJacobian, ForwardDual, NodeJacobian, TheoremB4};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
 use crate::flow::{Penalised, Sum};
@@ -27,7 +27,7 @@ impl JacobianKind {
     #[must_use]
     pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
         match self {
-            Self::ControlForm => Box::new(ControlForm::new(model)),
+            Self::ControlForm => Box::new(ControlFormJacobian::new(model)),
             Self::TheoremB4 => Box::new(TheoremB4::new(model)),
             Self::Dual => Box::new(ForwardDual::new(model)),
             Self::Difference => Box::new(CentralDifference::new(model)),
@@ -46,7 +46,7 @@ impl JacobianKind {
         let n = model.dof();
         match self {
             Self::ControlForm => Box::new(Sum::new(
-                ControlForm::with_cost(model, constraints.torque.clone()),
+                ControlFormJacobian::with_cost(model, constraints.torque_penalty()),
                 constraints.state_penalty(model),
             )),
             Self::TheoremB4 => Box::new(constraints.with_penalties(model, TheoremB4::new(model))),

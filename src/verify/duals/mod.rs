@@ -157,7 +157,7 @@ pub(crate) struct At<'a> {
     k: Option<f64>,
     sample: usize,
     state: &'a State,
-    /// The smallest and the largest eigenvalue of the mass matrix there.
+    /// The smallest and the largest eigenvalue of the mass matrix there, by magnitude.
     eigenvalues: [f64; 2],
     /// The inertia of all bodies about the origin of the base, in which everything is computed.
     inertia: f64,
@@ -168,7 +168,7 @@ impl<'a> At<'a> {
         let n = model.dof();
         let mut h = DMatrix::zeros(n, n);
         crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
-        let eigenvalues = h.symmetric_eigenvalues();
+        let eigenvalues = extreme_eigenvalues(&h);
         let mut placements = vec![Placement::identity(); n];
         forward_kinematics(model, &state.x[..n], &mut placements)?;
         let inertias = model.inertias().iter().zip(&placements);
@@ -177,8 +177,8 @@ impl<'a> At<'a> {
             k: None,
             sample,
             state,
-            eigenvalues: [eigenvalues.min(), eigenvalues.max()],
-            inertia: about_base.sum::<f64>().max(eigenvalues.max()),
+            eigenvalues,
+            inertia: about_base.sum::<f64>().max(eigenvalues[1]),
         })
     }
 
@@ -190,7 +190,7 @@ impl<'a> At<'a> {
     /// The condition number of the mass matrix.
     fn condition(&self) -> f64 {
         let [smallest, largest] = self.eigenvalues;
-        largest / smallest.abs()
+        largest / smallest
     }
 
     /// Of sums of products with inertias.
@@ -205,7 +205,7 @@ impl<'a> At<'a> {
     fn divided(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
-            floor: VANISHING * self.inertia / self.eigenvalues[0].abs(),
+            floor: VANISHING * self.inertia / self.eigenvalues[0],
         }
     }
 
@@ -213,10 +213,21 @@ impl<'a> At<'a> {
     /// between the two forms and a hundredth elsewhere, since errors do not all add up.
     pub(crate) fn divided_twice(&self, bound: f64) -> Tolerance {
         Tolerance {
-            bound: (bound * (1.0 + 1e-9 * self.condition().powi(2))).min(LARGEST_BOUND),
+            bound: (bound * self.squared_rounding()).min(LARGEST_BOUND),
             floor: 0.0,
         }
     }
+
+    /// By how much two divisions by the mass matrix make rounding larger.
+    fn squared_rounding(&self) -> f64 {
+        1.0 + 1e-9 * self.condition().powi(2)
+    }
+}
+
+/// The smallest and the largest eigenvalue of a symmetric matrix, by magnitude.
+fn extreme_eigenvalues(h: &DMatrix<f64>) -> [f64; 2] {
+    let eigenvalues = h.symmetric_eigenvalues().abs();
+    [eigenvalues.min(), eigenvalues.max()]
 }
 
 impl Findings {

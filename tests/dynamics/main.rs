@@ -1,0 +1,14 @@
+//! Scalars, linear algebra, spatial algebra and rigid-body dynamics.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod allocation;
+mod identities;
+mod prime_field;
+mod rnea_weighted;
+mod scalar;
+mod second_derivatives;
+mod spatial;
+mod tensor;

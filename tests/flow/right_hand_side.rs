@@ -1,0 +1,315 @@
+//! The right-hand side of the flow: four routes to one number, and its Jacobian.
+
+use crate::common::{
+    any_model, config, constants, dual_jacobian, dual_rate, model_and_node, node, robot, robots,
+    solve_bound,
+};
+use aghf::dynamics::{Data, aba, bias, crba, rnea};
+use aghf::flow::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
+use aghf::flow::{
+    AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian, lagrangian_of_control,
+};
+use aghf::linalg::Ldlt;
+use aghf::model::{Model, random_tree};
+use aghf::scalar::{AlgebraOver, Tanh};
+use nalgebra::{DMatrix, DVector};
+use num_dual::{Dual64, HyperDual64};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+
+/// Penalties: one, where no term hides, and the paper's.
+const PENALTIES: [f64; 3] = [1.0, 1e3, 1e9];
+
+fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
+    let mut omega = DVector::zeros(parts[0].len());
+    rhs.omega(node(parts), k, omega.as_mut_slice())
+        .expect("lengths agree");
+    omega
+}
+
+/// The mixed second derivative of the Lagrangian along two directions in `[x; xdot]`.
+fn lagrangian_second(model: &Model, at: &[f64], along: [&[f64]; 2], k: f64) -> HyperDual64 {
+    let input: Vec<HyperDual64> = (0..at.len())
+        .map(|i| HyperDual64::new(at[i], along[0][i], along[1][i], 0.0))
+        .collect();
+    let (x, xdot) = input.split_at(at.len() / 2);
+    lagrangian(model, &mut Data::new(model), x, xdot, k).expect("lengths agree")
+}
+
+/// Omega straight from (7): `G^-1 (L_xdot,x xdot + L_xdot,xdot xddot - L_x)`, by second-order duals of the Lagrangian.
+fn omega_by_definition(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
+    let n = model.dof();
+    let at = [parts[0].clone(), parts[1].clone()].concat();
+    let rate = [parts[1].clone(), parts[2].clone()].concat();
+    let unit = |i: usize| {
+        let mut e = vec![0.0; 4 * n];
+        e[i] = 1.0;
+        e
+    };
+    let mut force = DVector::from_fn(2 * n, |i, _| {
+        let momentum_rate = lagrangian_second(model, &at, [&unit(2 * n + i), &rate], k).eps1eps2;
+        let gradient = lagrangian_second(model, &at, [&unit(i), &rate], k).eps1;
+        momentum_rate - gradient
+    });
+    let mut h = DMatrix::zeros(n, n);
+    crba(model, &mut Data::new(model), &parts[0][..n], &mut h).expect("lengths agree");
+    let mut ldlt = Ldlt::new(n);
+    ldlt.factorise(&h);
+    force.rows_mut(0, n).apply(|f| *f /= k);
+    ldlt.solve(&mut force.as_mut_slice()[n..]);
+    ldlt.solve(&mut force.as_mut_slice()[n..]);
+    force
+}
+
+/// Theorem B3 with every quantity that it is written in taken from duals of the dynamics, none from a recursion.
+fn omega_by_theorem_b3(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
+    let n = model.dof();
+    let (q, v) = parts[0].split_at(n);
+    let (qdot, vdot) = parts[1].split_at(n);
+    let mass = |q: &[Dual64]| -> Vec<Dual64> {
+        let mut h = DMatrix::zeros(n, n);
+        crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
+        h.as_slice().to_vec()
+    };
+    let drift = |q: &[Dual64], v: &[Dual64]| {
+        let mut a = constants(q_zero(n));
+        aba(
+            model,
+            &mut Data::new(model),
+            q,
+            v,
+            &constants(q_zero(n)),
+            &mut a,
+        )
+        .expect("lengths");
+        a
+    };
+    let bias_of = |state: &[Dual64]| {
+        let mut c = constants(q_zero(n));
+        bias(
+            model,
+            &mut Data::new(model),
+            &state[..n],
+            &state[n..],
+            &mut c,
+        )
+        .expect("lengths");
+        c
+    };
+    let mut t = TheoremB3::new(n);
+    t.h = DMatrix::from_vec(n, n, mass(&constants(q)).iter().map(|h| h.re).collect());
+    t.hdot = DMatrix::from_vec(n, n, dual_rate(mass, q, qdot));
+    t.c = DVector::from_iterator(n, bias_of(&constants(&parts[0])).iter().map(|c| c.re));
+    t.cdot = DVector::from_vec(dual_rate(bias_of, &parts[0], &parts[1]));
+    t.fd0 = DVector::from_iterator(n, drift(&constants(q), &constants(v)).iter().map(|a| a.re));
+    t.dfd0_dq = dual_jacobian(|q| drift(q, &constants(v)), q);
+    t.dfd0_dv = dual_jacobian(|v| drift(&constants(q), v), v);
+    let w = DVector::from_column_slice(vdot) - &t.fd0;
+    let tensor = dual_jacobian(mass, q);
+    t.dh_dq_w = DMatrix::from_fn(n, n, |i, j| {
+        (0..n).map(|k| tensor[(i + k * n, j)] * w[k]).sum()
+    });
+    let mut omega = DVector::zeros(2 * n);
+    t.omega(node(parts), k, omega.as_mut_slice())
+        .expect("lengths agree");
+    omega
+}
+
+/// `n` zeros; robots have at most 32 joints here.
+fn q_zero(n: usize) -> &'static [f64] {
+    &[0.0; 32][..n]
+}
+
+/// What rounding explains.
+fn bound(model: &Model, x: &[f64]) -> f64 {
+    solve_bound(model, x, 1e-9)
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    #[test]
+    fn four_routes_to_omega_agree((model, parts) in model_and_node()) {
+        let bound = bound(&model, &parts[0]);
+        for k in PENALTIES {
+            let definition = omega_by_definition(&model, &parts, k);
+            assert_close!(&omega_of(ControlForm::new(&model), &parts, k), &definition, bound);
+            assert_close!(&omega_of(AlgorithmB1::new(&model), &parts, k), &definition, bound);
+            assert_close!(&omega_by_theorem_b3(&model, &parts, k), &definition, bound);
+        }
+    }
+
+    #[test]
+    fn the_two_lagrangians_agree((model, [x, xdot, _]) in model_and_node()) {
+        let n = model.dof();
+        let mut data = Data::new(&model);
+        let mut u = vec![0.0; n];
+        rnea(&model, &mut data, &x[..n], &x[n..], &xdot[n..], &mut u).expect("lengths agree");
+        for k in PENALTIES {
+            let definition = lagrangian(&model, &mut data, &x, &xdot, k).expect("lengths agree");
+            let control = lagrangian_of_control(&xdot[..n], &x[n..], &u, k).expect("lengths agree");
+            let bound = bound(&model, &x) * definition.max(1.0);
+            prop_assert!((definition - control).abs() <= bound, "{definition} {control}");
+        }
+    }
+
+    /// Central differences, as a sanity check of the dual numbers themselves.
+    #[test]
+    fn the_dual_jacobian_is_that_of_omega(
+        (model, parts, direction) in any_model().prop_flat_map(|m| {
+            let n = 6 * m.dof();
+            (Just(m), crate::common::numbers(n), crate::common::numbers(n))
+        })
+    ) {
+        let m = 2 * model.dof();
+        let k = 10.0;
+        let split = |flat: &[f64]| [flat[..m].to_vec(), flat[m..2 * m].to_vec(), flat[2 * m..].to_vec()];
+        let mut blocks = NodeBlocks::new(model.dof());
+        ForwardDual::new(&model).evaluate(node(&split(&parts)), k, &mut blocks).expect("lengths agree");
+        let [x, xdot, xddot] = split(&direction).map(DVector::from_vec);
+        let derivative = &blocks.dx * x + &blocks.dxdot * xdot + &blocks.dxddot * xddot;
+        let step = 1e-6;
+        let shifted = |sign: f64| {
+            let flat: Vec<f64> = parts.iter().zip(&direction).map(|(p, d)| p + sign * step * d).collect();
+            omega_of(ControlForm::new(&model), &split(&flat), k)
+        };
+        let difference = (shifted(1.0) - shifted(-1.0)) / (2.0 * step);
+        // Truncation and cancellation of the difference, worse where H is nearly singular.
+        let sane = 1e-5 + 1e3 * bound(&model, &parts[..m]);
+        let size = blocks.dx.amax().max(1.0);
+        prop_assert!((derivative - &difference).amax() <= sane * size.max(difference.amax()));
+        // (B80)
+        assert_close!(&blocks.dxddot, &(DMatrix::identity(m, m) * 2.0), 100.0 * bound(&model, &parts[..m]));
+    }
+
+    #[test]
+    fn a_used_right_hand_side_gives_the_same_bits((model, parts) in model_and_node()) {
+        let other = [parts[2].clone(), parts[0].clone(), parts[1].clone()];
+        let twice = |rhs: &mut dyn RightHandSide<f64, f64>| {
+            let mut omega = vec![0.0; parts[0].len()];
+            rhs.omega(node(&other), 3.0, &mut omega).expect("lengths agree");
+            rhs.omega(node(&parts), 7.0, &mut omega).expect("lengths agree");
+            omega
+        };
+        let b1 = omega_of(AlgorithmB1::new(&model), &parts, 7.0);
+        prop_assert_eq!(twice(&mut AlgorithmB1::new(&model)), b1.as_slice());
+        let control = omega_of(ControlForm::new(&model), &parts, 7.0);
+        prop_assert_eq!(twice(&mut ControlForm::new(&model)), control.as_slice());
+    }
+}
+
+/// Acceptance: 1000 random states of Digit, at `k = 1` and at the paper's.
+#[test]
+fn omega_on_digit_equals_the_definition_at_a_thousand_states() {
+    let model = robot("digit_v3_pinned");
+    let mut runner = proptest::test_runner::TestRunner::new(config(1000));
+    let mut worst = 0.0_f64;
+    for _ in 0..1000 {
+        let n = 2 * model.dof();
+        let state = (
+            crate::common::numbers(n),
+            crate::common::numbers(n),
+            crate::common::numbers(n),
+        );
+        let (x, xdot, xddot) = state.new_tree(&mut runner).expect("no filter").current();
+        let parts = [x, xdot, xddot];
+        for k in [1.0, 1e7] {
+            let definition = omega_by_definition(&model, &parts, k);
+            for omega in [
+                omega_of(ControlForm::new(&model), &parts, k),
+                omega_of(AlgorithmB1::new(&model), &parts, k),
+            ] {
+                // Each half has its own size, so each is held to its own.
+                for half in [0, model.dof()] {
+                    let rows = half..half + model.dof();
+                    let (a, b) = (
+                        &omega.as_slice()[rows.clone()],
+                        &definition.as_slice()[rows],
+                    );
+                    worst = worst.max(crate::common::relative_error(a, b));
+                }
+            }
+        }
+    }
+    println!("worst relative error of Omega on Digit: {worst:e}");
+    assert!(worst <= 1e-9, "{worst:e}");
+}
+
+/// The Jacobian by duals of Algorithm B1 is that of the control form: another route to every entry.
+#[test]
+fn the_jacobian_does_not_depend_on_the_form() {
+    for model in robots()
+        .into_iter()
+        .chain([random_tree(6, 3).expect("six joints")])
+    {
+        let n = model.dof();
+        let wave = |f: f64| {
+            (0..2 * n)
+                .map(|i| (f * (i as f64 + 1.0)).sin())
+                .collect::<Vec<_>>()
+        };
+        let parts = [wave(0.7), wave(1.3), wave(2.1)];
+        for k in PENALTIES {
+            let (mut one, mut two) = (NodeBlocks::new(n), NodeBlocks::new(n));
+            ForwardDual::new(&model)
+                .evaluate(node(&parts), k, &mut one)
+                .expect("lengths agree");
+            let mut b1 = ForwardDual::of(AlgorithmB1::new(&model), n);
+            b1.evaluate(node(&parts), k, &mut two)
+                .expect("lengths agree");
+            let bound = 10.0 * bound(&model, &parts[0]);
+            assert_close!(&one.dx, &two.dx, bound);
+            assert_close!(&one.dxdot, &two.dxdot, bound);
+            assert_close!(&one.dxddot, &two.dxddot, bound);
+        }
+    }
+}
+
+/// A pendulum that rests where it takes torque to hold it: the flow moves it to where it takes less.
+#[test]
+fn omega_of_a_resting_pendulum_by_hand() {
+    let model = robot("pendulum_1");
+    let parts = [vec![0.0, 0.0], vec![0.0, 0.0], vec![0.0, 0.0]];
+    // Level, u = 9.81 / 2 and du/dq = 0: a maximum of |u|^2, so the flow does not move.
+    assert_close!(
+        &omega_of(ControlForm::new(&model), &parts, 5.0),
+        &[0.0, 0.0],
+        1e-15
+    );
+    // At q: u = 4.905 cos q, Omega_P1 = -(2 / k) (du/dq) u = (2 / k) 4.905^2 sin q cos q.
+    let q = 0.3_f64;
+    let parts = [vec![q, 0.0], vec![0.0, 0.0], vec![0.0, 0.0]];
+    let expected = 2.0 / 5.0 * 4.905 * 4.905 * q.sin() * q.cos();
+    assert_close!(
+        &omega_of(ControlForm::new(&model), &parts, 5.0),
+        &[expected, 0.0],
+        1e-14
+    );
+}
+
+#[test]
+fn wrong_lengths_are_errors() {
+    fn refused<S: AlgebraOver<f64> + Tanh>(model: &Model, short: &[S], long: &[S]) {
+        let node = Node {
+            x: long,
+            xdot: short,
+            xddot: long,
+        };
+        let mut omega = long.to_vec();
+        let error = ControlForm::new(model)
+            .omega(node, 1.0, &mut omega)
+            .expect_err("short");
+        assert!(
+            error
+                .to_string()
+                .contains("xdot: expected 4 entries, found 3"),
+            "{error}"
+        );
+        AlgorithmB1::new(model)
+            .omega(node, 1.0, &mut omega)
+            .expect_err("short");
+    }
+    let model = robot("pendulum_2");
+    refused(&model, &[0.0; 3], &[0.0; 4]);
+    refused(&model, &[0.0_f32; 3], &[0.0_f32; 4]);
+}
