@@ -36,9 +36,11 @@ pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {
 /// The generic functions of a constraint over one scalar; the first argument is the constraint.
 #[doc(hidden)]
 pub struct Functions<C: Scalar, S: Scalar> {
-    value: fn(&dyn Any, &PlacedState<'_, C, S>, &mut [S]) -> Result<()>,
+    value: Value<C, S>,
     add: AddWeightedDerivatives<C, S>,
 }
+
+type Value<C, S> = fn(&dyn Any, &PlacedState<'_, C, S>, &mut [S]) -> Result<()>;
 
 type AddWeightedDerivatives<C, S> =
     fn(&dyn Any, &PlacedState<'_, C, S>, Weights<'_, S>, &mut WeightedDerivatives<S>) -> Result<()>;
