@@ -70,11 +70,11 @@ where
     /// An analytic Jacobian of the flow of the paper's Lagrangian with what all constraints add: the terms of
     /// the control, then those of the state. `paper` must not know of the constraints.
     #[must_use]
-    pub fn with_penalties<'a, P, S: AlgebraOver<C> + Tanh>(
+    pub fn with_penalties<'a, P: NodeJacobian<C, S> + 'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
         model: &'a Model<C>,
         paper: P,
-    ) -> Sum<Sum<P, impl NodeJacobian<C, S> + 'a, S>, StatePenalty<'a, C, S, &'a K>, S> {
+    ) -> impl NodeJacobian<C, S> + 'a {
         let of_torque = ControlFormJacobian::of_cost(model, self.torque_penalty());
         Sum::new(Sum::new(paper, of_torque), self.state_penalty(model))
     }

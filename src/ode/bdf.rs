@@ -5,8 +5,7 @@ use super::{Failure, Integrator, Ode, Statistics, Tolerance};
 use diffsol::NalgebraLU;
 use diffsol::error::DiffsolError;
 
-/// Backward differentiation formulas of variable order 1 to 5 and variable step, in the NDF coefficients: diffsol's. The default:
-/// of the built-in methods it takes the fewest evaluations for the stiff flow.
+/// Backward differentiation formulas of variable order 1 to 5 and variable step, in the NDF coefficients: diffsol's. The default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bdf;
 

@@ -56,6 +56,7 @@ impl fmt::Debug for PrimeField {
 
 impl_scalar_operators! {
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "a quotient is a product with the inverse")]
     impl [] for PrimeField {
         zero() => Self(0),
         one() => Self(1),

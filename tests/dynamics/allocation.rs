@@ -11,7 +11,7 @@ use aghf::dynamics::{
 use aghf::flow::Penalty;
 use aghf::flow::PenaltyWeights;
 use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
-use aghf::scalar::AlgebraOver;
+use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;
 
@@ -23,7 +23,7 @@ fn allocations(work: impl FnOnce() -> aghf::Result<()>) -> u64 {
     count
 }
 
-fn nothing_is_allocated<S: AlgebraOver<f64>>() {
+fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
     let model = robot("digit_v3_pinned");
     let n = model.dof();
     let wave = |m: usize| {

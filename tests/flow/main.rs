@@ -6,6 +6,7 @@ mod common;
 
 mod constrained_flow;
 mod curve;
+mod extension;
 mod integrate;
 mod integrate_failures;
 mod jacobian;

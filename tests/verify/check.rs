@@ -31,7 +31,7 @@ fn everything_passes_on_every_robot() {
         assert!(off.is_empty(), "{}: {off:?}", model.name());
         for (name, _) in JacobianKind::by_name() {
             assert!(
-                findings.iter().any(|f| f.quantity.starts_with(&name)),
+                findings.iter().any(|f| f.quantity.starts_with(name)),
                 "{name} is not checked"
             );
         }

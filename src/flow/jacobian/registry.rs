@@ -49,7 +49,9 @@ impl JacobianKind {
                 ControlFormJacobian::with_cost(model, constraints.torque_penalty()),
                 constraints.state_penalty(model),
             )),
-            Self::TheoremB4 => Box::new(constraints.with_penalties(model, TheoremB4::new(model))),
+            Self::TheoremB4 => {
+                Box::new(constraints.with_penalties(model, TheoremB4::<f64, f64>::new(model)))
+            }
             Self::Dual => Box::new(ForwardDual::of(constraints.right_hand_side(model), n)),
             Self::Difference => {
                 Box::new(CentralDifference::of(constraints.right_hand_side(model), n))

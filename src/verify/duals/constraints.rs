@@ -56,6 +56,26 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     Ok(all)
 }
 
+/// Compares the weighted derivatives of a constraint, whether by hand or by the default, with duals of its value and of its gradient at
+/// random states. `name` stands before the names of the quantities.
+///
+/// # Errors
+/// The constraint is for another robot.
+pub fn check_constraint(
+    model: &Model,
+    name: &str,
+    constraint: &impl Constraint,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        contractions(model, name, constraint, at, &mut findings)?;
+    }
+    Ok(findings.all)
+}
+
 /// Nothing is divided here; what is small beside metres and radians may be what rounding leaves of zero.
 const TOLERANCE: Tolerance = Tolerance {
     bound: BOUND,
@@ -134,7 +154,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
 fn contractions(
     model: &Model,
     name: &str,
-    constraint: &AnyConstraint,
+    constraint: &impl Constraint,
     at: At<'_>,
     findings: &mut Findings,
 ) -> Result<()> {

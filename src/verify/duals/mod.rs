@@ -8,12 +8,14 @@ mod constraints;
 mod dynamics;
 mod jacobians;
 mod relaxation;
+mod running_cost;
 mod tensors;
 
-pub use constraints::check_constraints;
+pub use constraints::{check_constraint, check_constraints};
 pub use dynamics::check_dynamics;
 pub use jacobians::check_jacobian;
 pub use relaxation::check_relaxation;
+pub use running_cost::check_running_cost;
 
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
