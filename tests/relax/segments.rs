@@ -1,5 +1,6 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
+use crate::common::relax::{size, solved};
 use crate::common::{robot, slider};
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
@@ -12,18 +13,6 @@ use aghf::relax::relax;
 use aghf::relax::{Constraints, RelaxSettings, RelaxSolution, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
-
-fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
-    relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn size(segments: usize, p: usize) -> RelaxSettings {
-    RelaxSettings {
-        degree: p,
-        segments,
-        ..Default::default()
-    }
-}
 
 const HORIZON: f64 = 2.4;
 

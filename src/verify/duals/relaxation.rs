@@ -1,6 +1,6 @@
 //! What ties the relaxation to the flow, on any robot.
 
-use super::{At, BOUND, CheckOptions, Finding, Findings, State};
+use super::{At, CheckOptions, Finding, Findings, State};
 use crate::curve::Basis;
 use crate::curve::gauss_legendre;
 use crate::dynamics::{Data, crba, rnea};
@@ -41,7 +41,7 @@ pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Fin
         for k in &options.penalties {
             let at = at.under(*k);
             findings.compare(
-                at.divided_twice(BOUND),
+                at.divided_twice(),
                 "Omega on a curve, weak form: gradient of the effort",
                 at,
                 weak_form(model, &path, *k)?.as_view(),
