@@ -1,7 +1,7 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
 use crate::common::relax::{size, solved};
-use crate::common::{robot, slider};
+use crate::common::{assert_refused, robot, slider};
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
 use aghf::curve::{Chebyshev, Curve};
@@ -353,7 +353,8 @@ fn the_error_of_an_interval_by_nodes() {
     let model = slider(2.0);
     let error = replay_error(&model, &bent(&model, &[1.0, -2.0, 3.0])).expect("same robot");
     assert!(error.is_some_and(|e| e < 1e-7), "{error:?}");
-    assert!(replay_error(&model, &curve).is_err());
+    let of_another = replay_error(&model, &curve);
+    assert_refused(of_another, "curve: expected 1 entries, found 2");
 }
 
 #[test]
