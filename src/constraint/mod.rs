@@ -25,7 +25,7 @@ pub use bounds::{Bound, Bounds, Side};
 pub use capsules::Capsule;
 pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance};
 pub use evaluator::{Evaluator, Placed};
-pub use torque_limits::TorqueLimits;
+pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
 
 use crate::error::{Error, Result, check_length};

@@ -52,6 +52,11 @@ fn bad_options_exit_with_2() {
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--jacobian", "magic", "--jacobian; 'magic'; dual"),
         ("--guess", "circle", "--guess; 'circle'; line-state"),
+        (
+            "--integrator",
+            "magic",
+            "--integrator; 'magic'; bdf; esdirk34",
+        ),
     ] {
         assert_bad_input(
             &folder,
@@ -76,6 +81,11 @@ fn bad_options_exit_with_2() {
         ("--adaptive", "-1", "degree_tolerance: it is -1; positive"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--k", "1e5", "k: the method 'relax' has no such parameter"),
+        (
+            "--integrator",
+            "esdirk34",
+            "integrator: the method 'relax' has no such parameter",
+        ),
     ] {
         assert_bad_input(
             &folder,

@@ -1,6 +1,7 @@
 //! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
 
 use crate::common::robot;
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
     Bounds, CollisionSphere, Constraint, Evaluator, Sphere, SphereClearance, Weights,
@@ -10,9 +11,10 @@ use aghf::dynamics::{
     frame_jacobian, mass_matrix_and_rate, rnea, rnea_derivatives,
 };
 use aghf::flow::Penalty;
+use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
-use aghf::scalar::AlgebraOver;
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
+use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;
 
@@ -24,7 +26,7 @@ fn allocations(work: impl FnOnce() -> aghf::Result<()>) -> u64 {
     count
 }
 
-fn nothing_is_allocated<S: AlgebraOver<f64>>() {
+fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
     let model = robot("digit_v3_pinned");
     let n = model.dof();
     let wave = |m: usize| {
@@ -95,14 +97,16 @@ fn nothing_is_allocated<S: AlgebraOver<f64>>() {
         c_cons: 2.0,
     };
     let constraints = Penalised {
-        state: (
-            SphereClearance { balls, spheres },
-            Bounds::positions(&model),
-        ),
-        penalty,
-        torque: TorquePenalty {
-            limits: TorqueLimits::of(&model),
-            penalty,
+        constraints: Constraints {
+            state: (
+                SphereClearance { balls, spheres },
+                Bounds::positions(&model),
+            ),
+            torque: TorqueLimits::of(&model),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
         },
     };
     let mut constrained = constraints.right_hand_side(&model);
@@ -112,7 +116,8 @@ fn nothing_is_allocated<S: AlgebraOver<f64>>() {
     let again = allocations(|| constrained.omega(node, 3.0, &mut omega));
     assert_eq!(again, 0, "constrained flow");
 
-    let rows = constraints.state.dim();
+    let state = &constraints.constraints.state;
+    let rows = state.dim();
     let (mut g, mut evaluator) = (wave(rows), Evaluator::new(&model));
     let (w, c) = (wave(rows), wave(rows));
     let weights = Weights {
@@ -121,8 +126,8 @@ fn nothing_is_allocated<S: AlgebraOver<f64>>() {
     };
     let of_constraints = allocations(|| {
         let mut here = evaluator.at(&x)?;
-        here.value(&constraints.state, &mut g)?;
-        here.weighted_derivatives(&constraints.state, weights)?;
+        here.value(state, &mut g)?;
+        here.weighted_derivatives(state, weights)?;
         Ok(())
     });
     assert_eq!(of_constraints, 0, "constraints");

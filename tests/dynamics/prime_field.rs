@@ -2,8 +2,10 @@
 
 use crate::common::config;
 use aghf::dynamics::{Data, rnea};
+use aghf::flow::{AghfLagrangian, ControlForm, LagrangianFlow, RightHandSide};
 use aghf::model::random_tree;
-use aghf::scalar::{Jet, PrimeField, Scalar};
+use aghf::scalar::{Jet, PrimeField, Scalar, Tanh};
+use aghf::verify::field::{Equality, Identity, Point, prove_identities};
 use num_traits::{One, Zero};
 use proptest::prelude::*;
 
@@ -67,7 +69,7 @@ proptest! {
         let (jet_sin, jet_cos) = Scalar::sin_cos(jet);
         prop_assert_eq!((jet_sin.re, jet_sin.eps[0]), (sin, cos * F::new(3)));
         prop_assert_eq!((jet_cos.re, jet_cos.eps[0]), (cos, -sin * F::new(3)));
-        let tanh = Scalar::tanh(jet);
+        let tanh = Tanh::tanh(jet);
         prop_assert_eq!(tanh.eps[0], (F::one() - tanh.re * tanh.re) * F::new(3));
     }
 
@@ -101,4 +103,36 @@ fn the_dynamics_run_over_the_field() {
     )
     .expect("lengths agree");
     assert!(tau.iter().all(|t| !t.is_zero()));
+}
+
+/// Both sides of an identity of one's own: the flow of the paper's Lagrangian by its definition, and the control form, with `k` in
+/// the latter multiplied by a number.
+fn definition_and_control_form(p: &Point, factor: F) -> aghf::Result<Vec<Equality>> {
+    let mut definition = nalgebra::DVector::from_element(2 * p.dof(), F::zero());
+    let mut control_form = definition.clone();
+    LagrangianFlow::new(&p.model, AghfLagrangian).omega(
+        p.node(),
+        p.k,
+        definition.as_mut_slice(),
+    )?;
+    ControlForm::new(&p.model).omega(p.node(), p.k * factor, control_form.as_mut_slice())?;
+    Ok(vec![Equality::vectors("Omega", &definition, &control_form)])
+}
+
+#[test]
+fn the_definition_of_the_flow_is_the_control_form_over_the_field() {
+    let identity = |claims| Identity {
+        label: "definition",
+        statement: "G^-1 (d/dt dL/dxdot - dL/dx) is the control form",
+        convention: "",
+        claims,
+    };
+    let identities = [
+        identity(|p| definition_and_control_form(p, F::one())),
+        identity(|p| definition_and_control_form(p, F::new(2))),
+    ];
+    let verdicts = prove_identities(&identities, 3, 5).expect("lengths agree");
+    assert_eq!(verdicts[0].failure, None);
+    assert!(verdicts[0].entries >= 3 * 10);
+    assert!(verdicts[1].failure.is_some(), "a wrong penalty shows");
 }

@@ -4,15 +4,15 @@ use crate::common::{config, numbers, wave};
 use aghf::dynamics::{Data, rnea};
 use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
-use aghf::scalar::{AlgebraOver, Lanes, Scalar};
+use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
 use proptest::prelude::*;
 
 /// `sin x cos x + tanh x` written generically, with its first two derivatives by hand.
-fn mixed<S: Scalar>(x: S) -> S {
+fn mixed<S: Tanh>(x: S) -> S {
     let (sin, cos) = Scalar::sin_cos(x);
-    sin * cos + Scalar::tanh(x)
+    sin * cos + Tanh::tanh(x)
 }
 
 fn mixed_by_hand(x: f64) -> [f64; 3] {
@@ -108,10 +108,10 @@ proptest! {
 fn tanh_saturates() {
     for x in [19.9, 20.1, 800.0, f64::MAX] {
         for x in [x, -x] {
-            assert_eq!(Scalar::tanh(x), x.signum());
-            let first = Scalar::tanh(Dual64::new(x, 3.0));
+            assert_eq!(Tanh::tanh(x), x.signum());
+            let first = Tanh::tanh(Dual64::new(x, 3.0));
             assert!(first.re == x.signum() && first.eps.abs() < 1e-15, "{first}");
-            let second = Scalar::tanh(HyperDual64::new(x, 1.0, 1.0, 0.0));
+            let second = Tanh::tanh(HyperDual64::new(x, 1.0, 1.0, 0.0));
             assert!(second.eps1eps2.abs() < 1e-15, "{second}");
         }
     }

@@ -1,6 +1,7 @@
 //! The constrained flow (A4): its right-hand side against the definition, its Jacobians against duals of it.
 
 use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
@@ -8,6 +9,7 @@ use aghf::constraint::{
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::Penalty;
+use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{
     AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, Lagrangian, LagrangianFlow, Penalised,
@@ -15,7 +17,7 @@ use aghf::flow::{
 };
 use aghf::flow::{FlowSettings, flow, flow_constrained};
 use aghf::model::{Model, random_tree};
-use aghf::scalar::AlgebraOver;
+use aghf::scalar::{AlgebraOver, Tanh};
 use aghf::scenario::Scenario;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -64,14 +66,16 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
     let limit =
         |(i, u): (usize, &f64)| (i % 3 != 1).then(|| (u.abs() - 0.3 + 0.2 * i as f64).max(0.1));
     Penalised {
-        state: (state, bounds),
-        penalty: Penalty {
-            k_cons: 20.0,
-            c_cons: 1.5,
+        constraints: Constraints {
+            state: (state, bounds),
+            torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
         },
-        torque: TorquePenalty {
-            limits: TorqueLimits(u.iter().enumerate().map(limit).collect()),
-            penalty: Penalty {
+        weights: PenaltyWeights {
+            state: Penalty {
+                k_cons: 20.0,
+                c_cons: 1.5,
+            },
+            torque: Penalty {
                 k_cons: 3.0,
                 c_cons: 0.7,
             },
@@ -81,7 +85,7 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
 
 /// $L_{cons}$ of (A1), with the rows of the torque written out.
 impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
-    fn value<S: AlgebraOver<f64>>(
+    fn value<S: AlgebraOver<f64> + Tanh>(
         &self,
         model: &Model,
         x: &[S],
@@ -91,8 +95,8 @@ impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
         let all = self.0;
         let n = model.dof();
         let mut evaluator = Evaluator::new(model);
-        let mut g = vec![S::zero(); all.state.dim()];
-        evaluator.at(x)?.value(&all.state, &mut g)?;
+        let mut g = vec![S::zero(); all.constraints.state.dim()];
+        evaluator.at(x)?.value(&all.constraints.state, &mut g)?;
         let mut u = vec![S::zero(); n];
         rnea(
             model,
@@ -102,12 +106,12 @@ impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
             &xdot[n..],
             &mut u,
         )?;
-        let mut torque = vec![S::zero(); all.torque.limits.dim()];
-        all.torque.limits.value(&u, &mut torque)?;
+        let mut torque = vec![S::zero(); all.constraints.torque.dim()];
+        all.constraints.torque.value(&u, &mut torque)?;
         let effort = AghfLagrangian.value(model, x, xdot, k)?;
-        let Penalty { k_cons, c_cons } = all.penalty;
+        let Penalty { k_cons, c_cons } = all.weights.state;
         let of_state = constrained_lagrangian(effort, g, k_cons, c_cons);
-        let Penalty { k_cons, c_cons } = all.torque.penalty;
+        let Penalty { k_cons, c_cons } = all.weights.torque;
         Ok(constrained_lagrangian(of_state, torque, k_cons, c_cons))
     }
 }
@@ -159,7 +163,7 @@ fn check_everything(model: &Model, parts: &[Vec<f64>; 3]) {
         let ours = omega(&mut constraints.right_hand_side(model));
         assert_halves("Omega", &ours, &truth, m, bound);
         // The same terms on top of the paper's route.
-        let of_torque = ControlForm::of_cost(model, constraints.torque.clone());
+        let of_torque = ControlForm::of_cost(model, constraints.torque_penalty());
         let terms = Sum::new(of_torque, constraints.state_penalty(model));
         let b1 = omega(&mut Sum::new(AlgorithmB1::new(model), terms));
         assert_halves("Omega by Algorithm B1", &b1, &truth, m, 10.0 * bound);
@@ -241,7 +245,7 @@ fn differences_come_close() {
 fn costs_by_their_values() {
     struct ValueAlone(TorquePenalty);
     impl ControlCost for ValueAlone {
-        fn value<S: AlgebraOver<f64>>(&self, joint: usize, u: S) -> S {
+        fn value<S: AlgebraOver<f64> + Tanh>(&self, joint: usize, u: S) -> S {
             let Penalty { k_cons, c_cons } = self.0.penalty;
             let limit = S::from_f64(self.0.limits.0[joint].unwrap_or(0.0));
             penalty(u - limit, k_cons, c_cons) + penalty(-u - limit, k_cons, c_cons)
@@ -293,14 +297,16 @@ fn the_flow_heeds_constraints() {
             value,
         };
         let constraints = Penalised {
-            state: Bounds(vec![speed(Side::Upper, limit), speed(Side::Lower, -limit)]),
-            penalty: Penalty {
-                k_cons: 1e3,
-                c_cons: 20.0,
+            constraints: Constraints {
+                state: Bounds(vec![speed(Side::Upper, limit), speed(Side::Lower, -limit)]),
+                torque: TorqueLimits(vec![]),
             },
-            torque: TorquePenalty {
-                limits: TorqueLimits(vec![]),
-                penalty: Penalty {
+            weights: PenaltyWeights {
+                state: Penalty {
+                    k_cons: 1e3,
+                    c_cons: 20.0,
+                },
+                torque: Penalty {
                     k_cons: 1.0,
                     c_cons: 1.0,
                 },

@@ -1,7 +1,14 @@
 //! The integrator on problems whose solutions are known.
 
-use crate::common::ode::{both, error, oscillate, oscillate_jacobian, oscillator, solve, system};
-use aghf::ode::{Ode, Tolerance};
+use crate::common::ode::{
+    both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
+};
+use aghf::flow::jacobian::ControlFormJacobian;
+use aghf::flow::{ControlForm, FlowSettings, flow, flow_with_integrator};
+use aghf::motion::{Feedback, simulate, simulate_with};
+use aghf::ode::{Esdirk34, Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
+use aghf::scenario::Scenario;
+use nalgebra::{DMatrix, DVector};
 
 #[test]
 fn the_error_falls_with_the_tolerance() {
@@ -210,5 +217,151 @@ fn intervals_of_any_length_and_a_constant_solution() {
         let (result, seen) = solve(&mut line, 0.0, &[0.0], &[0.5 * span, span], both(1e-6));
         assert!(result.unwrap().steps < 50);
         assert!(error(&seen, |s| vec![2.0 * s / span]) < 1e-5);
+    }
+}
+
+#[test]
+fn the_runge_kutta_method_solves_stiff_systems_too() {
+    for (tolerance, bound) in [(1e-4, 300), (1e-6, 900)] {
+        let start = [1.0, 0.0, -1.0];
+        let (system, outputs) = (&mut stiff(1.0), decades());
+        let (result, seen) = solve_by(
+            &mut Esdirk34,
+            system,
+            0.0,
+            &start,
+            &outputs,
+            both(tolerance),
+        );
+        let error = error(&seen, stiff_solution);
+        assert!(error < 100.0 * tolerance, "{error} at {tolerance}");
+        let statistics = result.unwrap();
+        assert!(statistics.steps < bound, "{statistics:?}");
+        assert!(statistics.factorisations > 0, "{statistics:?}");
+    }
+}
+
+/// The linearly implicit Euler method with so many steps from one output to the next.
+struct LinearlyImplicitEuler(usize);
+
+impl Integrator for LinearlyImplicitEuler {
+    fn integrate(
+        &mut self,
+        system: &mut dyn Ode,
+        s0: f64,
+        y0: &[f64],
+        outputs: &[f64],
+        _: Tolerance,
+        observe: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<Statistics, Failure> {
+        let n = system.dim();
+        let (mut s, mut y) = (s0, DVector::from_column_slice(y0));
+        let (mut dy, mut jac) = (DVector::zeros(n), DMatrix::zeros(n, n));
+        let mut statistics = Statistics::default();
+        for output in outputs {
+            let h = (output - s) / self.0 as f64;
+            for _ in 0..self.0 {
+                system.rhs(s, y.as_slice(), dy.as_mut_slice());
+                jac.fill(0.0);
+                system.jacobian(s, y.as_slice(), &mut jac);
+                let matrix = DMatrix::identity(n, n) - &jac * h;
+                y += matrix.lu().solve(&(&dy * h)).expect("regular");
+                s += h;
+                statistics.steps += 1;
+            }
+            s = *output;
+            observe(s, y.as_slice());
+        }
+        Ok(statistics)
+    }
+}
+
+#[test]
+fn an_integrator_of_ones_own_has_its_order() {
+    let of = |steps| {
+        let mut euler = LinearlyImplicitEuler(steps);
+        let (_, seen) = solve_by(
+            &mut euler,
+            &mut oscillator(),
+            0.0,
+            &[1.0, 0.0],
+            &[1.0],
+            both(1.0),
+        );
+        error(&seen, |s| vec![s.cos(), -s.sin()])
+    };
+    let ratio = of(100) / of(200);
+    assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
+}
+
+/// Where the flow comes to rest does not depend on what took it there, nor does the way at a tight tolerance.
+#[test]
+fn every_integrator_takes_the_flow_to_the_same_curve() {
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let (model, problem) = (&scenario.model, scenario.problem().expect("sound"));
+    let settings = FlowSettings {
+        tolerance: 1e-8,
+        ..FlowSettings::new(9, 1e3, 100.0)
+    };
+    let run = |settings: &FlowSettings, integrator: &mut dyn Integrator| {
+        flow_with_integrator(
+            &problem,
+            settings,
+            &mut ControlForm::new(model),
+            &mut ControlFormJacobian::new(model),
+            integrator,
+            &mut |_| (),
+        )
+        .expect("sound")
+        .expect("it reaches its end")
+    };
+    let reference = flow(&problem, &settings, &mut |_| ())
+        .expect("sound")
+        .expect("the end");
+    for (name, kind) in IntegratorKind::by_name() {
+        // The settings choose it by name, and the same one can be handed over.
+        let named = flow(&problem, &settings.with_integrator(kind), &mut |_| ());
+        let named = named.expect("sound").expect("it reaches its end");
+        let given = run(&settings, &mut *kind.build());
+        assert_eq!(named.curve.x(), given.curve.x(), "{name}");
+        assert_eq!(named.statistics, given.statistics, "{name}");
+        let distance = (given.curve.x() - reference.curve.x()).amax();
+        assert!(distance < 1e-5, "{name}: {distance}");
+        for (own, other) in named.history.iter().zip(&reference.history) {
+            let (own, other) = (own.action_at_nodes, other.action_at_nodes);
+            assert!(
+                (own - other).abs() < 1e-5 * other,
+                "{name}: {own} beside {other}"
+            );
+        }
+    }
+    assert_ne!(
+        run(&settings, &mut Esdirk34).statistics,
+        reference.statistics,
+        "the two are the same method"
+    );
+    let own = run(&settings, &mut LinearlyImplicitEuler(20));
+    let distance = (own.curve.x() - reference.curve.x()).amax();
+    assert!(distance < 1e-2, "{distance}");
+}
+
+#[test]
+fn simulations_agree_between_integrators() {
+    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
+    let (model, problem) = (&scenario.model, scenario.problem().expect("sound"));
+    let settings = FlowSettings::new(12, 1e6, 10.0);
+    let curve = flow(&problem, &settings, &mut |_| ())
+        .expect("sound")
+        .expect("the end")
+        .curve;
+    let feedback = Feedback { kp: 10.0, kv: 10.0 };
+    let by_bdf = simulate(model, &curve, feedback)
+        .expect("sound")
+        .expect("the end");
+    let other = simulate_with(model, &curve, feedback, &mut Esdirk34);
+    let other = other.expect("sound").expect("the end");
+    assert_ne!(by_bdf.statistics, other.statistics);
+    for (a, b) in by_bdf.state.iter().zip(&other.state) {
+        assert!((a - b).abs() < 1e-5 * (1.0 + a.abs()), "{a} beside {b}");
     }
 }

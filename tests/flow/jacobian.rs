@@ -6,7 +6,7 @@ use crate::common::{
 };
 use aghf::flow::Node;
 use aghf::flow::jacobian::{
-    CentralDifference, ControlForm, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
+    CentralDifference, ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
 use aghf::model::random_tree;
 use aghf::verify::duals::{CheckOptions, State, check_jacobian, check_jacobian_at};
@@ -29,14 +29,14 @@ proptest! {
     #[test]
     fn the_control_form_matches_duals(model in any_model(), seed in any::<u64>()) {
         let options = CheckOptions { samples: 2, seed, penalties: PENALTIES.to_vec() };
-        let jacobian = &mut ControlForm::new(&model);
+        let jacobian = &mut ControlFormJacobian::new(&model);
         assert_right(&model, check_jacobian(&model, "control form", jacobian, &options));
     }
 
     /// At states with zeros in them.
     #[test]
     fn the_control_form_matches_duals_where_numbers_vanish((model, parts) in model_and_node()) {
-        let (jacobian, states) = (&mut ControlForm::new(&model), [state(parts)]);
+        let (jacobian, states) = (&mut ControlFormJacobian::new(&model), [state(parts)]);
         let findings = check_jacobian_at(&model, "control form", jacobian, &states, &PENALTIES);
         assert_right(&model, findings);
     }
@@ -97,7 +97,7 @@ fn special_states() {
         .into_iter()
         .map(state)
         .collect();
-        let jacobian = &mut ControlForm::new(&model);
+        let jacobian = &mut ControlFormJacobian::new(&model);
         let findings = check_jacobian_at(&model, "control form", jacobian, &states, &PENALTIES);
         assert_right(&model, findings);
     }

@@ -11,7 +11,7 @@ use aghf::flow::{
 };
 use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
-use aghf::scalar::AlgebraOver;
+use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, HyperDual64};
 use proptest::prelude::*;
@@ -284,7 +284,7 @@ fn omega_of_a_resting_pendulum_by_hand() {
 
 #[test]
 fn wrong_lengths_are_errors() {
-    fn refused<S: AlgebraOver<f64>>(model: &Model, short: &[S], long: &[S]) {
+    fn refused<S: AlgebraOver<f64> + Tanh>(model: &Model, short: &[S], long: &[S]) {
         let node = Node {
             x: long,
             xdot: short,

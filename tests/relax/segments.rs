@@ -2,6 +2,7 @@
 
 use crate::common::relax::{size, solved};
 use crate::common::{assert_refused, robot, slider};
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
 use aghf::curve::{Chebyshev, Curve};
@@ -10,7 +11,7 @@ use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
 use aghf::relax::relax;
-use aghf::relax::{Constraints, RelaxSettings, RelaxSolution, relax_constrained};
+use aghf::relax::{RelaxSettings, RelaxSolution, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
 

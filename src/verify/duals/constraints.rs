@@ -4,6 +4,7 @@ use super::dynamics::by_duals;
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
+use crate::constraint::Constraints;
 use crate::constraint::TorqueLimits;
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
@@ -11,9 +12,10 @@ use crate::constraint::{
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
+use crate::flow::Penalised;
 use crate::flow::Penalty;
+use crate::flow::PenaltyWeights;
 use crate::flow::jacobian::JacobianKind;
-use crate::flow::{Penalised, TorquePenalty};
 use crate::model::Model;
 use nalgebra::{DMatrix, Vector3};
 use num_dual::Dual64;
@@ -32,7 +34,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
         let at = At::new(model, sample, state)?;
         for (name, constraint) in ["spheres", "half-space", "bounds"]
             .iter()
-            .zip(&made_up.state)
+            .zip(&made_up.constraints.state)
         {
             contractions(model, name, constraint, at, &mut findings)?;
         }
@@ -103,21 +105,23 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         (i % 4 != 1).then(|| u.abs() + largest * (0.1 * (i as f64).sin() + 0.02))
     };
     Ok(Penalised {
-        state: vec![
-            AnyConstraint::Spheres(SphereClearance {
-                balls: balls.clone(),
-                spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
-            }),
-            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
-            AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
-        ],
-        penalty: Penalty {
-            k_cons: 10.0,
-            c_cons: 2.0,
+        constraints: Constraints {
+            state: vec![
+                AnyConstraint::Spheres(SphereClearance {
+                    balls: balls.clone(),
+                    spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
+                }),
+                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
+            ],
+            torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
         },
-        torque: TorquePenalty {
-            limits: TorqueLimits(u.iter().enumerate().map(limit).collect()),
-            penalty: Penalty {
+        weights: PenaltyWeights {
+            state: Penalty {
+                k_cons: 10.0,
+                c_cons: 2.0,
+            },
+            torque: Penalty {
                 k_cons: 2.0,
                 c_cons: 1.0 / largest,
             },

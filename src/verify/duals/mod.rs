@@ -17,7 +17,7 @@ pub use relaxation::check_relaxation;
 
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::Result;
-use crate::flow::jacobian::{ForwardDual, JacobianKind};
+use crate::flow::jacobian::{ForwardDual, JacobianKind, Jacobians};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use crate::spatial::Placement;
@@ -34,6 +34,8 @@ pub const BOUND: f64 = 1e-9;
 /// No bound is larger, however ill-conditioned the mass matrix is: a state at which rounding takes more cannot be judged in double
 /// precision, and is reported.
 pub const LARGEST_BOUND: f64 = 1e-5;
+/// The same of what is divided by the mass matrix twice and then multiplied by it twice.
+const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 /// What is so small beside the inertia of the robot may be what rounding leaves of zero.
 const VANISHING: f64 = 1e-6;
 /// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
@@ -163,7 +165,7 @@ pub(crate) struct At<'a> {
     k: Option<f64>,
     sample: usize,
     state: &'a State,
-    /// The smallest and the largest eigenvalue of the mass matrix there.
+    /// The smallest and the largest eigenvalue of the mass matrix there, by magnitude.
     eigenvalues: [f64; 2],
     /// The inertia of all bodies about the origin of the base, in which everything is computed.
     inertia: f64,
@@ -174,7 +176,7 @@ impl<'a> At<'a> {
         let n = model.dof();
         let mut h = DMatrix::zeros(n, n);
         crba(model, &mut Data::new(model), &state.x[..n], &mut h)?;
-        let eigenvalues = h.symmetric_eigenvalues();
+        let eigenvalues = extreme_eigenvalues(&h);
         let mut placements = vec![Placement::identity(); n];
         forward_kinematics(model, &state.x[..n], &mut placements)?;
         let inertias = model.inertias().iter().zip(&placements);
@@ -183,8 +185,8 @@ impl<'a> At<'a> {
             k: None,
             sample,
             state,
-            eigenvalues: [eigenvalues.min(), eigenvalues.max()],
-            inertia: about_base.sum::<f64>().max(eigenvalues.max()),
+            eigenvalues,
+            inertia: about_base.sum::<f64>().max(eigenvalues[1]),
         })
     }
 
@@ -196,7 +198,7 @@ impl<'a> At<'a> {
     /// The condition number of the mass matrix.
     fn condition(&self) -> f64 {
         let [smallest, largest] = self.eigenvalues;
-        largest / smallest.abs()
+        largest / smallest
     }
 
     /// Of sums of products with inertias.
@@ -211,7 +213,7 @@ impl<'a> At<'a> {
     fn divided(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
-            floor: VANISHING * self.inertia / self.eigenvalues[0].abs(),
+            floor: VANISHING * self.inertia / self.eigenvalues[0],
         }
     }
 
@@ -225,6 +227,25 @@ impl<'a> At<'a> {
             floor: 0.0,
         }
     }
+
+    /// Of what is divided by it twice and then multiplied by it twice, which leaves rounding of the square of the condition number.
+    pub(crate) fn multiplied_again(&self) -> Tolerance {
+        Tolerance {
+            bound: (BOUND * self.squared_rounding()).min(LARGEST_BOUND_MULTIPLIED),
+            floor: 0.0,
+        }
+    }
+
+    /// By how much two divisions by the mass matrix make rounding larger.
+    fn squared_rounding(&self) -> f64 {
+        1.0 + 1e-9 * self.condition().powi(2)
+    }
+}
+
+/// The smallest and the largest eigenvalue of a symmetric matrix, by magnitude.
+fn extreme_eigenvalues(h: &DMatrix<f64>) -> [f64; 2] {
+    let eigenvalues = h.symmetric_eigenvalues().abs();
+    [eigenvalues.min(), eigenvalues.max()]
 }
 
 impl Findings {
@@ -295,23 +316,40 @@ impl Findings {
 /// None that a loaded model gives.
 pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = check_dynamics(model, options)?;
-    for (name, kind) in JacobianKind::by_name() {
-        findings.extend(match kind {
-            JacobianKind::Difference => check_differences(model, &name, options)?,
-            JacobianKind::Dual => {
+    findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
+    findings.extend(check_constraints(model, options)?);
+    Ok(findings)
+}
+
+/// Checks every Jacobian of a list with [`check_jacobian`]. Two that are built in are compared otherwise: differences with a bound
+/// of their own, and duals of the control form, which are the truth for the others, with duals of Algorithm B1.
+///
+/// # Errors
+/// An implementation refuses the model.
+pub fn check_jacobians(
+    model: &Model,
+    jacobians: &Jacobians,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for name in jacobians.names() {
+        let jacobian = &mut *jacobians.build(name, model)?;
+        findings.extend(match name.parse() {
+            Ok(JacobianKind::Difference) => check_differences(model, name, options)?,
+            Ok(JacobianKind::Dual) => {
                 let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
+                let truth = &mut Printed(as_printed);
                 compare_jacobians(
                     model,
-                    &name,
-                    &mut ForwardDual::new(model),
-                    &mut Printed(as_printed),
+                    name,
+                    jacobian,
+                    truth,
                     &options.states(model),
                     &options.penalties,
                 )?
             }
-            _ => check_jacobian(model, &name, kind.build(model).as_mut(), options)?,
+            _ => check_jacobian(model, name, jacobian, options)?,
         });
     }
-    findings.extend(check_constraints(model, options)?);
     Ok(findings)
 }

@@ -5,7 +5,7 @@ use super::{Equality, F, Identity, J, Point};
 use crate::curve::Chebyshev;
 use crate::dynamics::{Data, bias, crba, rnea};
 use crate::error::Result;
-use crate::flow::jacobian::{ControlForm as ControlFormJacobian, NodeBlocks, TheoremB4};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, TheoremB4};
 use crate::flow::{Collocation, assemble_jacobian};
 use crate::flow::{ControlForm, RightHandSide};
 use crate::scalar::{Jet, Scalar};

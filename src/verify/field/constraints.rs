@@ -7,12 +7,12 @@ use super::{Equality, F, Identity, J, Point};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::flow::Penalty;
-use crate::flow::jacobian::{ControlForm, NodeBlocks, NodeJacobian, TheoremB4};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian, TheoremB4};
 use crate::flow::{
     RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
     penalty_curvature, penalty_slope,
 };
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::DVector;
 use num_traits::{One, Zero};
 
@@ -39,10 +39,15 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// $L_{cons}$ over any scalar, the torque left out unless asked for.
-fn constrained<S: AlgebraOver<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) -> Result<S> {
+fn constrained<S: AlgebraOver<F> + Tanh>(
+    p: &Point,
+    torque: bool,
+    x: &[S],
+    xdot: &[S],
+) -> Result<S> {
     let (set, n) = (set(p), p.dof());
-    let Penalty { k_cons, c_cons } = set.penalty;
-    let g = rows(p, &set.state, x)?;
+    let Penalty { k_cons, c_cons } = set.weights.state;
+    let g = rows(p, &set.constraints.state, x)?;
     let lagrangian = constrained_lagrangian(effort(p, x, xdot)?, g, k_cons, c_cons);
     if !torque {
         return Ok(lagrangian);
@@ -50,9 +55,9 @@ fn constrained<S: AlgebraOver<F>>(p: &Point, torque: bool, x: &[S], xdot: &[S]) 
     let mut u = vec![S::zero(); n];
     let data = &mut Data::new(&p.model);
     rnea(&p.model, data, &x[..n], &x[n..], &xdot[n..], &mut u)?;
-    let mut g = vec![S::zero(); set.torque.limits.dim()];
-    set.torque.limits.value(&u, &mut g)?;
-    let Penalty { k_cons, c_cons } = set.torque.penalty;
+    let mut g = vec![S::zero(); set.constraints.torque.dim()];
+    set.constraints.torque.value(&u, &mut g)?;
+    let Penalty { k_cons, c_cons } = set.weights.torque;
     Ok(constrained_lagrangian(lagrangian, g, k_cons, c_cons))
 }
 
@@ -64,7 +69,7 @@ fn a1(p: &Point) -> Result<Vec<Equality>> {
     let left = constrained(p, false, p.x.as_slice(), p.xdot.as_slice())?;
     let (reference, mut right) = (Reference::at(p)?, F::zero());
     let Penalty { k_cons, c_cons } = pair(p);
-    for g in rows(p, &set(p).state, p.x.as_slice())? {
+    for g in rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() + half() * (c_cons * g).tanh();
         right += k_cons * g * g * s;
     }
@@ -81,7 +86,7 @@ fn a2(p: &Point) -> Result<Vec<Equality>> {
         },
         mut claims,
     ) = (pair(p), Vec::new());
-    for g in rows(p, &set(p).state, p.x.as_slice())? {
+    for g in rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() * (F::one() + (g * c).tanh());
         claims.push(Equality::numbers("b", penalty(g, k, c), k * g * g * s));
         let at = |i: usize| pair(p).derivatives(g)[i];
@@ -129,7 +134,7 @@ fn a4(p: &Point) -> Result<Vec<Equality>> {
         .theorem()
         .omega(p.node(), p.k, omega.as_mut_slice())?;
     let mut penalties = set(p);
-    penalties.torque.limits.0.clear();
+    penalties.constraints.torque.0.clear();
     let terms = &mut penalties.state_penalty(&p.model);
     terms.omega(p.node(), p.k, of_state.as_mut_slice())?;
     Ok(vec![
@@ -152,7 +157,7 @@ fn flow(p: &Point) -> Result<Vec<Equality>> {
         Ok(omega)
     };
     let whole = omega(&mut set.right_hand_side(&p.model))?;
-    let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque.clone());
+    let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque_penalty());
     let terms = omega(&mut Sum::new(of_torque, set.state_penalty(&p.model)))?;
     let mut paper = DVector::zeros(2 * p.dof());
     reference
@@ -175,8 +180,8 @@ fn right_hand_side(p: &Point, z: &[J]) -> Result<Vec<J>> {
 
 fn constrained_jacobian(p: &Point) -> Result<Vec<Equality>> {
     let (set, model) = (set(p), &p.model);
-    let whole = ControlForm::with_cost(model, set.torque.clone());
-    let of_torque = ControlForm::of_cost(model, set.torque.clone());
+    let whole = ControlFormJacobian::with_cost(model, set.torque_penalty());
+    let of_torque = ControlFormJacobian::of_cost(model, set.torque_penalty());
     let on_b4 = Sum::new(TheoremB4::new(model), of_torque);
     let mut claims = Vec::new();
     let mut claim = |jacobian: &mut dyn NodeJacobian<F, F>| -> Result<()> {

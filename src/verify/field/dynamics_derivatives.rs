@@ -13,7 +13,7 @@ use crate::dynamics::{
 };
 use crate::error::Result;
 use crate::flow::RightHandSide;
-use crate::flow::jacobian::{ControlForm, NodeBlocks};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks};
 use crate::scalar::Jet;
 use nalgebra::DMatrix;
 
@@ -226,7 +226,7 @@ fn control_form_omega(p: &Point, z: &[J]) -> Result<Vec<J>> {
 
 fn control_form(p: &Point) -> Result<Vec<Equality>> {
     let (t, mut found) = (gathered(p)?, NodeBlocks::new(p.dof()));
-    ControlForm::new(&p.model).blocks(p.node(), p.k, &mut found)?;
+    ControlFormJacobian::new(&p.model).blocks(p.node(), p.k, &mut found)?;
     let by = |part| derivative(p, part, control_form_omega);
     let omega = vector(&control_form_omega(p, &constant(&all(p)))?).map(|o| o.re);
     Ok(vec![
