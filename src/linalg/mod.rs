@@ -12,5 +12,5 @@ mod tensor;
 pub use block_tridiagonal::BlockTridiagonal;
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
-pub(crate) use matmul::multiply;
+pub use matmul::multiply;
 pub use tensor::{Tensor3, Tensor4};

@@ -1,6 +1,6 @@
 //! Constraints: contractions against dual numbers of the value, swept links, and the constrained flow.
 
-use crate::common::{any_model, config, numbers, robot};
+use crate::common::{any_model, assert_refused, assert_right, config, numbers, robot, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
     HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, Weights,
@@ -9,8 +9,8 @@ use aghf::dynamics::forward_kinematics;
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
+use aghf::verify::duals::{CheckOptions, check_constraints};
 use nalgebra::{DMatrix, DVector, Vector3};
-use num_dual::HyperDual64;
 use proptest::prelude::*;
 
 /// Every kind that is built in: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
@@ -91,45 +91,19 @@ fn contracted(
     (out.gradient().clone(), out.hessian().clone())
 }
 
-/// The same by hyper-dual numbers of `num-dual`.
-fn by_hyper_duals(
-    model: &Model,
-    constraint: &impl Constraint,
-    x: &[f64],
-    w: &[f64],
-    c: &[f64],
-) -> (DVector<f64>, DMatrix<f64>) {
-    let m = x.len();
-    let (mut gradient, mut hessian) = (DVector::zeros(m), DMatrix::zeros(m, m));
-    let mut evaluator = Evaluator::new(model);
-    let mut g = vec![HyperDual64::from(0.0); constraint.dim()];
-    for i in 0..m {
-        for j in 0..m {
-            let mut moving: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
-            moving[i].eps1 = 1.0;
-            moving[j].eps2 = 1.0;
-            let here = evaluator.at(&moving).expect("lengths agree");
-            here.value(constraint, &mut g).expect("same robot");
-            gradient[i] = g.iter().zip(w).map(|(g, w)| w * g.eps1).sum();
-            let entries = g.iter().zip(w.iter().zip(c));
-            hessian[(i, j)] = entries
-                .map(|(g, (w, c))| w * g.eps1eps2 + c * g.eps1 * g.eps2)
-                .sum();
-        }
-    }
-    (gradient, hessian)
-}
-
-fn wave(count: usize, f: f64) -> Vec<f64> {
-    (0..count).map(|i| (f * (i as f64 + 1.0)).sin()).collect()
-}
-
 proptest! {
     #![proptest_config(config(24))]
 
-    /// Sums of some thousand products: their rounding is far below the bound.
     #[test]
-    fn contractions_match_duals((model, x) in any_model().prop_flat_map(|model| {
+    fn derivatives_match_duals(model in any_model(), seed in any::<u64>()) {
+        let options = CheckOptions { samples: 1, seed, penalties: vec![1.0] };
+        assert_right(&model, check_constraints(&model, &options));
+    }
+
+    /// What a constraint without analytic derivatives falls back on gives those that the analytic ones give. Sums of some thousand
+    /// products: their rounding is far below the bound.
+    #[test]
+    fn derivatives_of_the_value_alone_are_the_same((model, x) in any_model().prop_flat_map(|model| {
         let n = 2 * model.dof();
         (Just(model), numbers(n))
     })) {
@@ -138,12 +112,9 @@ proptest! {
             let (w, c) = (wave(one.dim(), 0.7), wave(one.dim(), 1.9));
             let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
             let (gradient, hessian) = contracted(&model, &one, &x, weights);
-            let (truth, truth2) = by_hyper_duals(&model, &one, &x, &w, &c);
-            assert_close!(&gradient, &truth, 1e-12);
-            assert_close!(&hessian, &truth2, 1e-12);
             let (by_jets, by_jets2) = contracted(&model, &ValueAlone(one), &x, weights);
-            assert_close!(&by_jets, &truth, 1e-12);
-            assert_close!(&by_jets2, &truth2, 1e-12);
+            assert_close!(&gradient, &by_jets, 1e-12);
+            assert_close!(&hessian, &by_jets2, 1e-12);
             let (alone, nothing) = contracted(&model, &one, &x, Weights { first_order: &w, gauss_newton: None });
             prop_assert_eq!(alone, gradient);
             prop_assert_eq!(nothing.amax(), 0.0);
@@ -258,14 +229,11 @@ fn balls_cover_a_capsule() {
     }
     assert_eq!(capsule.balls(2.0).expect("positive").len(), 2);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        capsule.balls(bad).expect_err("no spacing");
+        assert_refused(capsule.balls(bad), "spacing");
     }
-    Capsule {
-        radius: -0.1,
-        ..capsule
-    }
-    .balls(1.0)
-    .expect_err("no radius");
+    let radius = -0.1;
+    let inside_out = Capsule { radius, ..capsule };
+    assert_refused(inside_out.balls(1.0), "radius");
 }
 
 #[test]
@@ -362,26 +330,23 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
             radius: 1.0,
         }],
     };
-    here.value(&constraint, &mut [0.0])
-        .expect_err("no seventh body");
+    let no_body = "bodies of the robot of a constraint: expected 7 entries, found 2";
+    assert_refused(here.value(&constraint, &mut [0.0]), no_body);
     let weights = Weights {
         first_order: &[1.0],
         gauss_newton: Some(&[1.0]),
     };
-    here.weighted_derivatives(&constraint, weights)
-        .expect_err("no seventh body");
-    here.weighted_derivatives(
-        &Bounds(vec![Bound {
-            entry: 4,
-            side: Side::Upper,
-            value: 0.0,
-        }]),
-        weights,
-    )
-    .expect_err("no fifth entry");
-    here.weighted_derivatives(&ValueAlone(constraint), weights)
-        .expect_err("no seventh body");
-    here.value(&(), &mut [0.0]).expect_err("no rows");
-    here.weighted_derivatives(&(), weights)
-        .expect_err("no rows");
+    assert_refused(here.weighted_derivatives(&constraint, weights), no_body);
+    let fifth = Bounds(vec![Bound {
+        entry: 4,
+        side: Side::Upper,
+        value: 0.0,
+    }]);
+    let no_entry = "bounded numbers: expected 5 entries, found 4";
+    assert_refused(here.weighted_derivatives(&fifth, weights), no_entry);
+    let alone = ValueAlone(constraint);
+    assert_refused(here.weighted_derivatives(&alone, weights), no_body);
+    let no_rows = "expected 0 entries, found 1";
+    assert_refused(here.value(&(), &mut [0.0]), no_rows);
+    assert_refused(here.weighted_derivatives(&(), weights), no_rows);
 }

@@ -3,13 +3,16 @@
 use crate::common::robot;
 use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
-use aghf::constraint::{Bounds, CollisionSphere, Sphere, SphereClearance};
+use aghf::constraint::{
+    Bounds, CollisionSphere, Constraint, Evaluator, Sphere, SphereClearance, Weights,
+};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
     frame_jacobian, mass_matrix_and_rate, rnea, rnea_derivatives,
 };
 use aghf::flow::Penalty;
 use aghf::flow::PenaltyWeights;
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
 use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
 use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, Vector3};
@@ -112,6 +115,46 @@ fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
         .expect("lengths agree");
     let again = allocations(|| constrained.omega(node, 3.0, &mut omega));
     assert_eq!(again, 0, "constrained flow");
+
+    let state = &constraints.constraints.state;
+    let rows = state.dim();
+    let (mut g, mut evaluator) = (wave(rows), Evaluator::new(&model));
+    let (w, c) = (wave(rows), wave(rows));
+    let weights = Weights {
+        first_order: &w,
+        gauss_newton: Some(&c),
+    };
+    let of_constraints = allocations(|| {
+        let mut here = evaluator.at(&x)?;
+        here.value(state, &mut g)?;
+        here.weighted_derivatives(state, weights)?;
+        Ok(())
+    });
+    assert_eq!(of_constraints, 0, "constraints");
+}
+
+/// The Jacobians of the flow, but for that of Theorem B4, which says that it allocates. That of the control form has five products of
+/// large matrices, each of which `nalgebra` packs into a buffer of its own.
+#[test]
+fn jacobians_allocate_nothing_of_their_own() {
+    let model = robot("digit_v3_pinned");
+    let n = model.dof();
+    let [x, xdot, xddot] = [0.7, 1.3, 2.1].map(|f| crate::common::wave(2 * n, f));
+    let node = Node {
+        x: &x,
+        xdot: &xdot,
+        xddot: &xddot,
+    };
+    let mut out = NodeBlocks::new(n);
+    for (kind, packed) in [
+        (JacobianKind::ControlForm, 5),
+        (JacobianKind::Dual, 0),
+        (JacobianKind::Difference, 0),
+    ] {
+        let mut jacobian = kind.build(&model);
+        let made = allocations(|| jacobian.evaluate(node, 3.0, &mut out));
+        assert_eq!(made, packed, "{kind:?}");
+    }
 }
 
 #[test]

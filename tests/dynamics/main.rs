@@ -5,6 +5,8 @@
 mod common;
 
 mod allocation;
+mod derivatives;
+mod fast_paths;
 mod identities;
 mod prime_field;
 mod rnea_weighted;

@@ -1,13 +1,12 @@
 //! Numbers: derivatives of the functions, constants that are not promoted, and the factorisation.
 
-use crate::common::{config, numbers};
+use crate::common::{config, numbers, wave};
 use aghf::dynamics::{Data, rnea};
 use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
 use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
-use num_traits::Zero;
 use proptest::prelude::*;
 
 /// `sin x cos x + tanh x` written generically, with its first two derivatives by hand.
@@ -53,29 +52,6 @@ proptest! {
         prop_assert!((f64::from(mixed(x as f32)) - value).abs() < 1e-5);
         near(mixed(Lanes([x, 0.0, 1.0, -x])).0[3], -mixed(x));
         prop_assert_eq!(mixed(Lanes([x, 0.0, -x])).0[2], -mixed(x));
-    }
-
-    /// In the first lanes angles as they come, in the last ones far beyond what the short way is for.
-    #[test]
-    fn sines_in_lanes_are_those_of_numbers(x in -1e9..1e9_f64, y in -7.0..7.0_f64, z in 1e9..1e300_f64) {
-        let same = |angles: [f64; 4], digits: f64| {
-            let (sin, cos) = Scalar::sin_cos(Lanes(angles));
-            for lane in 0..4 {
-                let (s, c) = angles[lane].sin_cos();
-                assert!((sin.0[lane] - s).abs() <= digits * s.abs(), "{angles:?} {sin:?}");
-                assert!((cos.0[lane] - c).abs() <= digits * c.abs(), "{angles:?} {cos:?}");
-            }
-        };
-        // One unit in the last place, and cancellation in what is left of a large angle.
-        same([y, -y, 0.0, y / 8.0], f64::EPSILON);
-        let (sin, cos) = Scalar::sin_cos(Lanes([x, y, -x, 0.1 * x]));
-        for (lane, angle) in [x, y, -x, 0.1 * x].into_iter().enumerate() {
-            prop_assert!((sin.0[lane] - angle.sin()).abs() <= 2.0 * f64::EPSILON);
-            prop_assert!((cos.0[lane] - angle.cos()).abs() <= 2.0 * f64::EPSILON);
-        }
-        same([y, z, x, -z], 0.0);
-        let (sin, cos) = Scalar::sin_cos(Lanes([f64::NAN, y, f64::INFINITY, x]));
-        prop_assert!([sin.0[0], cos.0[0], sin.0[2], cos.0[2]].iter().all(|x| x.is_nan()));
     }
 
     #[test]
@@ -127,7 +103,6 @@ proptest! {
     }
 }
 
-/// The same dynamics run on lanes and in single precision.
 /// Far from zero the hyperbolic tangent is one, and its dual numbers are numbers.
 #[test]
 fn tanh_saturates() {
@@ -143,53 +118,16 @@ fn tanh_saturates() {
 }
 
 #[test]
-fn dynamics_run_on_lanes_and_on_f32() {
+fn dynamics_run_in_single_precision() {
     let model = random_tree(8, 5).expect("eight joints");
-    let state = |lane: usize| -> [Vec<f64>; 3] {
-        let wave = |f: f64| {
-            (0..8)
-                .map(|i| (f * (i * 4 + lane + 1) as f64).sin())
-                .collect()
-        };
-        [wave(0.3), wave(0.7), wave(1.1)]
-    };
-    let pack = |part: usize| -> Vec<Lanes<f64, 4>> {
-        (0..8)
-            .map(|i| Lanes(std::array::from_fn(|lane| state(lane)[part][i])))
-            .collect()
-    };
-    let mut packed = vec![Lanes::zero(); 8];
-    rnea(
-        &model,
-        &mut Data::new(&model),
-        &pack(0),
-        &pack(1),
-        &pack(2),
-        &mut packed,
-    )
-    .expect("lengths agree");
-    for lane in 0..4 {
-        let [q, v, a] = state(lane);
-        let mut tau = vec![0.0; 8];
-        rnea(&model, &mut Data::new(&model), &q, &v, &a, &mut tau).expect("lengths agree");
-        let in_lane: Vec<f64> = packed.iter().map(|t| t.0[lane]).collect();
-        assert_close!(&in_lane, &tau, 1e-14);
-
+    let run = |[q, v, a]: [&[f64]; 3]| {
         let short = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
-        let mut single = vec![0.0_f32; 8];
-        rnea(
-            &model,
-            &mut Data::new(&model),
-            &short(&q),
-            &short(&v),
-            &short(&a),
-            &mut single,
-        )
-        .expect("lengths agree");
-        assert_close!(
-            &single.iter().map(|t| f64::from(*t)).collect::<Vec<_>>(),
-            &tau,
-            1e-5
-        );
-    }
+        let (mut double, mut single) = (vec![0.0; 8], vec![0.0_f32; 8]);
+        rnea(&model, &mut Data::new(&model), q, v, a, &mut double).expect("lengths agree");
+        let [q, v, a] = [q, v, a].map(short);
+        rnea(&model, &mut Data::new(&model), &q, &v, &a, &mut single).expect("lengths agree");
+        let single: Vec<f64> = single.into_iter().map(f64::from).collect();
+        assert_close!(&single, &double, 1e-5);
+    };
+    run([&wave(8, 0.3), &wave(8, 0.7), &wave(8, 1.1)]);
 }

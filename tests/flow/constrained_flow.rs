@@ -1,6 +1,6 @@
 //! The constrained flow (A4): its right-hand side against the definition, its Jacobians against duals of it.
 
-use crate::common::{config, model_and_node, node, robot, solve_bound};
+use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
 use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
@@ -207,24 +207,14 @@ proptest! {
 #[test]
 fn digit_with_constraints() {
     let model = robot("digit_v3_pinned");
-    let wave = |f: f64| {
-        (0..44)
-            .map(|i| (f * (f64::from(i) + 1.0)).sin())
-            .collect::<Vec<_>>()
-    };
-    check_everything(&model, &[wave(0.7), wave(1.3), wave(2.1)]);
+    check_everything(&model, &[0.7, 1.3, 2.1].map(|f| wave(44, f)));
 }
 
 /// Differences of the whole right-hand side come close where activations are not steep beside their steps.
 #[test]
 fn differences_come_close() {
     let model = robot("kinova_gen3");
-    let wave = |f: f64| {
-        (0..14)
-            .map(|i| (f * (f64::from(i) + 1.0)).sin())
-            .collect::<Vec<_>>()
-    };
-    let parts = [wave(0.7), wave(1.3), wave(2.1)];
+    let parts = [0.7, 1.3, 2.1].map(|f| wave(14, f));
     let constraints = &penalised(&model, &parts);
     let of = |kind: JacobianKind| {
         blocks(
@@ -287,9 +277,10 @@ fn costs_by_their_values() {
         TorqueLimits::of(&kinova).0[0],
         Some(kinova.joints()[0].limits().effort)
     );
-    none.value(&[0.0; 2], &mut [])
-        .expect_err("two controls for three joints");
-    none.value(&[0.0; 3], &mut [0.0]).expect_err("no rows");
+    let two = none.value(&[0.0; 2], &mut []);
+    assert_refused(two, "u: expected 3 entries, found 2");
+    let a_row = none.value(&[0.0; 3], &mut [0.0]);
+    assert_refused(a_row, "g: expected 0 entries, found 1");
 }
 
 /// A limit on the speed keeps a pendulum slower, whichever Jacobian the flow uses; constraints that are far from active do

@@ -1,6 +1,6 @@
 //! Nodes, derivatives, interpolation, quadrature and the collocated system.
 
-use crate::common::{config, dual_jacobian, numbers, robot};
+use crate::common::{assert_refused, config, dual_jacobian, numbers, robot};
 use aghf::curve::{Chebyshev, Curve, gauss_legendre};
 use aghf::flow::ControlForm;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
@@ -196,13 +196,13 @@ fn bad_parts_are_errors() {
         (2, x(11), "x: expected 10 entries, found 11"),
         (2, x(4), "p: it is 1"),
         (2, x(0), "p: it is 0"),
-        (2, x(10), "the state jumps where part 1 begins"),
+        (2, x(10), "the state jumps where segment 1 begins"),
         (1, DMatrix::zeros(3, 4), "odd number of rows"),
     ] {
         let error = Curve::piecewise(HORIZON, segments, x).expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");
     }
-    assert!(Curve::piecewise(-1.0, 2, x(10)).is_err());
+    assert_refused(Curve::piecewise(-1.0, 2, x(10)), "horizon: it is -0.5");
 }
 
 proptest! {

@@ -187,7 +187,9 @@ fn bad_input_is_refused() {
         assert!(failure.y.len() == y0.len() && seen.is_empty());
     }
     let mut empty = system(0, |_, _, _| {}, |_, _, _| {});
-    assert!(solve(&mut empty, 0.0, &[], &[1.0], both(1e-6)).0.is_err());
+    let of_nothing = solve(&mut empty, 0.0, &[], &[1.0], both(1e-6)).0;
+    let reason = of_nothing.unwrap_err().reason;
+    assert_eq!(reason, "invalid input: dimension 0, but 0 initial values");
     let (nothing, _) = solve(&mut oscillator(), 0.0, y, &[], both(1e-6));
     assert_eq!(nothing.unwrap(), Statistics::default());
 }

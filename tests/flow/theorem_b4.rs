@@ -262,7 +262,7 @@ proptest! {
 
 /// States in which terms vanish, so that a block cannot lean on them, and one in which none does.
 fn states(n: usize) -> Vec<Parts<f64>> {
-    let wave = |f: f64| -> Vec<f64> { (0..n).map(|i| (f * (i as f64 + 1.0)).sin()).collect() };
+    let wave = |f: f64| crate::common::wave(n, f);
     let zero = vec![0.0; n];
     let state = |q: &[f64], v: &[f64], a: &[f64]| {
         [
@@ -376,7 +376,6 @@ fn wrong_lengths_are_errors() {
         assert!(error.contains("expected 4 entries, found 3"), "{error}");
     }
     let good = [long.clone(), long.clone(), long];
-    jacobian
-        .evaluate(node(&good), 1.0, &mut NodeBlocks::new(3))
-        .expect_err("too large");
+    let too_large = jacobian.evaluate(node(&good), 1.0, &mut NodeBlocks::new(3));
+    crate::common::assert_refused(too_large, "dx: expected 4 entries, found 6");
 }

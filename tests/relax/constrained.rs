@@ -1,5 +1,6 @@
 //! The relaxation within constraints: the derivatives of what it minimises, optima that are known, and what it says where there is none.
 
+use crate::common::assert_refused;
 use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
@@ -299,7 +300,8 @@ fn a_torque_limit_is_kept() {
         ..kept
     };
     let settings = RelaxSettings::constrained();
-    assert!(relax_constrained(&problem, &settings, &limits, &mut |_| {}).is_err());
+    let of_another = relax_constrained(&problem, &settings, &limits, &mut |_| {});
+    assert_refused(of_another, "torque limits: expected 1 entries, found 2");
 }
 
 #[test]
@@ -313,7 +315,8 @@ fn an_arm_among_spheres_keeps_clear() {
     assert!(clearance.is_some_and(|m| m >= -1e-6), "{clearance:?}");
 }
 
-/// With these bends the first candidate stalls within the constraints, and the next one ends at a minimum.
+/// With these bends the first candidate stalls within the constraints, and the next one ends at a minimum. That the first stalled
+/// shows in the degrees: another candidate goes on from a lower one only after that.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
     let scenario = Scenario::load("kinova_obstacles_04").expect("built in");
@@ -326,8 +329,16 @@ fn what_converged_is_told_of_rather_than_what_stalled() {
         ..SolveOptions::default().relax_settings(&scenario)
     };
     let problem = scenario.problem().expect("valid");
-    let solution = relax_constrained(&problem, &settings, &requirements, &mut |_| {});
-    assert!(solution.expect("valid").converged);
+    let solution =
+        relax_constrained(&problem, &settings, &requirements, &mut |_| {}).expect("valid");
+    let degrees: Vec<_> = solution.iterations.iter().map(|i| i.degree).collect();
+    let highest = settings.degree;
+    let gave_up = |w: &[usize]| w[0] == highest && w[1] < highest;
+    assert!(
+        degrees.windows(2).any(gave_up),
+        "the first candidate did not stall, find other bends: {degrees:?}"
+    );
+    assert!(solution.converged);
 }
 
 /// An end that is in a sphere cannot be helped, and it is said how deep it is.

@@ -1,5 +1,6 @@
 //! What the relaxation can be asked for besides the least effort from state to state.
 
+use crate::common::relax::solved;
 use crate::common::slider;
 use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
@@ -7,15 +8,9 @@ use aghf::constraint::{Bound, Bounds, Side};
 use aghf::curve::Curve;
 use aghf::motion::{Feedback, Problem, simulate};
 use aghf::relax::relax;
-use aghf::relax::{
-    CostThroughDynamics, FreeHorizon, RelaxSettings, RelaxSolution, relax_constrained, relax_with,
-};
+use aghf::relax::{CostThroughDynamics, FreeHorizon, RelaxSettings, relax_constrained, relax_with};
 use aghf::relax::{HyperDual64, StageInput};
 use aghf::scenario::Scenario;
-
-fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
-    relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// Any velocity at the end.
 fn arriving_anyhow(p: usize) -> RelaxSettings {

@@ -1,5 +1,6 @@
 //! The relaxation: optima that are known, and what it says of itself.
 
+use crate::common::relax::{degree, solved};
 use crate::common::{robot, slider};
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, crba};
@@ -8,21 +9,10 @@ use aghf::flow::{ControlForm, Node, RightHandSide};
 use aghf::motion::Problem;
 use aghf::relax::relax;
 use aghf::relax::{ControlEffort, Point, PointCost, PointDerivatives};
-use aghf::relax::{RelaxSettings, RelaxSolution, relax_with};
+use aghf::relax::{RelaxSettings, relax_with};
 use aghf::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, DualNum};
-
-fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
-    relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn degree(p: usize) -> RelaxSettings {
-    RelaxSettings {
-        degree: p,
-        ..Default::default()
-    }
-}
 
 /// The double integrator: least $\int u^2 dt$ from rest over a distance `d` in `T` is the cubic, and costs $12 m^2 d^2 / T^3$.
 #[test]

@@ -1,5 +1,6 @@
 //! Running costs of a user's own: derivatives, optima that are known, and what is refused.
 
+use crate::common::relax::degree;
 use crate::common::slider;
 use aghf::constraint::AnyConstraint;
 use aghf::constraint::Constraints;
@@ -20,13 +21,6 @@ use nalgebra::DMatrix;
 use num_dual::DualNum;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-fn degree(p: usize) -> RelaxSettings {
-    RelaxSettings {
-        degree: p,
-        ..Default::default()
-    }
-}
 
 fn solved<P: PointCost<f64> + Clone>(
     problem: &Problem<'_>,

@@ -1,6 +1,7 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
-use crate::common::{robot, slider};
+use crate::common::relax::{size, solved};
+use crate::common::{assert_refused, robot, slider};
 use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
@@ -13,18 +14,6 @@ use aghf::relax::relax;
 use aghf::relax::{RelaxSettings, RelaxSolution, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
-
-fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
-    relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn size(segments: usize, p: usize) -> RelaxSettings {
-    RelaxSettings {
-        degree: p,
-        segments,
-        ..Default::default()
-    }
-}
 
 const HORIZON: f64 = 2.4;
 
@@ -365,7 +354,8 @@ fn the_error_of_an_interval_by_nodes() {
     let model = slider(2.0);
     let error = replay_error(&model, &bent(&model, &[1.0, -2.0, 3.0])).expect("same robot");
     assert!(error.is_some_and(|e| e < 1e-7), "{error:?}");
-    assert!(replay_error(&model, &curve).is_err());
+    let of_another = replay_error(&model, &curve);
+    assert_refused(of_another, "curve: expected 1 entries, found 2");
 }
 
 #[test]

@@ -86,27 +86,123 @@ fn every_equation_and_every_line_has_an_entry() {
     assert!(missing.is_empty(), "without an entry: {missing:?}");
 }
 
+/// Whether `text` has the word `name` right behind one of `keywords`.
+fn has(text: &str, keywords: &[&str], name: &str) -> bool {
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    keywords.iter().any(|keyword| {
+        let words = format!("{keyword} {name}");
+        let mut found = text.match_indices(&words);
+        found.any(|(at, words)| ends(&text[at + words.len()..]))
+    })
+}
+
+/// The items of a formatted file: each begins in the first column, and its body does not.
+fn items(text: &str) -> Vec<String> {
+    let mut items = Vec::<String>::new();
+    for line in text.lines() {
+        let inside = line.starts_with([' ', '{', '}', ')', '>']) || line.starts_with("where");
+        match items.last_mut() {
+            Some(item) if inside || line.is_empty() => item.extend([line, "\n"]),
+            _ => items.push(format!("{line}\n")),
+        }
+    }
+    items
+}
+
+/// Whether an item is an `impl` for a type, or the definition of a trait.
+fn is_of(item: &str, owner: &str) -> bool {
+    let header = item.split('{').next().unwrap_or_default();
+    if !header.starts_with("impl") {
+        return has(header, &["trait"], owner);
+    }
+    // Behind the generic parameters and the trait stands the type, which may have parameters of its own.
+    let mut depth = 0;
+    let header: String = (header["impl".len()..].replace("->", "").chars())
+        .filter(|c| {
+            depth += i32::from(*c == '<');
+            let outside = depth == 0;
+            depth -= i32::from(*c == '>');
+            outside
+        })
+        .collect();
+    let owned = header.split(" for ").last().unwrap_or_default();
+    owned.split_whitespace().next() == Some(owner)
+}
+
+/// Whether a file of this text, at `file` under the root, holds what `path` names: `aghf::module::function`, `aghf::module::Type`
+/// or `aghf::module::Type::function`.
+fn holds(text: &str, file: &str, path: &str) -> Result<(), String> {
+    let parts: Vec<&str> = path.split("::").collect();
+    let is_type = |part: &&str| part.starts_with(char::is_uppercase);
+    let names = parts.iter().position(is_type).unwrap_or(parts.len() - 1);
+    let (modules, names) = parts.split_at(names);
+    let folder = format!("src/{}", modules[1..].join("/"));
+    if modules[0] != "aghf" || !file.starts_with(&folder) {
+        return Err(format!("{file} is not in {folder}"));
+    }
+    let items = items(text);
+    let defined = |kinds: &[&str], name| {
+        items.iter().any(|item| {
+            let item = item.trim_start_matches("pub(crate) ");
+            let header = item.split(['{', '(', ';']).next().unwrap_or_default();
+            !header.starts_with("//") && has(header, kinds, name)
+        })
+    };
+    match names {
+        [name] if is_type(name) => defined(&["struct", "enum", "trait"], name),
+        [name] => defined(&["fn"], name),
+        [owner, name] => items
+            .iter()
+            .any(|i| is_of(i, owner) && has(i, &["fn"], name)),
+        _ => false,
+    }
+    .then_some(())
+    .ok_or_else(|| format!("{file} does not define {}", names.join("::")))
+}
+
 #[test]
 fn every_entry_names_functions_that_exist() {
+    let root = folder().join("..").canonicalize().expect("it is there");
     for (label, entry) in entries() {
         assert!(!entry.functions.is_empty(), "{label} names no function");
         for (path, file) in entry.functions {
-            let name = path.rsplit("::").next().expect("a path has a last part");
-            let text = std::fs::read_to_string(&file)
+            let file = file
+                .canonicalize()
                 .unwrap_or_else(|e| panic!("{label}: {}: {e}", file.display()));
-            let defined = ["fn ", "struct ", "trait "].iter().any(|kind| {
-                text.match_indices(&format!("{kind}{name}"))
-                    .any(|(at, found)| {
-                        !text[at + found.len()..]
-                            .starts_with(|c: char| c.is_alphanumeric() || c == '_')
-                    })
-            });
-            assert!(
-                defined,
-                "{label}: {} does not define {name}",
-                file.display()
-            );
+            let text = std::fs::read_to_string(&file).expect("it can be read");
+            let file = file.strip_prefix(&root).expect("it is in the repository");
+            holds(&text, &file.to_string_lossy(), &path).unwrap_or_else(|e| panic!("{label}: {e}"));
         }
+    }
+}
+
+/// A link counts where the whole of its path is right, and nowhere else.
+#[test]
+fn a_stale_link_is_found() {
+    let text = "pub fn free<S>(x: S) {\n    fn inner() {}\n}\n\npub struct Square<S> {\n    x: S,\n}\n
+impl<C, S: Over<C>> Cost<S> for Square<S>\nwhere\n    S: Copy,\n{\n    fn value(&self) {}\n}\n
+impl Other {\n    fn derivatives(&self) -> Square<f64> {}\n}\n\npub trait Cost<S> {\n    fn value(&self);\n}\n";
+    let good = |path| holds(text, "src/relax/cost.rs", path).is_ok();
+    for path in [
+        "aghf::relax::free",
+        "aghf::relax::Square",
+        "aghf::relax::cost::Square::value",
+        "aghf::relax::Cost::value",
+        "aghf::relax::Other::derivatives",
+    ] {
+        assert!(good(path), "{path}");
+    }
+    for path in [
+        "aghf::relax::inner",
+        "aghf::relax::fre",
+        "aghf::relax::value",
+        "aghf::flow::free",
+        "aghf::relax::Square::derivatives",
+        "aghf::relax::Cost::derivatives",
+        "aghf::relax::Squar::value",
+        "other::relax::free",
+    ] {
+        assert!(!good(path), "{path}");
     }
 }
 

@@ -28,9 +28,9 @@ use num_dual::Dual64;
 /// None that a loaded model gives.
 pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let made_up = made_up(model, &State::random(model, options.seed, 0))?;
+    let states = options.states(model);
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in states.iter().enumerate() {
         let at = At::new(model, sample, state)?;
         for (name, constraint) in ["spheres", "half-space", "bounds"]
             .iter()
@@ -48,8 +48,8 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
                 &format!("{name} with constraints"),
                 &mut *kind.build_constrained(model, &made_up),
                 &mut *JacobianKind::Dual.build_constrained(model, &made_up),
-                BOUND,
-                options,
+                &states,
+                &options.penalties,
             )?);
         }
     }
