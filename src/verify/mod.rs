@@ -2,3 +2,7 @@
 
 pub mod duals;
 pub mod field;
+pub mod reference;
+
+pub use duals::{CheckOptions, check_all};
+pub use field::prove;

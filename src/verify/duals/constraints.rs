@@ -1,6 +1,5 @@
 //! The derivatives of constraints against dual numbers, and the Jacobians of the constrained flow.
 
-use super::dynamics::by_duals;
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
@@ -15,6 +14,7 @@ use crate::flow::Penalty;
 use crate::flow::jacobian::JacobianKind;
 use crate::flow::{Penalised, TorquePenalty};
 use crate::model::Model;
+use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::Dual64;
 
@@ -86,14 +86,14 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         normal,
         offset: normal.dot(&mean),
     };
-    let near = |entry: usize| Bound {
-        entry,
-        side: if entry.is_multiple_of(2) {
+    let near = |index: usize| Bound {
+        entry: index,
+        side: if index.is_multiple_of(2) {
             Side::Upper
         } else {
             Side::Lower
         },
-        value: state.x[entry] + 0.3 * (entry as f64).sin(),
+        value: state.x[index] + 0.3 * (index as f64).sin(),
     };
     let mut u = vec![0.0; n];
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
@@ -151,7 +151,7 @@ fn contractions(
     };
     let ours = here.weighted_derivatives(constraint, weights)?;
 
-    let truth = by_duals(x, |x| {
+    let truth = gradient(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut g = vec![Dual64::from(0.0); rows];
         evaluator.at(x)?.value(constraint, &mut g)?;
@@ -159,13 +159,14 @@ fn contractions(
             .iter()
             .zip(&w)
             .fold(Dual64::from(0.0), |sum, (g, w)| sum + *g * *w);
-        Ok(vec![sum])
+        Ok(sum)
     })?;
     let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
     let quantity = format!("{name}: weighted gradient");
+    let truth = truth.transpose();
     findings.compare(TOLERANCE, &quantity, at, row.as_view(), truth.as_view());
 
-    let truth = by_duals(x, |x| {
+    let truth = jacobian(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut here = evaluator.at(x)?;
         let mut moved = vec![Dual64::from(0.0); rows];
@@ -178,7 +179,7 @@ fn contractions(
             gauss_newton: None,
         };
         let gradient = here.weighted_derivatives(constraint, weights)?.gradient();
-        Ok(gradient.as_slice().to_vec())
+        Ok(gradient.clone_owned())
     })?;
     let quantity = format!("{name}: weighted Hessian");
     findings.compare(

@@ -4,12 +4,13 @@ use super::tensors::second_derivatives;
 use super::{At, BOUND, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
-    aba, aba_derivatives, crba, mass_matrix_and_rate, mass_matrix_product_derivative, rnea,
-    rnea_derivatives, rnea_vjp, rnea_weighted_hessian,
+    aba, aba_derivatives, mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
+    rnea_vjp, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::model::Model;
+use crate::verify::reference::{self, entries, jacobian, mass, vector};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
@@ -40,10 +41,9 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
-    let truth = by_duals(&state, |state| {
-        let (mut tau, (q, v, a)) = (zeros(n), split(state));
-        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
-        Ok(tau)
+    let truth = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        reference::inverse_dynamics(model, q, v, a)
     })?;
     let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
     findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &truth);
@@ -57,9 +57,9 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, tau) = split(&state);
     let mut fd = ForwardDynamicsDerivatives::new(n);
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
-    let truth = by_duals(&state, |state| {
-        let (mut a, (q, v, tau)) = (zeros(n), split(state));
-        aba(model, &mut Data::new(model), q, v, tau, &mut a)?;
+    let truth = jacobian(&state, |state| {
+        let (mut a, (q, v, tau)) = (DVector::zeros(n), split(state));
+        aba(model, &mut Data::new(model), q, v, tau, a.as_mut_slice())?;
         Ok(a)
     })?;
     let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
@@ -73,11 +73,7 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     mass_matrix_and_rate(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
-    let truth = by_duals(q, |q| {
-        let mut h = DMatrix::zeros(n, n);
-        crba(model, &mut Data::new(model), q, &mut h)?;
-        Ok(h.as_slice().to_vec())
-    })?;
+    let truth = jacobian(q, |q| Ok(entries(&mass(model, q)?)))?;
     let rate =
         DMatrix::from_column_slice(n, n, (&truth * DVector::from_column_slice(w)).as_slice());
     let tolerance = at.direct();
@@ -113,14 +109,11 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let data = &mut Data::new(model);
     let mut gradient = RneaVjp::new(n);
     rnea_vjp(model, data, q, v, a, w.as_slice(), &mut gradient)?;
-    let truth = by_duals(&state, |state| {
-        let (mut tau, (q, v, a)) = (zeros(n), split(state));
-        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
-        Ok(vec![
-            tau.iter()
-                .zip(&w)
-                .fold(Dual64::from(0.0), |sum, (t, w)| sum + *t * *w),
-        ])
+    let fixed = w.map(Dual64::from);
+    let truth = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        let sum = reference::inverse_dynamics(model, q, v, a)?.dot(&fixed);
+        Ok(DVector::from_element(1, sum))
     })?;
     let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
     let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
@@ -129,13 +122,12 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
 
     let mut hessian = RneaWeightedHessian::new(n);
     rnea_weighted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
-    let w = w.map(Dual64::from);
-    let truth = by_duals(&state, |state| {
+    let truth = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
-        let (by_q, by_v) = (id.dq.tr_mul(&w), id.dv.tr_mul(&w));
-        Ok(by_q.iter().chain(&by_v).copied().collect())
+        let (by_q, by_v) = (id.dq.tr_mul(&fixed), id.dv.tr_mul(&fixed));
+        Ok(vector(&[by_q.as_slice(), by_v.as_slice()].concat()))
     })?;
     let blocks = [
         ("qq", &hessian.qq, 0, 0),
@@ -181,25 +173,4 @@ pub(super) fn state_of(at: At<'_>) -> Vec<f64> {
 pub(super) fn split<S>(state: &[S]) -> (&[S], &[S], &[S]) {
     let n = state.len() / 3;
     (&state[..n], &state[n..2 * n], &state[2 * n..])
-}
-
-fn zeros(n: usize) -> Vec<Dual64> {
-    vec![Dual64::from(0.0); n]
-}
-
-/// The Jacobian of `f` at `x`, one dual number a column.
-pub(super) fn by_duals(
-    x: &[f64],
-    f: impl Fn(&[Dual64]) -> Result<Vec<Dual64>>,
-) -> Result<DMatrix<f64>> {
-    let mut input: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
-    let mut columns = Vec::with_capacity(x.len());
-    for j in 0..x.len() {
-        input[j].eps = 1.0;
-        columns.push(DVector::from_vec(
-            f(&input)?.iter().map(|y| y.eps).collect(),
-        ));
-        input[j].eps = 0.0;
-    }
-    Ok(DMatrix::from_columns(&columns))
 }

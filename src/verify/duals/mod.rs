@@ -21,13 +21,39 @@ use crate::flow::jacobian::{ForwardDual, JacobianKind};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use crate::spatial::Placement;
+use crate::verify::reference::{Differentiable, DualNumber};
 use jacobians::{Printed, check_differences, compare_jacobians};
 use nalgebra::{DMatrix, DMatrixView};
+use num_dual::{Dual, Dual64, DualNum};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+
+impl<T: DualNum + Copy> DualNumber for Dual<T> {
+    type Base = T;
+
+    fn from_parts(real: T, tangent: T) -> Self {
+        Self::new(real, tangent)
+    }
+
+    fn real(self) -> T {
+        self.re
+    }
+
+    fn tangent(self) -> T {
+        self.eps
+    }
+}
+
+impl Differentiable for f64 {
+    type Dual = Dual64;
+}
+
+impl<T: DualNum + Copy> Differentiable for Dual<T> {
+    type Dual = Dual<Self>;
+}
 
 /// The largest relative error that rounding explains; more where what is divided by a mass matrix of large condition number.
 pub const BOUND: f64 = 1e-9;
@@ -290,7 +316,8 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], and the derivatives of constraints. Duals of the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`], the derivatives of constraints, and the gradient of the relaxation against the flow. Duals of
+/// the control form are themselves compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
@@ -314,5 +341,6 @@ pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> 
         });
     }
     findings.extend(check_constraints(model, options)?);
+    findings.extend(check_relaxation(model, options)?);
     Ok(findings)
 }

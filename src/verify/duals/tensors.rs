@@ -1,6 +1,6 @@
 //! The explicit tensors of second derivatives against dual numbers of the first ones.
 
-use super::dynamics::{by_duals, split, state_of};
+use super::dynamics::{split, state_of};
 use super::{At, Findings, Tolerance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives, InverseDynamicsDerivatives,
@@ -11,7 +11,8 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::model::Model;
-use nalgebra::{DMatrix, DMatrixView};
+use crate::verify::reference::{self, constant, entries, jacobian, vector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use num_dual::{Dual64, HyperDual64};
 
 /// Compares the second derivatives of inverse and forward dynamics and of the mass matrix.
@@ -27,12 +28,12 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut second)?;
-    let a: Vec<Dual64> = a.iter().map(|a| Dual64::from(*a)).collect();
-    let truth = by_duals(&state[..2 * n], |state| {
+    let a = constant(a);
+    let truth = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, &a, &mut id)?;
-        Ok(entries([&id.dq, &id.dv, &id.h]))
+        Ok(all([&id.dq, &id.dv, &id.h]))
     })?;
     let blocks = [
         ("dqdq", &second.dqdq, 0, 0),
@@ -62,12 +63,12 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
     rnea_second_derivatives(model, &mut Data::new(model), q, v, fd.a.as_slice(), &mut id)?;
     aba_second_derivatives(&fd, &id, &mut second)?;
-    let tau: Vec<Dual64> = tau.iter().map(|tau| Dual64::from(*tau)).collect();
-    let truth = by_duals(&state[..2 * n], |state| {
+    let tau = constant(tau);
+    let truth = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut fd = ForwardDynamicsDerivatives::new(n);
         aba_derivatives(model, &mut Data::new(model), q, v, &tau, &mut fd)?;
-        Ok(entries([&fd.dq, &fd.dv]))
+        Ok(all([&fd.dq, &fd.dv]))
     })?;
     let blocks = [
         ("dqdq", &second.dqdq, 0, 0),
@@ -91,11 +92,7 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let mut mass = MassMatrixDerivatives::new(n);
     crba_second_derivatives(model, &mut Data::new(model), q, w, &mut mass)?;
-    let truth = by_duals(q, |q| {
-        let mut h = DMatrix::zeros(n, n);
-        crba(model, &mut Data::new(model), q, &mut h)?;
-        Ok(entries([&h]))
-    })?;
+    let truth = jacobian(q, |q| Ok(entries(&reference::mass(model, q)?)))?;
     findings.compare(
         at.direct(),
         "mass matrix: dH/dq",
@@ -158,8 +155,8 @@ fn compare(
 }
 
 /// The entries of matrices behind one another, columns first.
-fn entries<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> Vec<Dual64> {
-    matrices.into_iter().flatten().copied().collect()
+fn all<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> DVector<Dual64> {
+    vector(&matrices.map(DMatrix::as_slice).concat())
 }
 
 /// A tensor as a matrix with a column for each value of the last index.
