@@ -39,7 +39,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     }
     let mut all = findings.all;
     for (name, kind) in JacobianKind::by_name() {
-        // Of the others one is the truth and one is for comparison only.
+        // Of the others one is the reference and one is for comparison only.
         if let JacobianKind::ControlForm | JacobianKind::TheoremB4 = kind {
             all.extend(compare_jacobians(
                 model,
@@ -151,7 +151,7 @@ fn contractions(
     };
     let ours = here.weighted_derivatives(constraint, weights)?;
 
-    let truth = gradient(x, |x| {
+    let expected = gradient(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut g = vec![Dual64::from(0.0); rows];
         evaluator.at(x)?.value(constraint, &mut g)?;
@@ -163,10 +163,10 @@ fn contractions(
     })?;
     let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
     let quantity = format!("{name}: weighted gradient");
-    let truth = truth.transpose();
-    findings.compare(TOLERANCE, &quantity, at, row.as_view(), truth.as_view());
+    let expected = expected.transpose();
+    findings.compare(TOLERANCE, &quantity, at, row.as_view(), expected.as_view());
 
-    let truth = jacobian(x, |x| {
+    let expected = jacobian(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut here = evaluator.at(x)?;
         let mut moved = vec![Dual64::from(0.0); rows];
@@ -187,7 +187,7 @@ fn contractions(
         &quantity,
         at,
         ours.hessian().as_view(),
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }

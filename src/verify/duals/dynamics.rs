@@ -41,12 +41,12 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
-    let truth = jacobian(&state, |state| {
+    let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         reference::inverse_dynamics(model, q, v, a)
     })?;
     let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
-    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &expected);
     Ok(())
 }
 
@@ -57,13 +57,13 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, tau) = split(&state);
     let mut fd = ForwardDynamicsDerivatives::new(n);
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
-    let truth = jacobian(&state, |state| {
+    let expected = jacobian(&state, |state| {
         let (mut a, (q, v, tau)) = (DVector::zeros(n), split(state));
         aba(model, &mut Data::new(model), q, v, tau, a.as_mut_slice())?;
         Ok(a)
     })?;
     let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
-    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &truth);
+    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &expected);
     Ok(())
 }
 
@@ -73,9 +73,9 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     mass_matrix_and_rate(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
-    let truth = jacobian(q, |q| Ok(entries(&mass(model, q)?)))?;
+    let expected = jacobian(q, |q| Ok(entries(&mass(model, q)?)))?;
     let rate =
-        DMatrix::from_column_slice(n, n, (&truth * DVector::from_column_slice(w)).as_slice());
+        DMatrix::from_column_slice(n, n, (&expected * DVector::from_column_slice(w)).as_slice());
     let tolerance = at.direct();
     findings.compare(
         tolerance,
@@ -87,15 +87,15 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
 
     let mut k = DMatrix::zeros(n, n);
     mass_matrix_product_derivative(model, &mut Data::new(model), q, w, &mut k)?;
-    let truth = DMatrix::from_fn(n, n, |i, j| {
-        (0..n).map(|m| truth[(i + m * n, j)] * w[m]).sum()
+    let expected = DMatrix::from_fn(n, n, |i, j| {
+        (0..n).map(|m| expected[(i + m * n, j)] * w[m]).sum()
     });
     findings.compare(
         tolerance,
         "mass matrix: d(H w)/dq",
         at,
         k.as_view(),
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }
@@ -110,7 +110,7 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let mut gradient = RneaVjp::new(n);
     rnea_vjp(model, data, q, v, a, w.as_slice(), &mut gradient)?;
     let fixed = w.map(Dual64::from);
-    let truth = jacobian(&state, |state| {
+    let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let sum = reference::inverse_dynamics(model, q, v, a)?.dot(&fixed);
         Ok(DVector::from_element(1, sum))
@@ -118,11 +118,11 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
     let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
     let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
-    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &expected);
 
     let mut hessian = RneaWeightedHessian::new(n);
     rnea_weighted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
-    let truth = jacobian(&state, |state| {
+    let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
@@ -137,8 +137,8 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     ];
     for (name, ours, row, column) in blocks {
         let quantity = format!("w^T ID: second derivatives {name}");
-        let truth = truth.view((row, column), (n, n));
-        findings.compare(at.direct(), &quantity, at, ours.as_view(), truth);
+        let expected = expected.view((row, column), (n, n));
+        findings.compare(at.direct(), &quantity, at, ours.as_view(), expected);
     }
     Ok(())
 }

@@ -32,22 +32,28 @@ pub(super) fn compare_jacobians(
     model: &Model,
     name: &str,
     jacobian: &mut dyn NodeJacobian,
-    truth: &mut dyn NodeJacobian,
+    expected: &mut dyn NodeJacobian,
     bound: f64,
     options: &CheckOptions,
 ) -> Result<Vec<Finding>> {
     let n = model.dof();
     let mut findings = Findings::default();
-    each_pair(model, jacobian, truth, options, &mut |at, ours, truth| {
-        for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
-            for (by, a, b) in pairs(ours, truth) {
-                let quantity = format!("{name}: d{part}/{by}");
-                let (a, b) = (a.rows(row, n), b.rows(row, n));
-                let tolerance = at.divided_twice(bound);
-                findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
+    each_pair(
+        model,
+        jacobian,
+        expected,
+        options,
+        &mut |at, ours, expected| {
+            for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
+                for (by, a, b) in pairs(ours, expected) {
+                    let quantity = format!("{name}: d{part}/{by}");
+                    let (a, b) = (a.rows(row, n), b.rows(row, n));
+                    let tolerance = at.divided_twice(bound);
+                    findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
+                }
             }
-        }
-    })?;
+        },
+    )?;
     Ok(findings.all)
 }
 
@@ -63,20 +69,26 @@ pub(super) fn check_differences(
     let mut findings = Findings::default();
     let jacobian = &mut CentralDifference::new(model);
     let duals = &mut ForwardDual::new(model);
-    each_pair(model, jacobian, duals, options, &mut |at, ours, truth| {
-        let pairs = pairs(ours, truth);
-        let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
-        for (by, a, b) in pairs {
-            let quantity = format!("{name}: dOmega/{by}");
-            let tolerance = Tolerance {
-                floor: largest,
-                // The mass matrix loses rank over a distance of about one over the root of its condition number. The error is of
-                // order four in the step over that distance; where the step crosses it the bound says that nothing is said.
-                bound: DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2),
-            };
-            findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
-        }
-    })?;
+    each_pair(
+        model,
+        jacobian,
+        duals,
+        options,
+        &mut |at, ours, expected| {
+            let pairs = pairs(ours, expected);
+            let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
+            for (by, a, b) in pairs {
+                let quantity = format!("{name}: dOmega/{by}");
+                let tolerance = Tolerance {
+                    floor: largest,
+                    // The mass matrix loses rank over a distance of about one over the root of its condition number. The error is of
+                    // order four in the step over that distance; where the step crosses it the bound says that nothing is said.
+                    bound: DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2),
+                };
+                findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
+            }
+        },
+    )?;
     Ok(findings.all)
 }
 
@@ -96,7 +108,7 @@ fn pairs<'a>(
 fn each_pair(
     model: &Model,
     jacobian: &mut dyn NodeJacobian,
-    truth: &mut dyn NodeJacobian,
+    expected: &mut dyn NodeJacobian,
     options: &CheckOptions,
     look: &mut dyn FnMut(At<'_>, &NodeBlocks, &NodeBlocks),
 ) -> Result<()> {
@@ -106,7 +118,7 @@ fn each_pair(
         let at = At::new(model, sample, state)?;
         for k in &options.penalties {
             jacobian.evaluate(state.node(), *k, &mut a)?;
-            truth.evaluate(state.node(), *k, &mut b)?;
+            expected.evaluate(state.node(), *k, &mut b)?;
             look(at.under(*k), &a, &b);
         }
     }

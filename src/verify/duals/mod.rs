@@ -255,17 +255,17 @@ fn extreme_eigenvalues(h: &DMatrix<f64>) -> [f64; 2] {
 }
 
 impl Findings {
-    /// Compares derivatives by their names with the blocks of `n` columns of `truth`, in the same order.
+    /// Compares derivatives by their names with the blocks of `n` columns of `expected`, in the same order.
     fn compare_columns(
         &mut self,
         tolerance: Tolerance,
         of: &str,
         at: At<'_>,
         ours: &[(&str, &DMatrix<f64>)],
-        truth: &DMatrix<f64>,
+        expected: &DMatrix<f64>,
     ) {
         for (block, (by, ours)) in ours.iter().enumerate() {
-            let columns = truth.columns(block * ours.ncols(), ours.ncols());
+            let columns = expected.columns(block * ours.ncols(), ours.ncols());
             let quantity = format!("{of}: d/{by}");
             self.compare(tolerance, &quantity, at, ours.as_view(), columns.as_view());
         }

@@ -29,7 +29,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut second)?;
     let a = constant(a);
-    let truth = jacobian(&state[..2 * n], |state| {
+    let expected = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, &a, &mut id)?;
@@ -46,7 +46,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         "inverse dynamics",
         at,
         &blocks,
-        &truth,
+        &expected,
         findings,
     );
     Ok(())
@@ -64,7 +64,7 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     rnea_second_derivatives(model, &mut Data::new(model), q, v, fd.a.as_slice(), &mut id)?;
     aba_second_derivatives(&fd, &id, &mut second)?;
     let tau = constant(tau);
-    let truth = jacobian(&state[..2 * n], |state| {
+    let expected = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut fd = ForwardDynamicsDerivatives::new(n);
         aba_derivatives(model, &mut Data::new(model), q, v, &tau, &mut fd)?;
@@ -80,7 +80,7 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         "forward dynamics",
         at,
         &blocks,
-        &truth,
+        &expected,
         findings,
     );
     Ok(())
@@ -92,22 +92,22 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let mut mass = MassMatrixDerivatives::new(n);
     crba_second_derivatives(model, &mut Data::new(model), q, w, &mut mass)?;
-    let truth = jacobian(q, |q| Ok(entries(&reference::mass(model, q)?)))?;
+    let expected = jacobian(q, |q| Ok(entries(&reference::mass(model, q)?)))?;
     findings.compare(
         at.direct(),
         "mass matrix: dH/dq",
         at,
         unfold(&mass.dq, n),
-        truth.as_view(),
+        expected.as_view(),
     );
     let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
-    let truth = mass_matrix_by_hyper_duals(model, q)?;
+    let expected = mass_matrix_by_hyper_duals(model, q)?;
     findings.compare(
         at.direct(),
         "mass matrix: d2H/dqdq",
         at,
         ours,
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }
@@ -117,7 +117,7 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
     let n = model.dof();
     let mut q: Vec<HyperDual64> = q.iter().map(|q| HyperDual64::from(*q)).collect();
     let mut h = DMatrix::zeros(n, n);
-    let mut truth = DMatrix::zeros(n.pow(3), n);
+    let mut expected = DMatrix::zeros(n.pow(3), n);
     let data = &mut Data::new(model);
     for l in 0..n {
         q[l].eps2 = 1.0;
@@ -126,31 +126,31 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
             crba(model, data, &q, &mut h)?;
             q[k].eps1 = 0.0;
             for (k, l) in [(k, l), (l, k)] {
-                let mut column = truth.column_mut(l);
+                let mut column = expected.column_mut(l);
                 let slice = column.as_mut_slice()[k * n * n..][..n * n].iter_mut();
                 slice.zip(&h).for_each(|(entry, h)| *entry = h.eps1eps2);
             }
         }
         q[l].eps2 = 0.0;
     }
-    Ok(truth)
+    Ok(expected)
 }
 
-/// Compares tensors, each with its name, with blocks of the derivatives `truth` of the matrices of first derivatives behind one
+/// Compares tensors, each with its name, with blocks of the derivatives `expected` of the matrices of first derivatives behind one
 /// another: the number of the matrix, and the first column.
 fn compare(
     tolerance: Tolerance,
     of: &str,
     at: At<'_>,
     blocks: &[(&str, &Tensor3<f64>, usize, usize)],
-    truth: &DMatrix<f64>,
+    expected: &DMatrix<f64>,
     findings: &mut Findings,
 ) {
     let n = at.state.x.len() / 2;
     for (name, tensor, block, column) in blocks {
         let quantity = format!("{of}: d2/{name}");
-        let truth = truth.view((block * n * n, *column), (n * n, n));
-        findings.compare(tolerance, &quantity, at, unfold(tensor, n), truth);
+        let expected = expected.view((block * n * n, *column), (n * n, n));
+        findings.compare(tolerance, &quantity, at, unfold(tensor, n), expected);
     }
 }
 

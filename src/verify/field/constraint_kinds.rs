@@ -50,8 +50,8 @@ pub(super) fn set(p: &RandomInstance) -> Set {
         centre: Vector3::new(s[i], s[i + 1], s[i + 2]),
         radius: s[i + 3],
     };
-    let bound = |entry, side, i: usize| Bound {
-        entry,
+    let bound = |index, side, i: usize| Bound {
+        entry: index,
         side,
         value: s[i],
     };

@@ -1,6 +1,6 @@
 //! Every numbered equation as an identity over a prime field.
 //!
-//! Left side and right side of an equation are computed by independent routes at random points: random robots, states and
+//! Left side and right side of an equation are computed by independent routes at random instances: random robots, states and
 //! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
 //! equation with its conventions; a test holds pages and identities together.
 
@@ -161,7 +161,7 @@ pub fn identities() -> Vec<Identity> {
     all
 }
 
-/// Proves every identity at `points` random points; the same seed gives the same points.
+/// Proves every identity at `points` random instances; the same seed gives the same instances.
 ///
 /// # Errors
 /// None that the identities give.
