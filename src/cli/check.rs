@@ -3,8 +3,7 @@
 use super::{CHECK_FAILED, UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::output::check_table;
-use crate::verify::duals::check_relaxation;
-use crate::verify::duals::{CheckOptions, check_all};
+use crate::verify::{CheckOptions, check_all};
 use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
@@ -45,8 +44,7 @@ impl Check {
             seed: self.seed,
             ..CheckOptions::default()
         };
-        let mut findings = check_all(&model, &options)?;
-        findings.extend(check_relaxation(&model, &options)?);
+        let findings = check_all(&model, &options)?;
         let passed = findings.iter().all(|f| f.passes());
         if self.json {
             let (samples, seed) = (self.samples, self.seed);

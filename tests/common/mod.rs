@@ -1,9 +1,9 @@
 //! What the tests share: robots, random states, comparisons and derivatives by duals.
 #![allow(dead_code)] // every test file uses its own part of it
 
+pub mod derivatives;
 pub mod ode;
 pub mod relax;
-pub mod truth;
 
 use aghf::dynamics::{Data, crba};
 use aghf::flow::Node;

@@ -5,7 +5,7 @@ use aghf::dynamics::{Data, rnea};
 use aghf::flow::{AghfLagrangian, ControlForm, LagrangianFlow, RightHandSide};
 use aghf::model::random_tree;
 use aghf::scalar::{Jet, PrimeField, Scalar, Tanh};
-use aghf::verify::field::{Equality, Identity, Point, prove_identities};
+use aghf::verify::field::{Equality, Identity, RandomInstance, prove_identities};
 use num_traits::{One, Zero};
 use proptest::prelude::*;
 
@@ -107,7 +107,7 @@ fn the_dynamics_run_over_the_field() {
 
 /// Both sides of an identity of one's own: the flow of the paper's Lagrangian by its definition, and the control form, with `k` in
 /// the latter multiplied by a number.
-fn definition_and_control_form(p: &Point, factor: F) -> aghf::Result<Vec<Equality>> {
+fn definition_and_control_form(p: &RandomInstance, factor: F) -> aghf::Result<Vec<Equality>> {
     let mut definition = nalgebra::DVector::from_element(2 * p.dof(), F::zero());
     let mut control_form = definition.clone();
     LagrangianFlow::new(&p.model, AghfLagrangian).omega(

@@ -1,19 +1,15 @@
 //! The right-hand side of the flow: four routes to one number, and its Jacobian.
 
-use crate::common::{
-    any_model, config, constants, dual_jacobian, dual_rate, model_and_node, node, robot, robots,
-    solve_bound,
-};
-use aghf::dynamics::{Data, aba, bias, crba, rnea};
+use crate::common::{any_model, config, model_and_node, node, robot, robots, solve_bound};
+use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
 use aghf::flow::{
-    AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian, lagrangian_of_control,
+    AlgorithmB1, ControlForm, Node, RightHandSide, lagrangian, lagrangian_of_control,
 };
-use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{AlgebraOver, Tanh};
+use aghf::verify::reference::{self, At};
 use nalgebra::{DMatrix, DVector};
-use num_dual::{Dual64, HyperDual64};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
@@ -27,97 +23,16 @@ fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64
     omega
 }
 
-/// The mixed second derivative of the Lagrangian along two directions in `[x; xdot]`.
-fn lagrangian_second(model: &Model, at: &[f64], along: [&[f64]; 2], k: f64) -> HyperDual64 {
-    let input: Vec<HyperDual64> = (0..at.len())
-        .map(|i| HyperDual64::new(at[i], along[0][i], along[1][i], 0.0))
-        .collect();
-    let (x, xdot) = input.split_at(at.len() / 2);
-    lagrangian(model, &mut Data::new(model), x, xdot, k).expect("lengths agree")
-}
-
-/// Omega straight from (7): `G^-1 (L_xdot,x xdot + L_xdot,xdot xddot - L_x)`, by second-order duals of the Lagrangian.
+/// Omega straight from (7), by nested dual numbers of the Lagrangian.
 fn omega_by_definition(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
-    let n = model.dof();
-    let at = [parts[0].clone(), parts[1].clone()].concat();
-    let rate = [parts[1].clone(), parts[2].clone()].concat();
-    let unit = |i: usize| {
-        let mut e = vec![0.0; 4 * n];
-        e[i] = 1.0;
-        e
-    };
-    let mut force = DVector::from_fn(2 * n, |i, _| {
-        let momentum_rate = lagrangian_second(model, &at, [&unit(2 * n + i), &rate], k).eps1eps2;
-        let gradient = lagrangian_second(model, &at, [&unit(i), &rate], k).eps1;
-        momentum_rate - gradient
-    });
-    let mut h = DMatrix::zeros(n, n);
-    crba(model, &mut Data::new(model), &parts[0][..n], &mut h).expect("lengths agree");
-    let mut ldlt = Ldlt::new(n);
-    ldlt.factorise(&h);
-    force.rows_mut(0, n).apply(|f| *f /= k);
-    ldlt.solve(&mut force.as_mut_slice()[n..]);
-    ldlt.solve(&mut force.as_mut_slice()[n..]);
-    force
+    let node = node(parts);
+    reference::omega_by_definition(&At { model, node, k }).expect("lengths agree")
 }
 
 /// Theorem B3 with every quantity that it is written in taken from duals of the dynamics, none from a recursion.
 fn omega_by_theorem_b3(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
-    let n = model.dof();
-    let (q, v) = parts[0].split_at(n);
-    let (qdot, vdot) = parts[1].split_at(n);
-    let mass = |q: &[Dual64]| -> Vec<Dual64> {
-        let mut h = DMatrix::zeros(n, n);
-        crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
-        h.as_slice().to_vec()
-    };
-    let drift = |q: &[Dual64], v: &[Dual64]| {
-        let mut a = constants(q_zero(n));
-        aba(
-            model,
-            &mut Data::new(model),
-            q,
-            v,
-            &constants(q_zero(n)),
-            &mut a,
-        )
-        .expect("lengths");
-        a
-    };
-    let bias_of = |state: &[Dual64]| {
-        let mut c = constants(q_zero(n));
-        bias(
-            model,
-            &mut Data::new(model),
-            &state[..n],
-            &state[n..],
-            &mut c,
-        )
-        .expect("lengths");
-        c
-    };
-    let mut t = TheoremB3::new(n);
-    t.h = DMatrix::from_vec(n, n, mass(&constants(q)).iter().map(|h| h.re).collect());
-    t.hdot = DMatrix::from_vec(n, n, dual_rate(mass, q, qdot));
-    t.c = DVector::from_iterator(n, bias_of(&constants(&parts[0])).iter().map(|c| c.re));
-    t.cdot = DVector::from_vec(dual_rate(bias_of, &parts[0], &parts[1]));
-    t.fd0 = DVector::from_iterator(n, drift(&constants(q), &constants(v)).iter().map(|a| a.re));
-    t.dfd0_dq = dual_jacobian(|q| drift(q, &constants(v)), q);
-    t.dfd0_dv = dual_jacobian(|v| drift(&constants(q), v), v);
-    let w = DVector::from_column_slice(vdot) - &t.fd0;
-    let tensor = dual_jacobian(mass, q);
-    t.dh_dq_w = DMatrix::from_fn(n, n, |i, j| {
-        (0..n).map(|k| tensor[(i + k * n, j)] * w[k]).sum()
-    });
-    let mut omega = DVector::zeros(2 * n);
-    t.omega(node(parts), k, omega.as_mut_slice())
-        .expect("lengths agree");
-    omega
-}
-
-/// `n` zeros; robots have at most 32 joints here.
-fn q_zero(n: usize) -> &'static [f64] {
-    &[0.0; 32][..n]
+    let node = node(parts);
+    reference::omega_by_theorem_b3(&At { model, node, k }).expect("lengths agree")
 }
 
 /// What rounding explains.

@@ -3,7 +3,7 @@
 //! The quantities on the dual side never meet a tensor. They are functions of the node over any scalar, made of `crba`,
 //! `bias`, `aba` and of duals of these; a second level of duals differentiates them.
 
-use crate::common::truth::{Of, Parts, Truth, bias_force, columns, lift, mass, matrix, node, rate};
+use crate::common::derivatives::{Derivatives, Parts, Quantity, node};
 use crate::common::{config, model_and_node, robot, robots};
 use aghf::flow::Node;
 use aghf::flow::jacobian::theorem_b4::Quantities;
@@ -11,8 +11,9 @@ use aghf::flow::jacobian::{ForwardDual, JacobianKind, NodeBlocks, NodeJacobian, 
 use aghf::linalg::Ldlt;
 use aghf::model::{Model, random_tree};
 use aghf::scalar::AlgebraOver;
+use aghf::verify::reference::{At, bias_rate, constant, jacobian, mass, mass_rate, vector};
 use nalgebra::{DMatrix, DVector};
-use num_dual::{Dual, Dual64};
+use num_dual::Dual64;
 use proptest::prelude::*;
 
 /// Penalties: one, where no term hides, and the paper's.
@@ -20,7 +21,8 @@ const PENALTIES: [f64; 2] = [1.0, 1e7];
 
 /// What rounding leaves when `H` is solved with `solves` times.
 fn bound(model: &Model, parts: &Parts<f64>, solves: i32) -> f64 {
-    let eigenvalues = mass(model, &parts[0][..model.dof()]).symmetric_eigenvalues();
+    let h = mass(model, &parts[0][..model.dof()]).expect("lengths agree");
+    let eigenvalues = h.symmetric_eigenvalues();
     1e-9 + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(solves)
 }
 
@@ -62,20 +64,20 @@ fn close<'a>(
 }
 
 /// (B49) to (B52).
-fn check_terms(t: &Quantities<f64>, truth: &Truth, bound: f64) {
+fn check_terms(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
     for (of, found) in [
-        (Of::Gamma, t.gamma()),
-        (Of::Alpha1, t.alpha_1()),
-        (Of::Alpha2, t.alpha_2()),
-        (Of::CapitalGamma, t.capital_gamma()),
+        (Quantity::Gamma, t.gamma()),
+        (Quantity::Alpha1, t.alpha_1()),
+        (Quantity::Alpha2, t.alpha_2()),
+        (Quantity::CapitalGamma, t.capital_gamma()),
     ] {
-        close(&format!("{of:?}"), &found, truth.value(of), bound);
+        close(&format!("{of:?}"), &found, &reference.value(of), bound);
     }
 }
 
 /// (B53) to (B60), (B66) to (B70), (B76), (B77) and (B79): what is `N` by `N`.
-fn check_parts(t: &Quantities<f64>, truth: &Truth, bound: f64) {
-    use Of::{Alpha1, Alpha2, CapitalGamma, Gamma};
+fn check_parts(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
+    use Quantity::{Alpha1, Alpha2, CapitalGamma, Gamma};
     // Part 0 is x, 1 is xdot, 2 is xddot; half 0 is P1, 1 is P2.
     for (what, found, of, part, half) in [
         ("(B53)", t.dgamma_dx_p1(), Gamma, 0, 0),
@@ -95,33 +97,39 @@ fn check_parts(t: &Quantities<f64>, truth: &Truth, bound: f64) {
         ("(B77)", t.dgamma_dxdot_p2(), Gamma, 1, 1),
         ("(B79)", t.dgamma_dxddot_p2(), Gamma, 2, 1),
     ] {
-        close(what, &found, &truth.derivative(of, part, half), bound);
+        close(what, &found, &reference.derivative(of, part, half), bound);
     }
     // What the theorem leaves out because it vanishes.
-    let zero = DMatrix::zeros(truth.n, truth.n);
+    let zero = DMatrix::zeros(reference.n, reference.n);
     for of in [Alpha1, Alpha2, CapitalGamma] {
         for (part, half) in [(1, 0), (2, 0), (2, 1)] {
-            close("left out", &zero, &truth.derivative(of, part, half), 0.0);
+            close(
+                "left out",
+                &zero,
+                &reference.derivative(of, part, half),
+                0.0,
+            );
         }
     }
-    close("left out", &zero, &truth.derivative(Gamma, 2, 0), 0.0);
+    close("left out", &zero, &reference.derivative(Gamma, 2, 0), 0.0);
 }
 
 /// (B74) and (B75): `Hdot` and `Cdot` are rates, here differentiated in the velocity of the rate.
 fn check_derivatives_of_rates(t: &Quantities<f64>, model: &Model, parts: &Parts<f64>) {
     let n = model.dof();
-    let (state, xdot) = (lift(&parts[0]), &parts[1]);
-    let hdot = |qdot: &[Dual64]| {
-        let entries = |q: &[Dual<Dual64>]| mass(model, q).as_slice().to_vec();
-        rate(entries, &state[..n], qdot)
+    let z = parts.concat();
+    // Differentiated in xdot alone, the rest held fixed.
+    let moved = |xdot: &[Dual64]| {
+        let mut z = constant(&z);
+        z[2 * n..4 * n].copy_from_slice(xdot);
+        z
     };
-    let expected = columns(hdot, &xdot[..n]).concat();
+    let hdot = |xdot: &[Dual64]| mass_rate(&At::new(model, &moved(xdot), 1.0));
+    let expected = jacobian(&parts[1], hdot).expect("lengths agree");
+    let expected = expected.columns(0, n).into_owned();
     close("(B74)", t.dhdot_dxdot_p1().entries(), &expected, 1e-9);
-    let cdot = |xdot: &[Dual64]| {
-        let force = |x: &[Dual<Dual64>]| bias_force(model, &x[..n], &x[n..]).as_slice().to_vec();
-        rate(force, &state, xdot)
-    };
-    let expected = matrix(&columns(cdot, xdot));
+    let cdot = |xdot: &[Dual64]| bias_rate(&At::new(model, &moved(xdot), 1.0));
+    let expected = jacobian(&parts[1], cdot).expect("lengths agree");
     close(
         "(B75)",
         t.dcdot_dxdot_p1(),
@@ -142,19 +150,19 @@ fn check_derivative_of_the_inverse(t: &Quantities<f64>, model: &Model, q: &[f64]
     let w = DVector::from_fn(n, |i, _| (1.0 + i as f64).cos());
     let solved = |q: &[Dual64]| {
         let mut ldlt = Ldlt::new(n);
-        ldlt.factorise(&mass(model, q));
-        let mut y = lift(w.as_slice());
+        ldlt.factorise(&mass(model, q)?);
+        let mut y = constant(w.as_slice());
         ldlt.solve(&mut y);
         ldlt.solve(&mut y);
-        y
+        Ok(vector(&y))
     };
-    let expected = matrix(&columns(solved, q));
+    let expected = jacobian(q, solved).expect("lengths agree");
     close("d(H^T H)^-1", &t.dhth_inverse_dx_p1(&w), &expected, bound);
 }
 
 /// (B45) to (B48), (B62) to (B65), (B78) and (B80): what is `2 N` by `2 N`.
-fn check_blocks(t: &Quantities<f64>, truth: &Truth, k: f64, bound: f64) {
-    use Of::{Omega1, Omega2, Omega3, Omega4};
+fn check_blocks(t: &Quantities<f64>, reference: &Derivatives, k: f64, bound: f64) {
+    use Quantity::{Omega1, Omega2, Omega3, Omega4};
     for (what, found, of, part, factors) in [
         ("(B45)", t.domega_1_dx(), Omega1, 0, [1.0, 1.0]),
         ("(B46)", t.domega_2_dx(k), Omega2, 0, [k, 1.0]),
@@ -173,10 +181,10 @@ fn check_blocks(t: &Quantities<f64>, truth: &Truth, k: f64, bound: f64) {
         ),
         ("(B80)", t.domega_dxddot(), Omega1, 2, [1.0, 1.0]),
     ] {
-        close_blocks(what, &found, &truth.block(of, part), factors, bound);
+        close_blocks(what, &found, &reference.block(of, part), factors, bound);
     }
     let sum = |part| {
-        let block = |of| truth.block(of, part);
+        let block = |of| reference.block(of, part);
         block(Omega1) - (block(Omega2) - block(Omega3) + block(Omega4))
     };
     close_blocks("(B38)", &t.domega_dx(k), &sum(0), [k, 1.0 / k], bound);
@@ -188,16 +196,16 @@ fn check_node(model: &Model, parts: &Parts<f64>) {
     let mut theorem = TheoremB4::new(model);
     let t = theorem.gather(node(parts)).expect("lengths agree");
     for (run, k) in PENALTIES.into_iter().enumerate() {
-        let truth = Truth::new(model, parts, k);
+        let reference = Derivatives::new(model, parts, k);
         if run == 0 {
             // Nothing here knows the penalty.
-            check_terms(t, &truth, bound(model, parts, 1));
-            check_parts(t, &truth, bound(model, parts, 1));
+            check_terms(t, &reference, bound(model, parts, 1));
+            check_parts(t, &reference, bound(model, parts, 1));
             check_derivatives_of_rates(t, model, parts);
             let (q, twice) = (&parts[0][..model.dof()], bound(model, parts, 2));
             check_derivative_of_the_inverse(t, model, q, twice);
         }
-        check_blocks(t, &truth, k, bound(model, parts, 2));
+        check_blocks(t, &reference, k, bound(model, parts, 2));
     }
 }
 

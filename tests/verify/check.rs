@@ -41,6 +41,7 @@ fn everything_passes_on_every_robot() {
             "bounds: weighted Hessian",
             "control-form with constraints: dOmega_P2/dxddot",
             "theorem-b4 with constraints: dOmega_P1/dx",
+            "Omega on a curve, weak form: gradient of the effort",
         ] {
             let finding = findings.iter().find(|f| f.quantity == what);
             assert!(finding.is_some(), "{what} is not checked");

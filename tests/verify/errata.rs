@@ -3,21 +3,21 @@
 use aghf::dynamics::{Data, aba, crba, mass_matrix_and_rate, mass_matrix_product_derivative};
 use aghf::flow::{TheoremB3, activation};
 use aghf::scalar::PrimeField;
-use aghf::verify::field::Point;
+use aghf::verify::field::RandomInstance;
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 use rand::SeedableRng;
 
-/// A point with a robot large enough that bodies carry others about axes of all kinds.
-fn point() -> Point {
+/// An instance with a robot large enough that bodies carry others about axes of all kinds.
+fn instance() -> RandomInstance {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-    std::iter::repeat_with(|| Point::random(&mut rng).expect("there is a joint"))
+    std::iter::repeat_with(|| RandomInstance::random(&mut rng).expect("there is a joint"))
         .find(|p| p.dof() >= 7)
-        .expect("points do not end")
+        .expect("instances do not end")
 }
 
 fn omega_4(
-    p: &Point,
+    p: &RandomInstance,
     t: &mut TheoremB3<PrimeField>,
     dh_dq_w: DMatrix<PrimeField>,
 ) -> DVector<PrimeField> {
@@ -30,7 +30,7 @@ fn omega_4(
 /// (B9), (B34): with `w` contracted over the derivative index, or with the transpose of the bracket left out.
 #[test]
 fn omega_4_depends_on_the_index_that_is_contracted() {
-    let p = point();
+    let p = instance();
     let (n, node, data) = (p.dof(), p.node(), &mut Data::new(&p.model));
     let (q, v) = (node.x_p1(), node.x_p2());
     let zero = DVector::zeros(n);
@@ -62,7 +62,7 @@ fn omega_4_depends_on_the_index_that_is_contracted() {
 /// (A3) is no example of an activation that vanishes wherever `g <= 0`.
 #[test]
 fn the_activation_does_not_vanish_on_the_boundary() {
-    let p = point();
+    let p = instance();
     assert!(!activation(PrimeField::zero(), p.extra[0]).is_zero());
     assert!(activation(-1e-3, 200.0) > 0.4);
 }

@@ -1,6 +1,5 @@
 //! The derivatives of constraints against dual numbers, and the Jacobians of the constrained flow.
 
-use super::dynamics::by_duals;
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
@@ -17,6 +16,7 @@ use crate::flow::Penalty;
 use crate::flow::PenaltyWeights;
 use crate::flow::jacobian::JacobianKind;
 use crate::model::Model;
+use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::Dual64;
 
@@ -41,7 +41,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     }
     let mut all = findings.all;
     for (name, kind) in JacobianKind::by_name() {
-        // Of the others one is the truth and one is for comparison only.
+        // Of the others one is the reference and one is for comparison only.
         if let JacobianKind::ControlForm | JacobianKind::TheoremB4 = kind {
             all.extend(compare_jacobians(
                 model,
@@ -108,14 +108,14 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         normal,
         offset: normal.dot(&mean),
     };
-    let near = |entry: usize| Bound {
-        entry,
-        side: if entry.is_multiple_of(2) {
+    let near = |index: usize| Bound {
+        entry: index,
+        side: if index.is_multiple_of(2) {
             Side::Upper
         } else {
             Side::Lower
         },
-        value: state.x[entry] + 0.3 * (entry as f64).sin(),
+        value: state.x[index] + 0.3 * (index as f64).sin(),
     };
     let mut u = vec![0.0; n];
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
@@ -175,7 +175,7 @@ fn contractions(
     };
     let ours = here.weighted_derivatives(constraint, weights)?;
 
-    let truth = by_duals(x, |x| {
+    let expected = gradient(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut g = vec![Dual64::from(0.0); rows];
         evaluator.at(x)?.value(constraint, &mut g)?;
@@ -183,13 +183,14 @@ fn contractions(
             .iter()
             .zip(&w)
             .fold(Dual64::from(0.0), |sum, (g, w)| sum + *g * *w);
-        Ok(vec![sum])
+        Ok(sum)
     })?;
     let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
     let quantity = format!("{name}: weighted gradient");
-    findings.compare(TOLERANCE, &quantity, at, row.as_view(), truth.as_view());
+    let expected = expected.transpose();
+    findings.compare(TOLERANCE, &quantity, at, row.as_view(), expected.as_view());
 
-    let truth = by_duals(x, |x| {
+    let expected = jacobian(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut here = evaluator.at(x)?;
         let mut moved = vec![Dual64::from(0.0); rows];
@@ -202,7 +203,7 @@ fn contractions(
             gauss_newton: None,
         };
         let gradient = here.weighted_derivatives(constraint, weights)?.gradient();
-        Ok(gradient.as_slice().to_vec())
+        Ok(gradient.clone_owned())
     })?;
     let quantity = format!("{name}: weighted Hessian");
     findings.compare(
@@ -210,7 +211,7 @@ fn contractions(
         &quantity,
         at,
         ours.hessian().as_view(),
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }

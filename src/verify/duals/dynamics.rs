@@ -4,12 +4,13 @@ use super::tensors::second_derivatives;
 use super::{At, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
-    aba, aba_derivatives, crba, mass_matrix_and_rate, mass_matrix_product_derivative, rnea,
-    rnea_derivatives, rnea_vjp, rnea_weighted_hessian,
+    aba, aba_derivatives, mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
+    rnea_vjp, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::model::Model;
+use crate::verify::reference::{self, entries, jacobian, mass, vector};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
@@ -52,13 +53,12 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
-    let truth = by_duals(&state, |state| {
-        let (mut tau, (q, v, a)) = (zeros(n), split(state));
-        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
-        Ok(tau)
+    let expected = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        reference::inverse_dynamics(model, q, v, a)
     })?;
     let ours = [("dq", &id.dq), ("dv", &id.dv), ("da", &id.h)];
-    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "inverse dynamics", at, &ours, &expected);
     Ok(())
 }
 
@@ -69,13 +69,13 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, tau) = split(&state);
     let mut fd = ForwardDynamicsDerivatives::new(n);
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
-    let truth = by_duals(&state, |state| {
-        let (mut a, (q, v, tau)) = (zeros(n), split(state));
-        aba(model, &mut Data::new(model), q, v, tau, &mut a)?;
+    let expected = jacobian(&state, |state| {
+        let (mut a, (q, v, tau)) = (DVector::zeros(n), split(state));
+        aba(model, &mut Data::new(model), q, v, tau, a.as_mut_slice())?;
         Ok(a)
     })?;
     let ours = [("dq", &fd.dq), ("dv", &fd.dv), ("dtau", &fd.h_inverse)];
-    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &truth);
+    findings.compare_columns(at.divided(), "forward dynamics", at, &ours, &expected);
     Ok(())
 }
 
@@ -85,13 +85,9 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     mass_matrix_and_rate(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
-    let truth = by_duals(q, |q| {
-        let mut h = DMatrix::zeros(n, n);
-        crba(model, &mut Data::new(model), q, &mut h)?;
-        Ok(h.as_slice().to_vec())
-    })?;
+    let expected = jacobian(q, |q| Ok(entries(&mass(model, q)?)))?;
     let rate =
-        DMatrix::from_column_slice(n, n, (&truth * DVector::from_column_slice(w)).as_slice());
+        DMatrix::from_column_slice(n, n, (&expected * DVector::from_column_slice(w)).as_slice());
     let tolerance = at.direct();
     findings.compare(
         tolerance,
@@ -103,15 +99,15 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
 
     let mut k = DMatrix::zeros(n, n);
     mass_matrix_product_derivative(model, &mut Data::new(model), q, w, &mut k)?;
-    let truth = DMatrix::from_fn(n, n, |i, j| {
-        (0..n).map(|m| truth[(i + m * n, j)] * w[m]).sum()
+    let expected = DMatrix::from_fn(n, n, |i, j| {
+        (0..n).map(|m| expected[(i + m * n, j)] * w[m]).sum()
     });
     findings.compare(
         tolerance,
         "mass matrix: d(H w)/dq",
         at,
         k.as_view(),
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }
@@ -125,29 +121,25 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     let data = &mut Data::new(model);
     let mut gradient = RneaVjp::new(n);
     rnea_vjp(model, data, q, v, a, w.as_slice(), &mut gradient)?;
-    let truth = by_duals(&state, |state| {
-        let (mut tau, (q, v, a)) = (zeros(n), split(state));
-        rnea(model, &mut Data::new(model), q, v, a, &mut tau)?;
-        Ok(vec![
-            tau.iter()
-                .zip(&w)
-                .fold(Dual64::from(0.0), |sum, (t, w)| sum + *t * *w),
-        ])
+    let fixed = w.map(Dual64::from);
+    let expected = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        let sum = reference::inverse_dynamics(model, q, v, a)?.dot(&fixed);
+        Ok(DVector::from_element(1, sum))
     })?;
     let row = |x: &DVector<f64>| DMatrix::from_row_slice(1, n, x.as_slice());
     let (by_q, by_v, by_a) = (row(&gradient.q), row(&gradient.v), row(&gradient.a));
     let ours = [("dq", &by_q), ("dv", &by_v), ("da", &by_a)];
-    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &truth);
+    findings.compare_columns(at.direct(), "w^T ID", at, &ours, &expected);
 
     let mut hessian = RneaWeightedHessian::new(n);
     rnea_weighted_hessian(model, data, q, v, a, w.as_slice(), &mut hessian)?;
-    let w = w.map(Dual64::from);
-    let truth = by_duals(&state, |state| {
+    let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id)?;
-        let (by_q, by_v) = (id.dq.tr_mul(&w), id.dv.tr_mul(&w));
-        Ok(by_q.iter().chain(&by_v).copied().collect())
+        let (by_q, by_v) = (id.dq.tr_mul(&fixed), id.dv.tr_mul(&fixed));
+        Ok(vector(&[by_q.as_slice(), by_v.as_slice()].concat()))
     })?;
     let blocks = [
         ("qq", &hessian.qq, 0, 0),
@@ -157,8 +149,8 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     ];
     for (name, ours, row, column) in blocks {
         let quantity = format!("w^T ID: second derivatives {name}");
-        let truth = truth.view((row, column), (n, n));
-        findings.compare(at.direct(), &quantity, at, ours.as_view(), truth);
+        let expected = expected.view((row, column), (n, n));
+        findings.compare(at.direct(), &quantity, at, ours.as_view(), expected);
     }
     Ok(())
 }
@@ -193,25 +185,4 @@ pub(super) fn state_of(at: At<'_>) -> Vec<f64> {
 pub(super) fn split<S>(state: &[S]) -> (&[S], &[S], &[S]) {
     let n = state.len() / 3;
     (&state[..n], &state[n..2 * n], &state[2 * n..])
-}
-
-fn zeros(n: usize) -> Vec<Dual64> {
-    vec![Dual64::from(0.0); n]
-}
-
-/// The Jacobian of `f` at `x`, one dual number a column.
-pub(super) fn by_duals(
-    x: &[f64],
-    f: impl Fn(&[Dual64]) -> Result<Vec<Dual64>>,
-) -> Result<DMatrix<f64>> {
-    let mut input: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
-    let mut columns = Vec::with_capacity(x.len());
-    for j in 0..x.len() {
-        input[j].eps = 1.0;
-        columns.push(DVector::from_vec(
-            f(&input)?.iter().map(|y| y.eps).collect(),
-        ));
-        input[j].eps = 0.0;
-    }
-    Ok(DMatrix::from_columns(&columns))
 }

@@ -23,13 +23,39 @@ use crate::flow::jacobian::{ForwardDual, JacobianKind, Jacobians};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use crate::spatial::Placement;
+use crate::verify::reference::{Differentiable, DualNumber};
 use jacobians::{Printed, check_differences, compare_jacobians};
 use nalgebra::{DMatrix, DMatrixView};
+use num_dual::{Dual, Dual64, DualNum};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+
+impl<T: DualNum + Copy> DualNumber for Dual<T> {
+    type Base = T;
+
+    fn from_parts(real: T, tangent: T) -> Self {
+        Self::new(real, tangent)
+    }
+
+    fn real(self) -> T {
+        self.re
+    }
+
+    fn tangent(self) -> T {
+        self.eps
+    }
+}
+
+impl Differentiable for f64 {
+    type Dual = Dual64;
+}
+
+impl<T: DualNum + Copy> Differentiable for Dual<T> {
+    type Dual = Dual<Self>;
+}
 
 /// The largest relative error that rounding explains; more where what is divided by a mass matrix of large condition number.
 pub const BOUND: f64 = 1e-9;
@@ -251,17 +277,17 @@ fn extreme_eigenvalues(h: &DMatrix<f64>) -> [f64; 2] {
 }
 
 impl Findings {
-    /// Compares derivatives by their names with the blocks of `n` columns of `truth`, in the same order.
+    /// Compares derivatives by their names with the blocks of `n` columns of `expected`, in the same order.
     fn compare_columns(
         &mut self,
         tolerance: Tolerance,
         of: &str,
         at: At<'_>,
         ours: &[(&str, &DMatrix<f64>)],
-        truth: &DMatrix<f64>,
+        expected: &DMatrix<f64>,
     ) {
         for (block, (by, ours)) in ours.iter().enumerate() {
-            let columns = truth.columns(block * ours.ncols(), ours.ncols());
+            let columns = expected.columns(block * ours.ncols(), ours.ncols());
             let quantity = format!("{of}: d/{by}");
             self.compare(tolerance, &quantity, at, ours.as_view(), columns.as_view());
         }
@@ -312,7 +338,8 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], and the derivatives of constraints. Duals of the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`], the derivatives of constraints, and the gradient of the relaxation against the flow. Duals of
+/// the control form are themselves compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
@@ -320,6 +347,7 @@ pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> 
     let mut findings = check_dynamics(model, options)?;
     findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
     findings.extend(check_constraints(model, options)?);
+    findings.extend(check_relaxation(model, options)?);
     Ok(findings)
 }
 

@@ -1,6 +1,6 @@
 //! The explicit tensors of second derivatives against dual numbers of the first ones.
 
-use super::dynamics::{by_duals, split, state_of};
+use super::dynamics::{split, state_of};
 use super::{At, Findings, Tolerance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives, InverseDynamicsDerivatives,
@@ -11,7 +11,8 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::model::Model;
-use nalgebra::{DMatrix, DMatrixView};
+use crate::verify::reference::{self, constant, entries, jacobian, vector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use num_dual::{Dual64, HyperDual64};
 
 /// Compares the second derivatives of inverse and forward dynamics and of the mass matrix.
@@ -27,12 +28,12 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     let (q, v, a) = split(&state);
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut second)?;
-    let a: Vec<Dual64> = a.iter().map(|a| Dual64::from(*a)).collect();
-    let truth = by_duals(&state[..2 * n], |state| {
+    let a = constant(a);
+    let expected = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut id = InverseDynamicsDerivatives::new(n);
         rnea_derivatives(model, &mut Data::new(model), q, v, &a, &mut id)?;
-        Ok(entries([&id.dq, &id.dv, &id.h]))
+        Ok(all([&id.dq, &id.dv, &id.h]))
     })?;
     let blocks = [
         ("dqdq", &second.dqdq, 0, 0),
@@ -45,7 +46,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         "inverse dynamics",
         at,
         &blocks,
-        &truth,
+        &expected,
         findings,
     );
     Ok(())
@@ -62,12 +63,12 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     aba_derivatives(model, &mut Data::new(model), q, v, tau, &mut fd)?;
     rnea_second_derivatives(model, &mut Data::new(model), q, v, fd.a.as_slice(), &mut id)?;
     aba_second_derivatives(&fd, &id, &mut second)?;
-    let tau: Vec<Dual64> = tau.iter().map(|tau| Dual64::from(*tau)).collect();
-    let truth = by_duals(&state[..2 * n], |state| {
+    let tau = constant(tau);
+    let expected = jacobian(&state[..2 * n], |state| {
         let (q, v) = state.split_at(n);
         let mut fd = ForwardDynamicsDerivatives::new(n);
         aba_derivatives(model, &mut Data::new(model), q, v, &tau, &mut fd)?;
-        Ok(entries([&fd.dq, &fd.dv]))
+        Ok(all([&fd.dq, &fd.dv]))
     })?;
     let blocks = [
         ("dqdq", &second.dqdq, 0, 0),
@@ -79,7 +80,7 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         "forward dynamics",
         at,
         &blocks,
-        &truth,
+        &expected,
         findings,
     );
     Ok(())
@@ -91,26 +92,22 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (q, w) = (node.x_p1(), node.xdot_p1());
     let mut mass = MassMatrixDerivatives::new(n);
     crba_second_derivatives(model, &mut Data::new(model), q, w, &mut mass)?;
-    let truth = by_duals(q, |q| {
-        let mut h = DMatrix::zeros(n, n);
-        crba(model, &mut Data::new(model), q, &mut h)?;
-        Ok(entries([&h]))
-    })?;
+    let expected = jacobian(q, |q| Ok(entries(&reference::mass(model, q)?)))?;
     findings.compare(
         at.direct(),
         "mass matrix: dH/dq",
         at,
         unfold(&mass.dq, n),
-        truth.as_view(),
+        expected.as_view(),
     );
     let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
-    let truth = mass_matrix_by_hyper_duals(model, q)?;
+    let expected = mass_matrix_by_hyper_duals(model, q)?;
     findings.compare(
         at.direct(),
         "mass matrix: d2H/dqdq",
         at,
         ours,
-        truth.as_view(),
+        expected.as_view(),
     );
     Ok(())
 }
@@ -120,7 +117,7 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
     let n = model.dof();
     let mut q: Vec<HyperDual64> = q.iter().map(|q| HyperDual64::from(*q)).collect();
     let mut h = DMatrix::zeros(n, n);
-    let mut truth = DMatrix::zeros(n.pow(3), n);
+    let mut expected = DMatrix::zeros(n.pow(3), n);
     let data = &mut Data::new(model);
     for l in 0..n {
         q[l].eps2 = 1.0;
@@ -129,37 +126,37 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
             crba(model, data, &q, &mut h)?;
             q[k].eps1 = 0.0;
             for (k, l) in [(k, l), (l, k)] {
-                let mut column = truth.column_mut(l);
+                let mut column = expected.column_mut(l);
                 let slice = column.as_mut_slice()[k * n * n..][..n * n].iter_mut();
                 slice.zip(&h).for_each(|(entry, h)| *entry = h.eps1eps2);
             }
         }
         q[l].eps2 = 0.0;
     }
-    Ok(truth)
+    Ok(expected)
 }
 
-/// Compares tensors, each with its name, with blocks of the derivatives `truth` of the matrices of first derivatives behind one
+/// Compares tensors, each with its name, with blocks of the derivatives `expected` of the matrices of first derivatives behind one
 /// another: the number of the matrix, and the first column.
 fn compare(
     tolerance: Tolerance,
     of: &str,
     at: At<'_>,
     blocks: &[(&str, &Tensor3<f64>, usize, usize)],
-    truth: &DMatrix<f64>,
+    expected: &DMatrix<f64>,
     findings: &mut Findings,
 ) {
     let n = at.state.x.len() / 2;
     for (name, tensor, block, column) in blocks {
         let quantity = format!("{of}: d2/{name}");
-        let truth = truth.view((block * n * n, *column), (n * n, n));
-        findings.compare(tolerance, &quantity, at, unfold(tensor, n), truth);
+        let expected = expected.view((block * n * n, *column), (n * n, n));
+        findings.compare(tolerance, &quantity, at, unfold(tensor, n), expected);
     }
 }
 
 /// The entries of matrices behind one another, columns first.
-fn entries<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> Vec<Dual64> {
-    matrices.into_iter().flatten().copied().collect()
+fn all<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> DVector<Dual64> {
+    vector(&matrices.map(DMatrix::as_slice).concat())
 }
 
 /// A tensor as a matrix with a column for each value of the last index.

@@ -1,10 +1,8 @@
 //! Algorithm B1 line by line, and the control form.
 
-use super::reference::{
-    Reference, bias_force, gradient, inertia_force, jacobian, rate, stack, still, unit, vector,
-};
+use super::reference::{Reference, inertia_force, stack};
 use super::theorem_b3::{documentation, omega_of, terms};
-use super::{Equality, F, Identity, J, Point};
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives, bias,
     mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
@@ -12,6 +10,9 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, TheoremB3};
 use crate::model::Model;
+use crate::verify::reference::{
+    bias_force, constant, gradient, jacobian, mass, rate, unit, vector,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
@@ -67,20 +68,25 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// RNEA_D at the configuration of the point.
-fn rnea_d(p: &Point, model: &Model<F>, v: &[F], a: &[F]) -> Result<InverseDynamicsDerivatives<F>> {
+fn rnea_d(
+    p: &RandomInstance,
+    model: &Model<Gf>,
+    v: &[Gf],
+    a: &[Gf],
+) -> Result<InverseDynamicsDerivatives<Gf>> {
     let mut id = InverseDynamicsDerivatives::new(p.dof());
     rnea_derivatives(model, &mut Data::new(model), p.node().x_p1(), v, a, &mut id)?;
     Ok(id)
 }
 
 /// RNEA_D without acceleration: lines 2 and 3.
-fn bias_d(p: &Point) -> Result<InverseDynamicsDerivatives<F>> {
+fn bias_d(p: &RandomInstance) -> Result<InverseDynamicsDerivatives<Gf>> {
     let zero = DVector::zeros(p.dof());
     rnea_d(p, &p.model, p.node().x_p2(), zero.as_slice())
 }
 
 /// ABA_D without torque: line 5.
-fn aba_d(p: &Point) -> Result<ForwardDynamicsDerivatives<F>> {
+fn aba_d(p: &RandomInstance) -> Result<ForwardDynamicsDerivatives<Gf>> {
     let (n, node) = (p.dof(), p.node());
     let (mut fd, zero) = (ForwardDynamicsDerivatives::new(n), DVector::zeros(n));
     let data = &mut Data::new(&p.model);
@@ -96,7 +102,7 @@ fn aba_d(p: &Point) -> Result<ForwardDynamicsDerivatives<F>> {
 }
 
 /// CRBA_D: line 1.
-fn crba_d(p: &Point) -> Result<[DMatrix<F>; 2]> {
+fn crba_d(p: &RandomInstance) -> Result<[DMatrix<Gf>; 2]> {
     let (n, node) = (p.dof(), p.node());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let data = &mut Data::new(&p.model);
@@ -112,21 +118,21 @@ fn crba_d(p: &Point) -> Result<[DMatrix<F>; 2]> {
 }
 
 /// $C$ and $\dot C$: lines 2 to 4.
-fn bias_and_rate(p: &Point) -> Result<[DVector<F>; 2]> {
+fn bias_and_rate(p: &RandomInstance) -> Result<[DVector<Gf>; 2]> {
     let (id, node) = (bias_d(p)?, p.node());
     let rate = id.dq * vector(node.xdot_p1()) + id.dv * vector(node.xdot_p2());
     Ok([id.tau, rate])
 }
 
 /// RNEA_D without gravity at rest, at the acceleration $\dot x_{P2} - FD_0$: lines 7 and 8.
-fn weightless_d(p: &Point) -> Result<InverseDynamicsDerivatives<F>> {
+fn weightless_d(p: &RandomInstance) -> Result<InverseDynamicsDerivatives<Gf>> {
     let w = vector(p.node().xdot_p2()) - aba_d(p)?.a;
     let rest = DVector::zeros(p.dof());
     rnea_d(p, &p.weightless, rest.as_slice(), w.as_slice())
 }
 
 /// The quantities of Theorem B3 by the recursions of lines 1 to 8.
-fn theorem(p: &Point) -> Result<TheoremB3<F>> {
+fn theorem(p: &RandomInstance) -> Result<TheoremB3<Gf>> {
     let mut t = TheoremB3::new(p.dof());
     [t.h, t.hdot] = crba_d(p)?;
     [t.c, t.cdot] = bias_and_rate(p)?;
@@ -136,17 +142,17 @@ fn theorem(p: &Point) -> Result<TheoremB3<F>> {
     Ok(t)
 }
 
-fn line_1(p: &Point) -> Result<Vec<Equality>> {
+fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, [h, hdot]) = (p.dof(), crba_d(p)?);
     // H column by column from inverse dynamics.
-    let columns = |x: &[J]| -> Result<Vec<J>> {
+    let columns = |x: &[Jet1]| -> Result<DVector<Jet1>> {
         let mut h = Vec::new();
         for j in 0..n {
-            h.extend_from_slice(inertia_force(&p.model, x, &still(&unit(n, j)))?.as_slice());
+            h.extend_from_slice(inertia_force(&p.model, x, &unit(n, j))?.as_slice());
         }
-        Ok(h)
+        Ok(DVector::from_vec(h))
     };
-    let x = columns(&still(p.x.as_slice()))?;
+    let x = columns(&constant(p.x.as_slice()))?;
     let right = DMatrix::from_iterator(n, n, x.iter().map(|h| h.re));
     let moved = rate(p.x.as_slice(), p.xdot.as_slice(), columns)?;
     Ok(vec![
@@ -159,7 +165,7 @@ fn line_1(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_2(p: &Point) -> Result<Vec<Equality>> {
+fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (t, node) = (Reference::at(p)?, p.node());
     let mut c = DVector::zeros(p.dof());
     let data = &mut Data::new(&p.model);
@@ -171,16 +177,16 @@ fn line_2(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_3(p: &Point) -> Result<Vec<Equality>> {
+fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, id) = (p.dof(), bias_d(p)?);
-    let by_duals = jacobian(p.x.as_slice(), |x| bias_force(&p.model, x))?;
+    let by_duals = jacobian(p.x.as_slice(), |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     Ok(vec![
         Equality::new("dC/dx_P1", id.dq, by_duals.columns(0, n).into_owned()),
         Equality::new("dC/dx_P2", id.dv, by_duals.columns(n, n).into_owned()),
     ])
 }
 
-fn line_4(p: &Point) -> Result<Vec<Equality>> {
+fn line_4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [_, left] = bias_and_rate(p)?;
     Ok(vec![Equality::vectors(
         "Cdot",
@@ -189,7 +195,7 @@ fn line_4(p: &Point) -> Result<Vec<Equality>> {
     )])
 }
 
-fn line_5(p: &Point) -> Result<Vec<Equality>> {
+fn line_5(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t, fd) = (p.dof(), Reference::at(p)?, aba_d(p)?);
     let [dq, dv] = t.dfd0();
     Ok(vec![
@@ -200,7 +206,7 @@ fn line_5(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_6(p: &Point) -> Result<Vec<Equality>> {
+fn line_6(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [one, two, three, _] = terms(p, &mut theorem(p)?);
     let documentation = documentation(&Reference::at(p)?)?;
     Ok(vec![
@@ -210,7 +216,7 @@ fn line_6(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_7(p: &Point) -> Result<Vec<Equality>> {
+fn line_7(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     Ok(vec![Equality::vectors(
         "H w",
@@ -219,7 +225,7 @@ fn line_7(p: &Point) -> Result<Vec<Equality>> {
     )])
 }
 
-fn line_8(p: &Point) -> Result<Vec<Equality>> {
+fn line_8(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (t, right) = (Reference::at(p)?, weightless_d(p)?.dq);
     let mut contracted = DMatrix::zeros(t.n, t.n);
     let (data, q) = (&mut Data::new(&p.model), p.node().x_p1());
@@ -231,15 +237,15 @@ fn line_8(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// Line 9 by the recursions of the lines before.
-fn small_omega_4(p: &Point) -> Result<DVector<F>> {
+fn small_omega_4(p: &RandomInstance) -> Result<DVector<Gf>> {
     let id = weightless_d(p)?;
-    Ok(id.dq.transpose() * id.tau * (F::new(2) / p.k))
+    Ok(id.dq.transpose() * id.tau * (Gf::new(2) / p.k))
 }
 
-fn line_9(p: &Point) -> Result<Vec<Equality>> {
+fn line_9(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let by_q = gradient(p.node().x_p1(), |q| {
-        let force = super::reference::mass(&p.model, q)? * t.w.map(J::constant);
+        let force = mass(&p.model, q)? * t.w.map(Jet1::constant);
         Ok(force.dot(&force))
     })?;
     let right = by_q * p.k.inverse();
@@ -250,7 +256,7 @@ fn line_9(p: &Point) -> Result<Vec<Equality>> {
     )])
 }
 
-fn line_10(p: &Point) -> Result<Vec<Equality>> {
+fn line_10(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let meaning = t.raise(&t.by_metric()?);
     let stacked = stack(&small_omega_4(p)?, &DVector::zeros(p.dof()));
@@ -261,7 +267,7 @@ fn line_10(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_11(p: &Point) -> Result<Vec<Equality>> {
+fn line_11(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = omega_of(p, AlgorithmB1::new(&p.model))?;
     Ok(vec![Equality::vectors(
         "Omega",
@@ -270,7 +276,7 @@ fn line_11(p: &Point) -> Result<Vec<Equality>> {
     )])
 }
 
-fn control_form(p: &Point) -> Result<Vec<Equality>> {
+fn control_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = omega_of(p, ControlForm::new(&p.model))?;
     Ok(vec![Equality::vectors(
         "Omega",

@@ -1,15 +1,15 @@
 //! Algorithm B2: what each line leaves behind, against its definition.
 
 use super::dynamics_derivatives::{aba_2d, of_bias, of_inverse_dynamics, of_mass};
-use super::reference::jacobian;
-use super::reference_b4::{
-    In, all, bias_force, bias_rate, constant, derivative, drift, flow, gathered, inverse_dynamics,
-    mass, mass_rate, unfold, vector,
-};
-use super::{Equality, Identity, Point};
+use super::wrt::{Wrt, derivative, gathered, unfold};
+use super::{Equality, Identity, RandomInstance};
 use crate::error::Result;
 use crate::flow::jacobian::{NodeBlocks, TheoremB4};
-use nalgebra::DMatrix;
+use crate::verify::reference::{
+    bias_force, bias_rate, constant, fd_0, inverse_dynamics, jacobian, mass, mass_rate,
+    omega_by_definition,
+};
+use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
@@ -34,24 +34,20 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn line_1(p: &Point) -> Result<Vec<Equality>> {
+fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     of_mass(p, p.node().xdot_p1(), &gathered(p)?.mass)
 }
 
-fn line_2(p: &Point) -> Result<Vec<Equality>> {
+fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node, fd) = (p.dof(), p.node(), gathered(p)?.fd0);
     let (q, v) = (node.x_p1(), node.x_p2());
     let (fixed_q, fixed_v) = (constant(q), constant(v));
     let force = inverse_dynamics(&p.model, q, v, fd.a.as_slice())?;
-    let dq = jacobian(q, |q| drift(&p.model, q, &fixed_v))?;
-    let dv = jacobian(v, |v| drift(&p.model, &fixed_q, v))?;
+    let dq = jacobian(q, |q| fd_0(&p.model, q, &fixed_v))?;
+    let dv = jacobian(v, |v| fd_0(&p.model, &fixed_q, v))?;
     let product = mass(&p.model, q)? * &fd.h_inverse;
     Ok(vec![
-        Equality::new(
-            "ID at FD_0",
-            DMatrix::from_vec(n, 1, force),
-            DMatrix::zeros(n, 1),
-        ),
+        Equality::vectors("ID at FD_0", &force, &DVector::zeros(n)),
         Equality::new("dFD_0/dx_P1", fd.dq, dq),
         Equality::new("dFD_0/dx_P2", fd.dv, dv),
         Equality::new("H H^-1", product, DMatrix::identity(n, n)),
@@ -59,14 +55,14 @@ fn line_2(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// `C` is what is left of `ID` when `H a` is taken away, whatever `a` is.
-fn line_3(p: &Point) -> Result<Vec<Equality>> {
+fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
     let node = p.node();
     let force = inverse_dynamics(&p.model, node.x_p1(), node.x_p2(), p.w.as_slice())?;
-    let right = vector(&force) - mass(&p.model, node.x_p1())? * &p.w;
+    let right = force - mass(&p.model, node.x_p1())? * &p.w;
     Ok(vec![Equality::vectors("C", &gathered(p)?.c, &right)])
 }
 
-fn line_4(p: &Point) -> Result<Vec<Equality>> {
+fn line_4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, dc) = (p.dof(), gathered(p)?.dc);
     let by_duals = jacobian(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
@@ -76,42 +72,42 @@ fn line_4(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_5(p: &Point) -> Result<Vec<Equality>> {
-    let right = vector(&bias_rate(p, &all(p))?);
+fn line_5(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let right = bias_rate(&p.at())?;
     Ok(vec![Equality::vectors("Cdot", &gathered(p)?.cdot, &right)])
 }
 
-fn line_6(p: &Point) -> Result<Vec<Equality>> {
+fn line_6(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = unfold(p.dof(), gathered(p)?.dhdot.entries());
-    let right = derivative(p, In::XP1, mass_rate)?;
+    let right = derivative(p, Wrt::XP1, mass_rate)?;
     Ok(vec![Equality::new("dHdot/dx_P1", left, right)])
 }
 
-fn line_7(p: &Point) -> Result<Vec<Equality>> {
+fn line_7(p: &RandomInstance) -> Result<Vec<Equality>> {
     of_bias(p, &gathered(p)?.d2c)
 }
 
-fn line_8(p: &Point) -> Result<Vec<Equality>> {
-    let fd0 = drift(&p.model, p.node().x_p1(), p.node().x_p2())?;
-    of_inverse_dynamics(p, &fd0, &gathered(p)?.d2id)
+fn line_8(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let fd0 = fd_0(&p.model, p.node().x_p1(), p.node().x_p2())?;
+    of_inverse_dynamics(p, fd0.as_slice(), &gathered(p)?.d2id)
 }
 
-fn line_10(p: &Point) -> Result<Vec<Equality>> {
+fn line_10(p: &RandomInstance) -> Result<Vec<Equality>> {
     let dcdot = gathered(p)?.dcdot;
     let by = |part| derivative(p, part, bias_rate);
     Ok(vec![
-        Equality::new("dCdot/dx_P1", dcdot.dq, by(In::XP1)?),
-        Equality::new("dCdot/dx_P2", dcdot.dv, by(In::XP2)?),
+        Equality::new("dCdot/dx_P1", dcdot.dq, by(Wrt::XP1)?),
+        Equality::new("dCdot/dx_P2", dcdot.dv, by(Wrt::XP2)?),
     ])
 }
 
-fn line_11(p: &Point) -> Result<Vec<Equality>> {
+fn line_11(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut found = NodeBlocks::new(p.dof());
     TheoremB4::new(&p.model).blocks(p.node(), p.k, &mut found)?;
-    let by = |part| derivative(p, part, flow);
+    let by = |part| derivative(p, part, omega_by_definition);
     Ok(vec![
-        Equality::new("dOmega/dx", found.dx, by(In::X)?),
-        Equality::new("dOmega/dxdot", found.dxdot, by(In::Xdot)?),
-        Equality::new("dOmega/dxddot", found.dxddot, by(In::Xddot)?),
+        Equality::new("dOmega/dx", found.dx, by(Wrt::X)?),
+        Equality::new("dOmega/dxdot", found.dxdot, by(Wrt::Xdot)?),
+        Equality::new("dOmega/dxddot", found.dxddot, by(Wrt::Xddot)?),
     ])
 }

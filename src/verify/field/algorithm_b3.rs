@@ -1,14 +1,14 @@
 //! Algorithm B3 and the pseudospectral assembly.
 
-use super::reference::jacobian;
-use super::{Equality, F, Identity, J, Point};
+use super::{Equality, Gf, Identity, RandomInstance};
 use crate::curve::Chebyshev;
 use crate::dynamics::{Data, bias, crba, rnea};
 use crate::error::Result;
+use crate::flow::ControlForm;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, TheoremB4};
 use crate::flow::{Collocation, assemble_jacobian};
-use crate::flow::{ControlForm, RightHandSide};
-use crate::scalar::{Jet, Scalar};
+use crate::scalar::Scalar;
+use crate::verify::reference::{At, DifferentiableOver, jacobian, omega_by_definition};
 use nalgebra::{DMatrix, DVector};
 
 /// The degree of the curves: two interior nodes, so that each has a neighbour.
@@ -42,24 +42,24 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// The nodes, and unknowns made of the numbers of `p`.
-fn curve(p: &Point) -> Result<(Chebyshev, Vec<F>)> {
+fn curve(p: &RandomInstance) -> Result<(Chebyshev, Vec<Gf>)> {
     let nodes = Chebyshev::new(P, 2.0)?;
     Ok((nodes, [p.xddot.as_slice(), p.xdot.as_slice()].concat()))
 }
 
 /// The nodes hold what they are given, the ends the boundary states, and derivatives are those of `D` and `D^2`.
-fn line_1(p: &Point) -> Result<Vec<Equality>> {
+fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
-    let mut collocation = Collocation::<F, F>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
+    let mut collocation = Collocation::<Gf, Gf>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
     collocation.set(&unknowns)?;
     let columns = [&p.x, &p.xddot, &p.xdot, &p.xdot].map(Clone::clone);
     let xi = DMatrix::from_columns(&columns);
-    let rates = |d: &DMatrix<f64>| &xi * d.map(F::from_f64).transpose();
+    let rates = |d: &DMatrix<f64>| &xi * d.map(Gf::from_f64).transpose();
     let (xdot, xddot) = (rates(nodes.d()), rates(nodes.d2()));
     let mut claims = vec![Equality::new("xi", collocation.xi().clone(), xi)];
     for i in collocation.interior() {
         let node = collocation.node(i);
-        let column = |x: &[F]| DMatrix::from_column_slice(x.len(), 1, x);
+        let column = |x: &[Gf]| DMatrix::from_column_slice(x.len(), 1, x);
         claims.push(Equality::new(
             "D xi",
             column(node.xdot),
@@ -74,30 +74,37 @@ fn line_1(p: &Point) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
+/// $\Omega$ by its definition (7) at the interior nodes, derivatives in time by the products with `D` and `D^2`.
+fn rates_by_definition<S: DifferentiableOver<Gf>>(
+    p: &RandomInstance,
+    nodes: &Chebyshev,
+    unknowns: &[S],
+) -> Result<DVector<S>> {
+    let (m, lift) = (p.x.len(), |x: &DVector<Gf>| x.map(S::lift));
+    let columns = [lift(&p.x).as_slice(), unknowns, lift(&p.xdot).as_slice()].concat();
+    let xi = DMatrix::from_vec(m, P + 1, columns);
+    let derivative = |d: &DMatrix<f64>| &xi * d.transpose().map(S::from_f64);
+    let (xdot, xddot) = (derivative(nodes.d()), derivative(nodes.d2()));
+    let mut rates = Vec::with_capacity(unknowns.len());
+    for i in 1..P {
+        let part = |of: &DMatrix<S>| of.column(i).as_slice().to_vec();
+        let z = [part(&xi), part(&xdot), part(&xddot)].concat();
+        rates.extend_from_slice(omega_by_definition(&At::new(&p.model, &z, p.k))?.as_slice());
+    }
+    Ok(DVector::from_vec(rates))
+}
+
 /// The rates are Omega at each node; the assembled Jacobian is that of the whole system, for both analytic Jacobians.
-fn line_2(p: &Point) -> Result<Vec<Equality>> {
+fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
-    let (start, goal) = (p.x.as_slice(), p.xdot.as_slice());
-    let mut collocation = Collocation::<F, F>::new(&nodes, start, goal)?;
+    let mut collocation = Collocation::<Gf, Gf>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
     collocation.set(&unknowns)?;
     let size = collocation.unknowns();
-    let mut rhs = ControlForm::new(&p.model);
     let mut rates = DVector::zeros(size);
-    collocation.rates(&mut rhs, p.k, rates.as_mut_slice())?;
-    let mut at_nodes = Vec::with_capacity(size);
-    for i in collocation.interior() {
-        let mut omega = vec![F::default(); p.x.len()];
-        rhs.omega(collocation.node(i), p.k, &mut omega)?;
-        at_nodes.extend(omega);
-    }
-
+    collocation.rates(&mut ControlForm::new(&p.model), p.k, rates.as_mut_slice())?;
+    let by_definition = rates_by_definition(p, &nodes, &unknowns)?;
     let reference = jacobian(&unknowns, |unknowns| {
-        let lift = |x: &[F]| -> Vec<J> { x.iter().map(|x| Jet::constant(*x)).collect() };
-        let mut moving = Collocation::<F, J>::new(&nodes, &lift(start), &lift(goal))?;
-        moving.set(unknowns)?;
-        let mut out = vec![Jet::constant(F::default()); size];
-        moving.rates(&mut ControlForm::new(&p.model), p.k, &mut out)?;
-        Ok(out)
+        rates_by_definition(p, &nodes, unknowns)
     })?;
     let blocks = &mut NodeBlocks::new(p.dof());
     let (mut by_control, mut by_b4) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
@@ -111,7 +118,7 @@ fn line_2(p: &Point) -> Result<Vec<Equality>> {
         &mut by_b4,
     )?;
     Ok(vec![
-        Equality::vectors("rates", &rates, &DVector::from_vec(at_nodes)),
+        Equality::vectors("rates", &rates, &by_definition),
         Equality::new(
             "Jacobian by the control form",
             by_control,
@@ -121,8 +128,8 @@ fn line_2(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn line_3(p: &Point) -> Result<Vec<Equality>> {
-    let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
+fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (n, node, data) = (p.dof(), p.node(), &mut Data::<Gf>::new(&p.model));
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
     let (mut u, mut c, mut h) = (DVector::zeros(n), DVector::zeros(n), DMatrix::zeros(n, n));
     rnea(&p.model, data, q, v, a, u.as_mut_slice())?;

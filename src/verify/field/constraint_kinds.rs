@@ -1,7 +1,6 @@
 //! Every kind of constraint: its rows, and its contractions against nested duals of these.
 
-use super::reference::jacobian;
-use super::{Equality, F, Identity, J, Point};
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::Constraints;
 use crate::constraint::TorqueLimits;
 use crate::constraint::{
@@ -15,6 +14,7 @@ use crate::flow::PenaltyWeights;
 use crate::flow::{ControlCost, Penalised, TorquePenalty, penalty};
 use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
+use crate::verify::reference::{jacobian, vector};
 use nalgebra::{DMatrix, DVector, Vector3};
 use num_traits::Zero;
 
@@ -37,9 +37,9 @@ pub(super) fn identities() -> Vec<Identity> {
 
 /// The constraints of the proofs: two spheres and a half-space for a ball off the origin of every body and one of the base,
 /// bounds on both halves of the state, and limits on every third torque.
-pub(super) type Set = Penalised<Vec<AnyConstraint<F>>, F>;
+pub(super) type Set = Penalised<Vec<AnyConstraint<Gf>>, Gf>;
 
-pub(super) fn set(p: &Point) -> Set {
+pub(super) fn set(p: &RandomInstance) -> Set {
     let (n, s) = (p.dof(), p.extra);
     let balls: Vec<_> = (0..=n)
         .map(|i| CollisionSphere {
@@ -52,8 +52,8 @@ pub(super) fn set(p: &Point) -> Set {
         centre: Vector3::new(s[i], s[i + 1], s[i + 2]),
         radius: s[i + 3],
     };
-    let bound = |entry, side, i: usize| Bound {
-        entry,
+    let bound = |index, side, i: usize| Bound {
+        entry: index,
         side,
         value: s[i],
     };
@@ -89,7 +89,7 @@ pub(super) fn set(p: &Point) -> Set {
 }
 
 /// Their penalty.
-pub(super) fn pair(p: &Point) -> Penalty<F> {
+pub(super) fn pair(p: &RandomInstance) -> Penalty<Gf> {
     Penalty {
         k_cons: p.extra[5],
         c_cons: p.extra[6],
@@ -97,39 +97,39 @@ pub(super) fn pair(p: &Point) -> Penalty<F> {
 }
 
 /// The rows of a constraint at `x`.
-pub(super) fn rows<S: AlgebraOver<F>>(
-    p: &Point,
-    constraint: &impl Constraint<F>,
+pub(super) fn rows<S: AlgebraOver<Gf>>(
+    p: &RandomInstance,
+    constraint: &impl Constraint<Gf>,
     x: &[S],
-) -> Result<Vec<S>> {
-    let mut g = vec![S::zero(); constraint.dim()];
+) -> Result<DVector<S>> {
+    let mut g = DVector::zeros(constraint.dim());
     let mut evaluator = Evaluator::new(&p.model);
-    evaluator.at(x)?.value(constraint, &mut g)?;
+    evaluator.at(x)?.value(constraint, g.as_mut_slice())?;
     Ok(g)
 }
 
 /// A constraint without its analytic contractions.
 struct ValueAlone<K>(K);
 
-impl<K: Constraint<F>> Constraint<F> for ValueAlone<K> {
+impl<K: Constraint<Gf>> Constraint<Gf> for ValueAlone<K> {
     fn dim(&self) -> usize {
         self.0.dim()
     }
 
-    fn value<S: AlgebraOver<F>>(&self, at: &PlacedState<'_, F, S>, g: &mut [S]) -> Result<()> {
+    fn value<S: AlgebraOver<Gf>>(&self, at: &PlacedState<'_, Gf, S>, g: &mut [S]) -> Result<()> {
         self.0.value(at, g)
     }
 }
 
 /// The contractions of a constraint with arbitrary weights against nested duals of its rows.
-fn contractions(p: &Point, constraint: &impl Constraint<F>) -> Result<Vec<Equality>> {
+fn contractions(p: &RandomInstance, constraint: &impl Constraint<Gf>) -> Result<Vec<Equality>> {
     let x = p.x.as_slice();
-    let weight = |from: &DVector<F>, j: usize| from[j % from.len()] * F::new(j as u64 + 1);
+    let weight = |from: &DVector<Gf>, j: usize| from[j % from.len()] * Gf::new(j as u64 + 1);
     let count = constraint.dim();
-    let w: Vec<F> = (0..count).map(|j| weight(&p.xdot, j)).collect();
-    let c: Vec<F> = (0..count).map(|j| weight(&p.xddot, j)).collect();
+    let w: Vec<Gf> = (0..count).map(|j| weight(&p.xdot, j)).collect();
+    let c: Vec<Gf> = (0..count).map(|j| weight(&p.xddot, j)).collect();
     let mut evaluator = Evaluator::new(&p.model);
-    let mut contract = |c| -> Result<WeightedDerivatives<F>> {
+    let mut contract = |c| -> Result<WeightedDerivatives<Gf>> {
         let weights = Weights {
             first_order: &w,
             gauss_newton: c,
@@ -142,15 +142,10 @@ fn contractions(p: &Point, constraint: &impl Constraint<F>) -> Result<Vec<Equali
     let (both, alone) = (contract(Some(&c))?, contract(None)?);
 
     let by_x = jacobian(x, |x| rows(p, constraint, x))?;
-    let weighted = by_x.tr_mul(&DVector::from_column_slice(&w));
-    let mut second = jacobian(x, |x: &[J]| {
+    let weighted = by_x.tr_mul(&vector(&w));
+    let mut second = jacobian(x, |x: &[Jet1]| {
         let by_x = jacobian(x, |x| rows(p, constraint, x))?;
-        let sum = |i| {
-            w.iter()
-                .enumerate()
-                .fold(J::zero(), |s, (j, w)| s + by_x[(j, i)].scale(*w))
-        };
-        Ok((0..x.len()).map(sum).collect())
+        Ok(by_x.tr_mul(&vector(&w).map(Jet1::constant)))
     })?;
     second += by_x.transpose() * DMatrix::from_diagonal(&DVector::from_vec(c)) * &by_x;
     let nothing = DMatrix::zeros(x.len(), x.len());
@@ -163,9 +158,9 @@ fn contractions(p: &Point, constraint: &impl Constraint<F>) -> Result<Vec<Equali
 }
 
 /// The contractions of the constraint number `which` of the set, and its rows against `values`.
-fn kind(p: &Point, which: usize, values: Vec<F>) -> Result<Vec<Equality>> {
+fn kind(p: &RandomInstance, which: usize, values: Vec<Gf>) -> Result<Vec<Equality>> {
     let constraint = &set(p).constraints.state[which];
-    let rows = DVector::from_vec(rows(p, constraint, p.x.as_slice())?);
+    let rows = rows(p, constraint, p.x.as_slice())?;
     let mut claims = contractions(p, constraint)?;
     claims.push(Equality::vectors(
         "value",
@@ -176,14 +171,14 @@ fn kind(p: &Point, which: usize, values: Vec<F>) -> Result<Vec<Equality>> {
 }
 
 /// The centre of a ball in the base frame.
-fn centre(p: &Point, ball: &CollisionSphere<F>) -> Result<Vector3<F>> {
+fn centre(p: &RandomInstance, ball: &CollisionSphere<Gf>) -> Result<Vector3<Gf>> {
     let mut placements = vec![Placement::identity(); p.dof()];
     forward_kinematics(&p.model, p.node().x_p1(), &mut placements)?;
     let moved = |b: usize| placements[b].rotation * ball.centre + placements[b].translation;
     Ok(ball.body.map_or(ball.centre, moved))
 }
 
-fn spheres(p: &Point) -> Result<Vec<Equality>> {
+fn spheres(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
     if let AnyConstraint::Spheres(SphereClearance { balls, spheres }) = &set.constraints.state[0] {
@@ -199,7 +194,7 @@ fn spheres(p: &Point) -> Result<Vec<Equality>> {
     kind(p, 0, values)
 }
 
-fn half_space(p: &Point) -> Result<Vec<Equality>> {
+fn half_space(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
     if let AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }) =
@@ -213,7 +208,7 @@ fn half_space(p: &Point) -> Result<Vec<Equality>> {
     kind(p, 1, values)
 }
 
-fn bounds(p: &Point) -> Result<Vec<Equality>> {
+fn bounds(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, s, x) = (p.dof(), p.extra, &p.x);
     let values = vec![
         x[0] - s[0],
@@ -224,7 +219,7 @@ fn bounds(p: &Point) -> Result<Vec<Equality>> {
     kind(p, 2, values)
 }
 
-fn by_duals(p: &Point) -> Result<Vec<Equality>> {
+fn by_duals(p: &RandomInstance) -> Result<Vec<Equality>> {
     let state = set(p).constraints.state;
     let mut claims = contractions(p, &state)?;
     claims.extend(contractions(p, &(ValueAlone(&state[..]), &state[2]))?);
@@ -232,23 +227,23 @@ fn by_duals(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// A control cost without its analytic derivatives.
-struct CostAlone(TorquePenalty<F>);
+struct CostAlone(TorquePenalty<Gf>);
 
-impl ControlCost<F> for CostAlone {
-    fn value<S: AlgebraOver<F> + Tanh>(&self, joint: usize, u: S) -> S {
+impl ControlCost<Gf> for CostAlone {
+    fn value<S: AlgebraOver<Gf> + Tanh>(&self, joint: usize, u: S) -> S {
         self.0.value(joint, u)
     }
 }
 
-fn torque(p: &Point) -> Result<Vec<Equality>> {
+fn torque(p: &RandomInstance) -> Result<Vec<Equality>> {
     let torque = set(p).torque_penalty();
     let Penalty { k_cons, c_cons } = torque.penalty;
     let mut claims = Vec::new();
     for (i, u) in p.x.iter().take(p.dof()).enumerate() {
-        let b = |g: F| penalty(g, k_cons, c_cons);
-        let sum = torque.limits.0[i].map_or(F::zero(), |limit| b(*u - limit) + b(-*u - limit));
+        let b = |g: Gf| penalty(g, k_cons, c_cons);
+        let sum = torque.limits.0[i].map_or(Gf::zero(), |limit| b(*u - limit) + b(-*u - limit));
         claims.push(Equality::numbers("value", torque.value(i, *u), sum));
-        let column = |d: [F; 3]| DVector::from_column_slice(&d);
+        let column = |d: [Gf; 3]| vector(&d);
         let ours = column(torque.derivatives(i, *u));
         let by_duals = column(CostAlone(torque.clone()).derivatives(i, *u));
         claims.push(Equality::vectors("derivatives", &ours, &by_duals));

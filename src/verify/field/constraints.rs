@@ -1,10 +1,10 @@
 //! (A1) to (A4): constraints as penalties, and the constrained flow with limits on the torque.
 
-use super::constraint_kinds::{pair, rows, set};
-use super::reference::{JJ, Reference, effort, rate, variation};
-use super::reference_b4::{In, derivative, node};
-use super::{Equality, F, Identity, J, Point};
-use crate::dynamics::{Data, rnea};
+use super::constraint_kinds::{Set, pair, rows, set};
+use super::reference::{Reference, effort};
+use super::theorem_b3::omega_of;
+use super::wrt::{Wrt, derivative};
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::error::Result;
 use crate::flow::Penalty;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian, TheoremB4};
@@ -13,6 +13,7 @@ use crate::flow::{
     penalty_curvature, penalty_slope,
 };
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
+use crate::verify::reference::{At, gradient, inverse_dynamics, omega_by_theorem_b3, variation};
 use nalgebra::DVector;
 use num_traits::{One, Zero};
 
@@ -39,8 +40,8 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// $L_{cons}$ over any scalar, the torque left out unless asked for.
-fn constrained<S: AlgebraOver<F> + Tanh>(
-    p: &Point,
+fn constrained<S: AlgebraOver<Gf> + Tanh>(
+    p: &RandomInstance,
     torque: bool,
     x: &[S],
     xdot: &[S],
@@ -48,28 +49,26 @@ fn constrained<S: AlgebraOver<F> + Tanh>(
     let (set, n) = (set(p), p.dof());
     let Penalty { k_cons, c_cons } = set.weights.state;
     let g = rows(p, &set.constraints.state, x)?;
-    let lagrangian = constrained_lagrangian(effort(p, x, xdot)?, g, k_cons, c_cons);
+    let lagrangian = constrained_lagrangian(effort(p, x, xdot)?, g.iter().copied(), k_cons, c_cons);
     if !torque {
         return Ok(lagrangian);
     }
-    let mut u = vec![S::zero(); n];
-    let data = &mut Data::new(&p.model);
-    rnea(&p.model, data, &x[..n], &x[n..], &xdot[n..], &mut u)?;
+    let u = inverse_dynamics(&p.model, &x[..n], &x[n..], &xdot[n..])?;
     let mut g = vec![S::zero(); set.constraints.torque.dim()];
-    set.constraints.torque.value(&u, &mut g)?;
+    set.constraints.torque.value(u.as_slice(), &mut g)?;
     let Penalty { k_cons, c_cons } = set.weights.torque;
     Ok(constrained_lagrangian(lagrangian, g, k_cons, c_cons))
 }
 
-fn half() -> F {
-    F::from_f64(0.5)
+fn half() -> Gf {
+    Gf::from_f64(0.5)
 }
 
-fn a1(p: &Point) -> Result<Vec<Equality>> {
+fn a1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = constrained(p, false, p.x.as_slice(), p.xdot.as_slice())?;
-    let (reference, mut right) = (Reference::at(p)?, F::zero());
+    let (reference, mut right) = (Reference::at(p)?, Gf::zero());
     let Penalty { k_cons, c_cons } = pair(p);
-    for g in rows(p, &set(p).constraints.state, p.x.as_slice())? {
+    for &g in &rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() + half() * (c_cons * g).tanh();
         right += k_cons * g * g * s;
     }
@@ -78,7 +77,7 @@ fn a1(p: &Point) -> Result<Vec<Equality>> {
     Ok(vec![Equality::numbers("Lcons", left, right)])
 }
 
-fn a2(p: &Point) -> Result<Vec<Equality>> {
+fn a2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (
         Penalty {
             k_cons: k,
@@ -86,57 +85,52 @@ fn a2(p: &Point) -> Result<Vec<Equality>> {
         },
         mut claims,
     ) = (pair(p), Vec::new());
-    for g in rows(p, &set(p).constraints.state, p.x.as_slice())? {
-        let s = half() * (F::one() + (g * c).tanh());
+    for &g in &rows(p, &set(p).constraints.state, p.x.as_slice())? {
+        let s = half() * (Gf::one() + (g * c).tanh());
         claims.push(Equality::numbers("b", penalty(g, k, c), k * g * g * s));
         let at = |i: usize| pair(p).derivatives(g)[i];
         claims.push(Equality::numbers("b once more", penalty(g, k, c), at(0)));
-        let one = [F::one()];
-        let slope = rate(&[g], &one, |g| Ok(vec![penalty(g[0], k, c)]))?[0];
+        let slope = gradient(&[g], |g| Ok(penalty(g[0], k, c)))?[0];
         claims.push(Equality::numbers("b'", slope, penalty_slope(g, k, c)));
-        let curvature = rate(&[g], &one, |g| Ok(vec![penalty_slope(g[0], k, c)]))?[0];
+        let curvature = gradient(&[g], |g| Ok(penalty_slope(g[0], k, c)))?[0];
         claims.push(Equality::numbers(
             "b''",
             curvature,
             penalty_curvature(g, k, c),
         ));
-        let third = rate(&[g], &one, |g| Ok(vec![penalty_curvature(g[0], k, c)]))?[0];
+        let third = gradient(&[g], |g| Ok(penalty_curvature(g[0], k, c)))?[0];
         claims.push(Equality::numbers("b'''", third, at(3)));
     }
-    let at_zero = penalty_slope(F::zero(), k, c);
-    claims.push(Equality::numbers("b' on the boundary", at_zero, F::zero()));
-    let at_zero = penalty_curvature(F::zero(), k, c);
+    let at_zero = penalty_slope(Gf::zero(), k, c);
+    claims.push(Equality::numbers("b' on the boundary", at_zero, Gf::zero()));
+    let at_zero = penalty_curvature(Gf::zero(), k, c);
     claims.push(Equality::numbers("b'' on the boundary", at_zero, k));
     Ok(claims)
 }
 
-fn a3(p: &Point) -> Result<Vec<Equality>> {
+fn a3(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (g, c) = (p.extra[7], pair(p).c_cons);
-    let slope = rate(&[g], &[F::one()], |g| Ok(vec![activation(g[0], c)]))?[0];
+    let slope = gradient(&[g], |g| Ok(activation(g[0], c)))?[0];
     let (s, tanh) = (activation(g, c), (c * g).tanh());
-    let logistic = (c + c) * s * (F::one() - s);
+    let logistic = (c + c) * s * (Gf::one() - s);
     Ok(vec![
         Equality::numbers("S'", slope, activation_slope(g, c)),
-        Equality::numbers("S' printed", slope, c * half() * (F::one() - tanh * tanh)),
+        Equality::numbers("S' printed", slope, c * half() * (Gf::one() - tanh * tanh)),
         Equality::numbers("S' = 2 c S (1 - S)", slope, logistic),
-        Equality::numbers("S(g) + S(-g)", s + activation(-g, c), F::one()),
-        Equality::numbers("S(0)", activation(F::zero(), c), half()),
+        Equality::numbers("S(g) + S(-g)", s + activation(-g, c), Gf::one()),
+        Equality::numbers("S(0)", activation(Gf::zero(), c), half()),
     ])
 }
 
-fn a4(p: &Point) -> Result<Vec<Equality>> {
+fn a4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
-    let of_constrained = variation(p, |x: &[JJ], xdot: &[JJ]| constrained(p, false, x, xdot))?;
+    let of_constrained = variation(p.node(), |x, xdot| constrained(p, false, x, xdot))?;
     let left = reference.raise(&(of_constrained.momentum_rate - of_constrained.by_x));
 
-    let (mut omega, mut of_state) = (DVector::zeros(2 * p.dof()), DVector::zeros(2 * p.dof()));
-    reference
-        .theorem()
-        .omega(p.node(), p.k, omega.as_mut_slice())?;
+    let omega = omega_by_theorem_b3(&p.at())?;
     let mut penalties = set(p);
     penalties.constraints.torque.0.clear();
-    let terms = &mut penalties.state_penalty(&p.model);
-    terms.omega(p.node(), p.k, of_state.as_mut_slice())?;
+    let of_state = omega_of(p, penalties.state_penalty(&p.model))?;
     Ok(vec![
         Equality::vectors(
             "dLcons/dxdot",
@@ -147,22 +141,14 @@ fn a4(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn flow(p: &Point) -> Result<Vec<Equality>> {
+fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (reference, set) = (Reference::at(p)?, set(p));
-    let v = variation(p, |x: &[JJ], xdot: &[JJ]| constrained(p, true, x, xdot))?;
+    let v = variation(p.node(), |x, xdot| constrained(p, true, x, xdot))?;
     let left = reference.raise(&(v.momentum_rate - v.by_x));
-    let omega = |rhs: &mut dyn RightHandSide<F, F>| -> Result<DVector<F>> {
-        let mut omega = DVector::zeros(2 * p.dof());
-        rhs.omega(p.node(), p.k, omega.as_mut_slice())?;
-        Ok(omega)
-    };
-    let whole = omega(&mut set.right_hand_side(&p.model))?;
+    let whole = omega_of(p, set.right_hand_side(&p.model))?;
     let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque_penalty());
-    let terms = omega(&mut Sum::new(of_torque, set.state_penalty(&p.model)))?;
-    let mut paper = DVector::zeros(2 * p.dof());
-    reference
-        .theorem()
-        .omega(p.node(), p.k, paper.as_mut_slice())?;
+    let terms = omega_of(p, Sum::new(of_torque, set.state_penalty(&p.model)))?;
+    let paper = omega_by_theorem_b3(&p.at())?;
     Ok(vec![
         Equality::vectors("control form", &left, &whole),
         Equality::vectors("Theorem B3 and the terms", &left, &(paper + terms)),
@@ -170,33 +156,29 @@ fn flow(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// The right-hand side that the Jacobians are of.
-fn right_hand_side(p: &Point, z: &[J]) -> Result<Vec<J>> {
-    let mut omega = vec![J::zero(); 2 * p.dof()];
-    let set = set(p);
-    set.right_hand_side(&p.model)
-        .omega(node(z), p.k, &mut omega)?;
+fn right_hand_side(set: &Set, at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
+    let mut omega = DVector::zeros(at.node.x.len());
+    let mut flow = set.right_hand_side(at.model);
+    flow.omega(at.node, at.k, omega.as_mut_slice())?;
     Ok(omega)
 }
 
-fn constrained_jacobian(p: &Point) -> Result<Vec<Equality>> {
+fn constrained_jacobian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (set, model) = (set(p), &p.model);
     let whole = ControlFormJacobian::with_cost(model, set.torque_penalty());
     let of_torque = ControlFormJacobian::of_cost(model, set.torque_penalty());
     let on_b4 = Sum::new(TheoremB4::new(model), of_torque);
     let mut claims = Vec::new();
-    let mut claim = |jacobian: &mut dyn NodeJacobian<F, F>| -> Result<()> {
+    let mut claim = |jacobian: &mut dyn NodeJacobian<Gf, Gf>| -> Result<()> {
         let mut out = NodeBlocks::new(p.dof());
         jacobian.evaluate(p.node(), p.k, &mut out)?;
         for (what, part, ours) in [
-            ("dx", In::X, out.dx),
-            ("dxdot", In::Xdot, out.dxdot),
-            ("dxddot", In::Xddot, out.dxddot),
+            ("dx", Wrt::X, out.dx),
+            ("dxdot", Wrt::Xdot, out.dxdot),
+            ("dxddot", Wrt::Xddot, out.dxddot),
         ] {
-            claims.push(Equality::new(
-                what,
-                ours,
-                derivative(p, part, right_hand_side)?,
-            ));
+            let right = derivative(p, part, |at| right_hand_side(&set, at))?;
+            claims.push(Equality::new(what, ours, right));
         }
         Ok(())
     };

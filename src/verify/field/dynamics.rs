@@ -1,8 +1,6 @@
 //! The laws of the dynamics themselves.
 
-use super::instance::moving;
-use super::reference::{jacobian, still};
-use super::{Equality, F, Identity, J, Point};
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, crba, forward_kinematics, frame_jacobian,
     frame_placement, mass_matrix_and_rate, rnea, rnea_derivatives,
@@ -10,6 +8,7 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::model::Frame;
 use crate::spatial::Placement;
+use crate::verify::reference::{constant, dual, inverse_dynamics, jacobian};
 use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
@@ -34,8 +33,8 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn rnea_is_h_a_plus_c(p: &Point) -> Result<Vec<Equality>> {
-    let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
+fn rnea_is_h_a_plus_c(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (n, node, data) = (p.dof(), p.node(), &mut Data::<Gf>::new(&p.model));
     let mut tau = DVector::zeros(n);
     rnea(
         &p.model,
@@ -52,8 +51,8 @@ fn rnea_is_h_a_plus_c(p: &Point) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("ID", &tau, &right)])
 }
 
-fn aba_inverts_rnea(p: &Point) -> Result<Vec<Equality>> {
-    let (n, node, data) = (p.dof(), p.node(), &mut Data::<F>::new(&p.model));
+fn aba_inverts_rnea(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (n, node, data) = (p.dof(), p.node(), &mut Data::<Gf>::new(&p.model));
     let (mut tau, mut a) = (DVector::zeros(n), DVector::zeros(n));
     let (q, v) = (node.x_p1(), node.x_p2());
     rnea(&p.model, data, q, v, node.xdot_p2(), tau.as_mut_slice())?;
@@ -65,16 +64,13 @@ fn aba_inverts_rnea(p: &Point) -> Result<Vec<Equality>> {
     )])
 }
 
-fn the_mass_matrix(p: &Point) -> Result<Vec<Equality>> {
+fn the_mass_matrix(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let mut h = DMatrix::zeros(n, n);
     crba(&p.model, &mut Data::new(&p.model), node.x_p1(), &mut h)?;
     let by_duals = jacobian(node.xdot_p2(), |a| {
-        let constant = |x: &[F]| moving(x, &vec![F::default(); n]);
-        let mut tau = constant(&vec![F::default(); n]);
         let (q, v) = (constant(node.x_p1()), constant(node.x_p2()));
-        rnea(&p.model, &mut Data::new(&p.model), &q, &v, a, &mut tau)?;
-        Ok(tau)
+        inverse_dynamics(&p.model, &q, &v, a)
     })?;
     Ok(vec![
         Equality::new("symmetry", h.clone(), h.transpose()),
@@ -82,7 +78,7 @@ fn the_mass_matrix(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn hdot(p: &Point) -> Result<Vec<Equality>> {
+fn hdot(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let (q, w) = (node.x_p1(), node.xdot_p1());
@@ -91,7 +87,7 @@ fn hdot(p: &Point) -> Result<Vec<Equality>> {
     crba(
         &p.model,
         &mut Data::new(&p.model),
-        &moving(q, w),
+        &dual(q, w),
         &mut moving_h,
     )?;
     Ok(vec![
@@ -100,17 +96,14 @@ fn hdot(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn rnea_d(p: &Point) -> Result<Vec<Equality>> {
+fn rnea_d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(&p.model, &mut Data::new(&p.model), q, v, a, &mut id)?;
     let state = [q, v, a].concat();
     let by_duals = jacobian(&state, |s| {
-        let mut tau = moving(&vec![F::default(); n], &vec![F::default(); n]);
-        let (q, v, a) = (&s[..n], &s[n..2 * n], &s[2 * n..]);
-        rnea(&p.model, &mut Data::new(&p.model), q, v, a, &mut tau)?;
-        Ok(tau)
+        inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])
     })?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     Ok(vec![
@@ -121,28 +114,25 @@ fn rnea_d(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// A frame off the origin of every body, by duals of forward kinematics.
-fn frames_move_as_their_jacobian_says(p: &Point) -> Result<Vec<Equality>> {
+fn frames_move_as_their_jacobian_says(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut claims = Vec::new();
     for body in 0..n {
         let frame = Frame::new("", Some(body), *p.model.joints()[n - 1 - body].origin());
         let mut ours = DMatrix::zeros(6, n);
         frame_jacobian(&p.model, &mut Data::new(&p.model), q, &frame, &mut ours)?;
-        let place = |q: &[J]| {
+        let place = |q: &[Jet1]| {
             let mut bodies = vec![Placement::identity(); n];
             forward_kinematics(&p.model, q, &mut bodies)?;
             frame_placement(&frame, &bodies)
         };
-        let rotation = place(&still(q))?.rotation.map(|r| r.re);
+        let rotation = place(&constant(q))?.rotation.map(|r| r.re);
         let reference = jacobian(q, |q| {
             let placement = place(q)?;
-            let turning = placement.rotation * rotation.transpose().map(J::constant);
+            let turning = placement.rotation * rotation.transpose().map(Jet1::constant);
             let turning = [turning.m32, turning.m13, turning.m21];
-            Ok(turning
-                .iter()
-                .chain(&placement.translation)
-                .copied()
-                .collect())
+            let rates = turning.iter().chain(&placement.translation);
+            Ok(DVector::from_iterator(6, rates.copied()))
         })?;
         claims.push(Equality::new("J", ours, reference));
     }

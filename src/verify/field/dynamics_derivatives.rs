@@ -1,11 +1,7 @@
 //! The analytic derivatives of the dynamics, and the Jacobian of the control form.
 
-use super::reference::jacobian;
-use super::reference_b4::{
-    In, all, bias_force, constant, derivative, drift, flow, gathered, inverse_dynamics, mass,
-    unfold, vector,
-};
-use super::{Equality, F, Identity, J, Point};
+use super::wrt::{Wrt, derivative, gathered, unfold};
+use super::{Equality, Gf, Identity, Jet1, Jet2, RandomInstance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
     RneaVjp, RneaWeightedHessian, aba, aba_derivatives, crba_second_derivatives,
@@ -14,8 +10,12 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::flow::RightHandSide;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks};
-use crate::scalar::Jet;
-use nalgebra::DMatrix;
+use crate::scalar::AlgebraOver;
+use crate::verify::reference::{
+    At, bias_force, constant, entries, fd_0, inverse_dynamics, jacobian, mass, omega_by_definition,
+    rate, vector,
+};
+use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
@@ -37,28 +37,28 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-fn aba_d(p: &Point) -> Result<Vec<Equality>> {
+fn aba_d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node, tau) = (p.dof(), p.node(), p.w.as_slice());
     let (q, v) = (node.x_p1(), node.x_p2());
     let mut fd = ForwardDynamicsDerivatives::new(n);
     aba_derivatives(&p.model, &mut Data::new(&p.model), q, v, tau, &mut fd)?;
     let by_duals = jacobian(&[q, v, tau].concat(), |s| {
-        let mut a = constant(&vec![F::default(); n]);
+        let (mut a, data) = (DVector::zeros(n), &mut Data::new(&p.model));
         let (q, v, tau) = (&s[..n], &s[n..2 * n], &s[2 * n..]);
-        aba(&p.model, &mut Data::new(&p.model), q, v, tau, &mut a)?;
+        aba(&p.model, data, q, v, tau, a.as_mut_slice())?;
         Ok(a)
     })?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     let force = inverse_dynamics(&p.model, q, v, fd.a.as_slice())?;
     Ok(vec![
-        Equality::vectors("FD", &vector(&force), &p.w),
+        Equality::vectors("FD", &force, &p.w),
         Equality::new("dFD/dq", fd.dq, part(0)),
         Equality::new("dFD/dv", fd.dv, part(1)),
         Equality::new("dFD/dtau", fd.h_inverse, part(2)),
     ])
 }
 
-fn crba_2d(p: &Point) -> Result<Vec<Equality>> {
+fn crba_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (q, rate) = (p.node().x_p1(), p.w.as_slice());
     let mut found = MassMatrixDerivatives::new(p.dof());
     crba_second_derivatives(&p.model, &mut Data::new(&p.model), q, rate, &mut found)?;
@@ -67,26 +67,24 @@ fn crba_2d(p: &Point) -> Result<Vec<Equality>> {
 
 /// What CRBA_2D gives, against duals.
 pub(super) fn of_mass(
-    p: &Point,
-    rate: &[F],
-    found: &MassMatrixDerivatives<F>,
+    p: &RandomInstance,
+    direction: &[Gf],
+    found: &MassMatrixDerivatives<Gf>,
 ) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
-    let first = jacobian(q, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
-    let second = jacobian(q, |q| {
-        let inner = jacobian(q, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
-        Ok(inner.as_slice().to_vec())
-    })?;
-    let along = super::reference_b4::rate(q, rate, |q| Ok(mass(&p.model, q)?.as_slice().to_vec()))?;
+    let first = jacobian(q, |q| Ok(entries(&mass(&p.model, q)?)))?;
+    let second = second(q, |q| Ok(entries(&mass(&p.model, q)?)))?;
+    let along = rate(q, direction, |q| Ok(entries(&mass(&p.model, q)?)))?;
+    let along = DMatrix::from_column_slice(n, n, along.as_slice());
     Ok(vec![
         Equality::new("H", found.h.clone(), mass(&p.model, q)?),
-        Equality::new("Hdot", found.hdot.clone(), DMatrix::from_vec(n, n, along)),
+        Equality::new("Hdot", found.hdot.clone(), along),
         Equality::new("dH/dq", unfold(n, found.dq.entries()), first),
         Equality::new("d2H/dq2", unfold(n, found.dqdq.entries()), second),
     ])
 }
 
-fn rnea_2d(p: &Point) -> Result<Vec<Equality>> {
+fn rnea_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (node, a) = (p.node(), p.node().xdot_p2());
     let (q, v) = (node.x_p1(), node.x_p2());
     let mut found = InverseDynamicsSecondDerivatives::new(p.dof());
@@ -96,16 +94,16 @@ fn rnea_2d(p: &Point) -> Result<Vec<Equality>> {
 
 /// What RNEA_2D gives at the acceleration `a`, against duals of duals.
 pub(super) fn of_inverse_dynamics(
-    p: &Point,
-    a: &[F],
-    found: &InverseDynamicsSecondDerivatives<F>,
+    p: &RandomInstance,
+    a: &[Gf],
+    found: &InverseDynamicsSecondDerivatives<Gf>,
 ) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
-    let f = |s: &[Jet<J, 1>]| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]);
+    let f = |s: &[Jet2]| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]);
     let all = second(&[node.x_p1(), node.x_p2(), a].concat(), f)?;
     let claim =
-        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
-    let zero = vec![F::default(); n * n * n];
+        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+    let zero = vec![Gf::default(); n * n * n];
     Ok(vec![
         claim("d2ID/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2ID/dvdv", found.dvdv.entries(), 1, 1),
@@ -118,13 +116,13 @@ pub(super) fn of_inverse_dynamics(
 
 /// The second derivatives of the bias force alone, without an acceleration, against those found.
 pub(super) fn of_bias(
-    p: &Point,
-    found: &InverseDynamicsSecondDerivatives<F>,
+    p: &RandomInstance,
+    found: &InverseDynamicsSecondDerivatives<Gf>,
 ) -> Result<Vec<Equality>> {
     let n = p.dof();
     let all = second(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     let claim =
-        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2C/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2C/dvdv", found.dvdv.entries(), 1, 1),
@@ -132,11 +130,11 @@ pub(super) fn of_bias(
     ])
 }
 
-pub(super) fn aba_2d(p: &Point) -> Result<Vec<Equality>> {
+pub(super) fn aba_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, found) = (p.dof(), gathered(p)?.d2fd0);
-    let all = second(p.node().x, |x| drift(&p.model, &x[..n], &x[n..]))?;
+    let all = second(p.node().x, |x| fd_0(&p.model, &x[..n], &x[n..]))?;
     let claim =
-        |what, entries: &[F], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2FD/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2FD/dvdv", found.dvdv.entries(), 1, 1),
@@ -145,27 +143,27 @@ pub(super) fn aba_2d(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// All second derivatives of `f`: a column for the last coordinate, rows for the function and within for the first one.
-fn second(x: &[F], f: impl Fn(&[Jet<J, 1>]) -> Result<Vec<Jet<J, 1>>>) -> Result<DMatrix<F>> {
-    jacobian(x, |x| Ok(jacobian(x, &f)?.as_slice().to_vec()))
+fn second(x: &[Gf], f: impl Fn(&[Jet2]) -> Result<DVector<Jet2>>) -> Result<DMatrix<Gf>> {
+    jacobian(x, |x| Ok(entries(&jacobian(x, &f)?)))
 }
 
 /// The part of [`second`] in groups `j` and `k` of `N` coordinates, for a function with `N` entries.
-fn part(all: &DMatrix<F>, n: usize, j: usize, k: usize) -> DMatrix<F> {
+fn part(all: &DMatrix<Gf>, n: usize, j: usize, k: usize) -> DMatrix<Gf> {
     all.view((j * n * n, k * n), (n * n, n)).into_owned()
 }
 
 /// $w^T ID$ at `[q; v; a]`.
-fn contracted<S: crate::scalar::AlgebraOver<F>>(p: &Point, s: &[S]) -> Result<Vec<S>> {
+fn contracted<S: AlgebraOver<Gf>>(p: &RandomInstance, s: &[S]) -> Result<DVector<S>> {
     let n = p.dof();
     let tau = inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])?;
     let sum = tau
         .iter()
         .zip(&p.w)
         .fold(S::zero(), |sum, (t, w)| sum + t.scale(*w));
-    Ok(vec![sum])
+    Ok(DVector::from_element(1, sum))
 }
 
-fn gradient(p: &Point) -> Result<Vec<Equality>> {
+fn gradient(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
     let mut found = RneaVjp::new(n);
@@ -179,7 +177,7 @@ fn gradient(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn hessian(p: &Point) -> Result<Vec<Equality>> {
+fn hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a, w) = (node.x_p1(), node.x_p2(), node.xdot_p2(), p.w.as_slice());
     let mut found = RneaWeightedHessian::new(n);
@@ -197,7 +195,7 @@ fn hessian(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn contracted_mass(p: &Point) -> Result<Vec<Equality>> {
+fn contracted_mass(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut found = DMatrix::zeros(n, n);
     mass_matrix_product_derivative(
@@ -208,32 +206,27 @@ fn contracted_mass(p: &Point) -> Result<Vec<Equality>> {
         &mut found,
     )?;
     let w = vector(&constant(p.w.as_slice()));
-    let by_duals = jacobian(q, |q| Ok((mass(&p.model, q)? * &w).as_slice().to_vec()))?;
+    let by_duals = jacobian(q, |q| Ok(mass(&p.model, q)? * &w))?;
     Ok(vec![Equality::new("K", found, by_duals)])
 }
 
 /// The right-hand side in the control form, whose Jacobian is claimed.
-fn control_form_omega(p: &Point, z: &[J]) -> Result<Vec<J>> {
-    let (m, mut omega) = (2 * p.dof(), constant(&vec![F::default(); 2 * p.dof()]));
-    let node = crate::flow::Node {
-        x: &z[..m],
-        xdot: &z[m..2 * m],
-        xddot: &z[2 * m..],
-    };
-    crate::flow::ControlForm::new(&p.model).omega(node, p.k, &mut omega)?;
+fn control_form_omega(at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
+    let mut omega = DVector::zeros(at.node.x.len());
+    crate::flow::ControlForm::new(at.model).omega(at.node, at.k, omega.as_mut_slice())?;
     Ok(omega)
 }
 
-fn control_form(p: &Point) -> Result<Vec<Equality>> {
+fn control_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (t, mut found) = (gathered(p)?, NodeBlocks::new(p.dof()));
     ControlFormJacobian::new(&p.model).blocks(p.node(), p.k, &mut found)?;
     let by = |part| derivative(p, part, control_form_omega);
-    let omega = vector(&control_form_omega(p, &constant(&all(p)))?).map(|o| o.re);
+    let omega = super::theorem_b3::omega_of(p, crate::flow::ControlForm::new(&p.model))?;
     Ok(vec![
-        Equality::vectors("Omega", &omega, &vector(&flow(p, &all(p))?)),
-        Equality::new("dx by duals", found.dx.clone(), by(In::X)?),
-        Equality::new("dxdot by duals", found.dxdot.clone(), by(In::Xdot)?),
-        Equality::new("dxddot by duals", found.dxddot.clone(), by(In::Xddot)?),
+        Equality::vectors("Omega", &omega, &omega_by_definition(&p.at())?),
+        Equality::new("dx by duals", found.dx.clone(), by(Wrt::X)?),
+        Equality::new("dxdot by duals", found.dxdot.clone(), by(Wrt::Xdot)?),
+        Equality::new("dxddot by duals", found.dxddot.clone(), by(Wrt::Xddot)?),
         Equality::new("dx by Theorem B4", found.dx, t.domega_dx(p.k)),
         Equality::new("dxdot by Theorem B4", found.dxdot, t.domega_dxdot(p.k)),
         Equality::new("dxddot by Theorem B4", found.dxddot, t.domega_dxddot()),

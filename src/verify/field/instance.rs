@@ -1,11 +1,11 @@
 //! Random robots and states over the field.
 
-use super::F;
+use super::Gf;
 use crate::error::Result;
 use crate::flow::Node;
 use crate::model::{JointKind, JointSpec, Limits, Model};
-use crate::scalar::{Jet, Scalar};
 use crate::spatial::{Inertia, Placement};
+use crate::verify::reference::At;
 use nalgebra::{DVector, Matrix3, Vector3};
 use num_traits::One;
 use rand::RngExt;
@@ -16,29 +16,29 @@ const SMALLEST: usize = 5;
 /// The largest robot. Identities that hold for trees of this size have met every case of branching there is in them.
 const LARGEST: usize = 8;
 
-/// A random point: a robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity, what
-/// the flow reads at a node, and a penalty, all of them elements of the field.
-pub struct Point {
+/// A robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity, what the flow reads at a
+/// node, and a penalty, all of them random elements of the field.
+pub struct RandomInstance {
     /// The robot.
-    pub model: Model<F>,
+    pub model: Model<Gf>,
     /// The same robot without gravity.
-    pub weightless: Model<F>,
+    pub weightless: Model<Gf>,
     /// $x$, `2 N` entries.
-    pub x: DVector<F>,
+    pub x: DVector<Gf>,
     /// $\dot x$.
-    pub xdot: DVector<F>,
+    pub xdot: DVector<Gf>,
     /// $\ddot x$.
-    pub xddot: DVector<F>,
+    pub xddot: DVector<Gf>,
     /// The penalty.
-    pub k: F,
+    pub k: Gf,
     /// Weights of contractions, `N` entries.
-    pub w: DVector<F>,
+    pub w: DVector<Gf>,
     /// A number for whatever else is needed, such as the constants of a constraint.
-    pub extra: [F; 8],
+    pub extra: [Gf; 8],
 }
 
-impl Point {
-    /// A random point.
+impl RandomInstance {
+    /// A random instance; the same state of the generator gives the same one.
     ///
     /// # Errors
     /// None: there is a joint, and parents come before children.
@@ -66,51 +66,58 @@ impl Point {
 
     /// What the flow reads.
     #[must_use]
-    pub fn node(&self) -> Node<'_, F> {
+    pub fn node(&self) -> Node<'_, Gf> {
         Node {
             x: self.x.as_slice(),
             xdot: self.xdot.as_slice(),
             xddot: self.xddot.as_slice(),
         }
     }
-}
 
-/// Numbers that move along a direction, as dual numbers.
-pub(crate) fn moving<S: Scalar>(x: &[S], direction: &[S]) -> Vec<Jet<S, 1>> {
-    x.iter()
-        .zip(direction)
-        .map(|(x, d)| Jet::new(*x, [*d]))
-        .collect()
+    /// The robot, what the flow reads, and the penalty.
+    pub(super) fn at(&self) -> At<'_, Gf, Gf> {
+        At {
+            model: &self.model,
+            node: self.node(),
+            k: self.k,
+        }
+    }
+
+    /// $[x; \dot x; \ddot x]$.
+    pub(super) fn z(&self) -> Vec<Gf> {
+        let node = self.node();
+        [node.x, node.xdot, node.xddot].concat()
+    }
 }
 
 /// A random element.
-fn number(rng: &mut ChaCha8Rng) -> F {
-    F::new(rng.random_range(0..F::ORDER))
+fn number(rng: &mut ChaCha8Rng) -> Gf {
+    Gf::new(rng.random_range(0..Gf::ORDER))
 }
 
-fn vector(rng: &mut ChaCha8Rng) -> Vector3<F> {
+fn vector(rng: &mut ChaCha8Rng) -> Vector3<Gf> {
     Vector3::from_fn(|_, _| number(rng))
 }
 
 /// A vector of length one: a rational point of the sphere, by stereographic projection.
-fn axis(rng: &mut ChaCha8Rng) -> Vector3<F> {
+fn axis(rng: &mut ChaCha8Rng) -> Vector3<Gf> {
     let (a, b) = (number(rng), number(rng));
-    let inverse = (F::one() + a * a + b * b).inverse();
-    Vector3::new(a + a, b + b, F::one() - a * a - b * b) * inverse
+    let inverse = (Gf::one() + a * a + b * b).inverse();
+    Vector3::new(a + a, b + b, Gf::one() - a * a - b * b) * inverse
 }
 
 /// An orthogonal matrix with determinant one: the rotation of a rational quaternion.
-fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<F> {
+fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<Gf> {
     let (w, v) = (number(rng), vector(rng));
     let inverse = (w * w + v.dot(&v)).inverse();
     let cross = crate::spatial::cross_matrix(&v);
-    let two = F::one() + F::one();
+    let two = Gf::one() + Gf::one();
     Matrix3::identity() + (cross * w + cross * cross) * (two * inverse)
 }
 
 /// The first three joints are a chain that turns, the fourth slides on the second body beside the third: so every term of
 /// every equation is there, and nothing holds because it is zero. The other joints are what and where they happen to be.
-fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<F>> {
+fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
     let mut specs = Vec::with_capacity(n);
     for i in 0..n {
         let (slides, parent) = match i {

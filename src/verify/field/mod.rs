@@ -1,6 +1,6 @@
 //! Every numbered equation as an identity over a prime field.
 //!
-//! Left side and right side of an equation are computed by independent routes at random points: random robots, states and
+//! Left side and right side of an equation are computed by independent routes at random instances: random robots, states and
 //! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
 //! equation with its conventions; a test holds pages and identities together.
 
@@ -9,30 +9,58 @@ mod algorithm_b2;
 mod algorithm_b3;
 mod constraint_kinds;
 mod constraints;
+mod discretisation;
 mod dynamics;
 mod dynamics_derivatives;
 mod instance;
 mod reference;
-mod reference_b4;
 mod relaxation;
 mod running_cost;
 mod theorem_b3;
 mod theorem_b3_gradient;
 mod theorem_b4;
+mod wrt;
 
-pub use instance::Point;
+pub use instance::RandomInstance;
 
 use crate::error::Result;
-use crate::scalar::{Jet, PrimeField};
+use crate::scalar::{Jet, PrimeField, Scalar};
+use crate::verify::reference::{Differentiable, DualNumber};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// The field.
-pub(crate) type F = PrimeField;
-/// Its numbers with one tangent.
-pub(crate) type J = Jet<F, 1>;
+pub(crate) type Gf = PrimeField;
+/// First-order dual numbers over the field.
+pub(crate) type Jet1 = Jet<Gf, 1>;
+/// Nested first-order dual numbers.
+pub(crate) type Jet2 = Jet<Jet1, 1>;
+
+impl<S: Scalar> DualNumber for Jet<S, 1> {
+    type Base = S;
+
+    fn from_parts(real: S, tangent: S) -> Self {
+        Self::new(real, [tangent])
+    }
+
+    fn real(self) -> S {
+        self.re
+    }
+
+    fn tangent(self) -> S {
+        self.eps[0]
+    }
+}
+
+impl Differentiable for PrimeField {
+    type Dual = Jet1;
+}
+
+impl<S: Scalar> Differentiable for Jet<S, 1> {
+    type Dual = Jet<Self, 1>;
+}
 
 /// No identity here has a numerator of a larger degree in the random inputs; `proofs/README.md` works it out.
 pub const DEGREE: u64 = 1 << 17;
@@ -40,27 +68,27 @@ pub const DEGREE: u64 = 1 << 17;
 /// Two sides that should be equal, entry by entry.
 pub struct Equality {
     what: &'static str,
-    left: DMatrix<F>,
-    right: DMatrix<F>,
+    left: DMatrix<Gf>,
+    right: DMatrix<Gf>,
 }
 
 impl Equality {
     /// Two matrices that should be equal. `what` names the block where an equation has several.
     #[must_use]
-    pub fn new(what: &'static str, left: DMatrix<F>, right: DMatrix<F>) -> Self {
+    pub fn new(what: &'static str, left: DMatrix<Gf>, right: DMatrix<Gf>) -> Self {
         Self { what, left, right }
     }
 
     /// Two vectors that should be equal.
     #[must_use]
-    pub fn vectors(what: &'static str, left: &DVector<F>, right: &DVector<F>) -> Self {
-        let column = |v: &DVector<F>| DMatrix::from_column_slice(v.len(), 1, v.as_slice());
+    pub fn vectors(what: &'static str, left: &DVector<Gf>, right: &DVector<Gf>) -> Self {
+        let column = |v: &DVector<Gf>| DMatrix::from_column_slice(v.len(), 1, v.as_slice());
         Self::new(what, column(left), column(right))
     }
 
     /// Two numbers that should be equal.
     #[must_use]
-    pub fn numbers(what: &'static str, left: F, right: F) -> Self {
+    pub fn numbers(what: &'static str, left: Gf, right: Gf) -> Self {
         Self::new(
             what,
             DMatrix::from_element(1, 1, left),
@@ -93,8 +121,8 @@ pub struct Identity {
     pub statement: &'static str,
     /// The index convention, where there is a choice.
     pub convention: &'static str,
-    /// Both sides at a point.
-    pub claims: fn(&Point) -> Result<Vec<Equality>>,
+    /// Both sides at a random instance.
+    pub claims: fn(&RandomInstance) -> Result<Vec<Equality>>,
 }
 
 /// What came of proving one identity.
@@ -104,7 +132,7 @@ pub struct Verdict {
     pub label: String,
     /// What is equal.
     pub statement: String,
-    /// At how many random points.
+    /// At how many random instances.
     pub points: usize,
     /// How many entries were compared.
     pub entries: usize,
@@ -133,7 +161,7 @@ pub fn identities() -> Vec<Identity> {
     all
 }
 
-/// Proves every identity at `points` random points; the same seed gives the same points.
+/// Proves every identity at `points` random instances; the same seed gives the same instances.
 ///
 /// # Errors
 /// None that the identities give.
@@ -149,7 +177,7 @@ pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
 pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let points = (0..points)
-        .map(|_| Point::random(&mut rng))
+        .map(|_| RandomInstance::random(&mut rng))
         .collect::<Result<Vec<_>>>()?;
     identities
         .iter()
@@ -157,13 +185,13 @@ pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Re
         .collect()
 }
 
-fn verdict(identity: &Identity, points: &[Point]) -> Result<Verdict> {
+fn verdict(identity: &Identity, points: &[RandomInstance]) -> Result<Verdict> {
     let mut verdict = Verdict {
         label: identity.label.to_owned(),
         statement: identity.statement.to_owned(),
         points: points.len(),
         entries: 0,
-        bound: (DEGREE as f64 / F::ORDER as f64).powf(points.len() as f64),
+        bound: (DEGREE as f64 / Gf::ORDER as f64).powf(points.len() as f64),
         failure: None,
     };
     for (number, point) in points.iter().enumerate() {

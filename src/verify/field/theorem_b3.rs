@@ -1,16 +1,16 @@
 //! (B5) to (B16): the right-hand side of the flow, and its terms in the velocity of the curve.
 
-use super::reference::{
-    Reference, blocks, drift, gradient, gradient_and_rate, inertia_force, stack, still, two, unit,
-    vector,
-};
-use super::{Equality, F, Identity, J, Point};
+use super::reference::{Reference, blocks, effort, inertia_force, stack, two};
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{Data, aba, rnea};
 use crate::error::Result;
 use crate::flow::{
     AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian_of_control,
 };
 use crate::linalg::Ldlt;
+use crate::verify::reference::{
+    constant, f_d, gradient, gradient_and_rate, omega_by_theorem_b3, omega_terms, unit,
+};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 
@@ -18,7 +18,7 @@ use num_traits::Zero;
 pub(super) fn identity(
     label: &'static str,
     statement: &'static str,
-    claims: fn(&Point) -> Result<Vec<Equality>>,
+    claims: fn(&RandomInstance) -> Result<Vec<Equality>>,
 ) -> Identity {
     Identity {
         label,
@@ -47,15 +47,18 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// What a right-hand side gives at a point.
-pub(super) fn omega_of(p: &Point, mut rhs: impl RightHandSide<F, F>) -> Result<DVector<F>> {
+pub(super) fn omega_of(
+    p: &RandomInstance,
+    mut rhs: impl RightHandSide<Gf, Gf>,
+) -> Result<DVector<Gf>> {
     let mut omega = DVector::zeros(2 * p.dof());
     rhs.omega(p.node(), p.k, omega.as_mut_slice())?;
     Ok(omega)
 }
 
 /// The terms of Theorem B3 from its quantities.
-pub(super) fn terms(p: &Point, t: &mut TheoremB3<F>) -> [DVector<F>; 4] {
-    let (node, k): (Node<'_, F>, F) = (p.node(), p.k);
+pub(super) fn terms(p: &RandomInstance, t: &mut TheoremB3<Gf>) -> [DVector<Gf>; 4] {
+    let (node, k): (Node<'_, Gf>, Gf) = (p.node(), p.k);
     let mut terms = [(); 4].map(|()| DVector::zeros(2 * p.dof()));
     t.omega_1(node, &mut terms[0]);
     t.omega_2(node, k, &mut terms[1]);
@@ -66,17 +69,17 @@ pub(super) fn terms(p: &Point, t: &mut TheoremB3<F>) -> [DVector<F>; 4] {
 
 /// What the terms of Theorem B3 mean: $G^{-1}$ times the rate of $\partial L / \partial \dot x$, and times gradients of `L`
 /// in `x` through $FD_0$, through $x_{P2}$ (the sign turned) and through $G$, everything else held fixed.
-pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<F>; 4]> {
+pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<Gf>; 4]> {
     let (n, k) = (reference.n, reference.p.k);
-    let xdot = reference.p.xdot.map(J::constant);
-    let h = reference.h.map(J::constant);
-    let through_fd0 = reference.by_drift(|fd| {
+    let xdot = reference.p.xdot.map(Jet1::constant);
+    let h = reference.h.map(Jet1::constant);
+    let through_fd0 = reference.by_f_d(|fd| {
         let force = &h * (xdot.rows(n, n) - fd.rows(n, n));
         force.dot(&force)
     })?;
-    let through_x_p2 = reference.by_drift(|fd| {
+    let through_x_p2 = reference.by_f_d(|fd| {
         let slip = xdot.rows(0, n) - fd.rows(0, n);
-        slip.dot(&slip) * J::constant(k)
+        slip.dot(&slip) * Jet1::constant(k)
     })?;
     Ok([
         reference.raise(&reference.variation()?.momentum_rate),
@@ -87,46 +90,35 @@ pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<F>; 4]
 }
 
 /// Term `i` of Theorem B3 against what it means.
-fn term(p: &Point, what: &'static str, i: usize) -> Result<Vec<Equality>> {
-    let reference = Reference::at(p)?;
-    let right = &terms(p, &mut reference.theorem())[i];
-    Ok(vec![Equality::vectors(
-        what,
-        &documentation(&reference)?[i],
-        right,
-    )])
+fn term(p: &RandomInstance, what: &'static str, i: usize) -> Result<Vec<Equality>> {
+    let left = &documentation(&Reference::at(p)?)?[i];
+    let right = &omega_terms(&p.at())?[i];
+    Ok(vec![Equality::vectors(what, left, right)])
 }
 
-fn b5(p: &Point) -> Result<Vec<Equality>> {
-    let reference = Reference::at(p)?;
-    let mut omega = DVector::zeros(2 * p.dof());
-    reference
-        .theorem()
-        .omega(p.node(), p.k, omega.as_mut_slice())?;
-    Ok(vec![Equality::vectors(
-        "Omega",
-        &reference.omega()?,
-        &omega,
-    )])
+fn b5(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let left = Reference::at(p)?.omega()?;
+    let right = omega_by_theorem_b3(&p.at())?;
+    Ok(vec![Equality::vectors("Omega", &left, &right)])
 }
 
-fn b6(p: &Point) -> Result<Vec<Equality>> {
+fn b6(p: &RandomInstance) -> Result<Vec<Equality>> {
     term(p, "Omega_1", 0)
 }
 
-fn b7(p: &Point) -> Result<Vec<Equality>> {
+fn b7(p: &RandomInstance) -> Result<Vec<Equality>> {
     term(p, "Omega_2", 1)
 }
 
-fn b8(p: &Point) -> Result<Vec<Equality>> {
+fn b8(p: &RandomInstance) -> Result<Vec<Equality>> {
     term(p, "Omega_3", 2)
 }
 
-fn b9(p: &Point) -> Result<Vec<Equality>> {
+fn b9(p: &RandomInstance) -> Result<Vec<Equality>> {
     term(p, "Omega_4", 3)
 }
 
-fn b10(p: &Point) -> Result<Vec<Equality>> {
+fn b10(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = Reference::at(p)?.omega()?;
     let algorithm = omega_of(p, AlgorithmB1::new(&p.model))?;
     let control = omega_of(p, ControlForm::new(&p.model))?;
@@ -136,12 +128,12 @@ fn b10(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b11(p: &Point) -> Result<Vec<Equality>> {
+fn b11(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (reference, node) = (Reference::at(p)?, p.node());
     let slip = reference.slip();
     let explicit = slip.dot(&(reference.metric() * &slip));
-    let by_definition = super::reference::effort(p, node.x, node.xdot)?;
-    let mut u = vec![F::zero(); p.dof()];
+    let by_definition = effort(p, node.x, node.xdot)?;
+    let mut u = vec![Gf::zero(); p.dof()];
     let data = &mut Data::new(&p.model);
     rnea(
         &p.model,
@@ -159,9 +151,9 @@ fn b11(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// $H^{-1}$ column by column from ABA: what each unit torque adds.
-fn h_inverse(p: &Point) -> Result<DMatrix<F>> {
+fn h_inverse(p: &RandomInstance) -> Result<DMatrix<Gf>> {
     let (n, node) = (p.dof(), p.node());
-    let fd0 = &drift(&p.model, node.x)?[n..];
+    let fd0 = f_d(&p.model, node.x)?.rows(n, n).into_owned();
     let mut inverse = DMatrix::zeros(n, n);
     for j in 0..n {
         let mut a = DVector::zeros(n);
@@ -174,12 +166,12 @@ fn h_inverse(p: &Point) -> Result<DMatrix<F>> {
             &tau,
             a.as_mut_slice(),
         )?;
-        inverse.set_column(j, &(a - vector(fd0)));
+        inverse.set_column(j, &(a - &fd0));
     }
     Ok(inverse)
 }
 
-fn b12(p: &Point) -> Result<Vec<Equality>> {
+fn b12(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, reference) = (p.dof(), Reference::at(p)?);
     let (zero, identity) = (DMatrix::zeros(n, n), DMatrix::identity(n, n));
     let fbar = blocks([[&identity, &zero], [&zero, &h_inverse(p)?]]);
@@ -192,18 +184,18 @@ fn b12(p: &Point) -> Result<Vec<Equality>> {
     Ok(vec![Equality::new("G", left, reference.metric())])
 }
 
-fn b13(p: &Point) -> Result<Vec<Equality>> {
+fn b13(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, reference) = (p.dof(), Reference::at(p)?);
     let along = stack(&DVector::zeros(2 * n), &p.xddot);
     let at = stack(&p.x, &p.xdot);
     let [_, rates] = gradient_and_rate(at.as_slice(), along.as_slice(), |x, xdot| {
-        super::reference::effort(p, x, xdot)
+        effort(p, x, xdot)
     })?;
     let right = reference.metric() * &p.xddot * two();
     let left = rates.rows(2 * n, 2 * n).into_owned();
     // The block H^T H again, from inverse dynamics: the gradient of |H w|^2 in w is 2 H^T H w.
     let by_w = gradient(reference.w.as_slice(), |w| {
-        let force = inertia_force(&p.model, &still(p.x.as_slice()), w)?;
+        let force = inertia_force(&p.model, &constant(p.x.as_slice()), w)?;
         Ok(force.dot(&force))
     })?;
     Ok(vec![
@@ -216,7 +208,7 @@ fn b13(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b14(p: &Point) -> Result<Vec<Equality>> {
+fn b14(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let [xdot_p1, xdot_p2, ..] = reference.rates();
     let left = reference.variation()?.by_xdot;
@@ -233,7 +225,7 @@ fn b14(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// $\gamma$: half the second block of (B15).
-fn gamma(reference: &Reference<'_>) -> DVector<F> {
+fn gamma(reference: &Reference<'_>) -> DVector<Gf> {
     let [_, xdot_p2, _, xddot_p2] = reference.rates();
     let (ht, hdot_t) = (reference.h.transpose(), reference.hdot.transpose());
     (&hdot_t * &reference.h + &ht * &reference.hdot) * xdot_p2
@@ -242,7 +234,7 @@ fn gamma(reference: &Reference<'_>) -> DVector<F> {
         + ht * &reference.cdot
 }
 
-fn b15(p: &Point) -> Result<Vec<Equality>> {
+fn b15(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let [_, xdot_p2, xddot_p1, _] = reference.rates();
     let right = stack(&((xddot_p1 - xdot_p2) * p.k), &gamma(&reference)) * two();
@@ -250,7 +242,7 @@ fn b15(p: &Point) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("d/dt dL/dxdot", &left, &right)])
 }
 
-fn b16(p: &Point) -> Result<Vec<Equality>> {
+fn b16(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let [_, xdot_p2, xddot_p1, _] = reference.rates();
     let right = stack(

@@ -1,15 +1,12 @@
 //! (B17) to (B36): the gradient of the Lagrangian in the state, and the sum of all terms.
 
-use super::reference::{
-    Reference, blocks, contract, inertia_force, jacobian, stack, still, two, unit, variation,
-};
-use super::theorem_b3::{identity, terms};
-use super::{Equality, F, Identity, J, Point};
-use crate::dynamics::{Data, rnea};
+use super::reference::{Reference, blocks, contract, inertia_force, stack, two};
+use super::theorem_b3::identity;
+use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, lagrangian_of_control};
+use crate::verify::reference::{entries, inverse_dynamics, jacobian, omega_terms, unit, variation};
 use nalgebra::{DMatrix, DVector};
-use num_traits::Zero;
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
@@ -38,14 +35,17 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// `dL/dx` by duals against an expression.
-fn by_x(p: &Point, right: impl Fn(&Reference<'_>) -> Result<DVector<F>>) -> Result<Vec<Equality>> {
+fn by_x(
+    p: &RandomInstance,
+    right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,
+) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let left = reference.variation()?.by_x;
     Ok(vec![Equality::vectors("dL/dx", &left, &right(&reference)?)])
 }
 
 /// `(xdot - F_d)^T dG/dx (xdot - F_d)`.
-fn through_metric(reference: &Reference<'_>) -> Result<DVector<F>> {
+fn through_metric(reference: &Reference<'_>) -> Result<DVector<Gf>> {
     Ok(contract(
         &reference.slip(),
         &reference.dmetric()?,
@@ -53,7 +53,7 @@ fn through_metric(reference: &Reference<'_>) -> Result<DVector<F>> {
     ))
 }
 
-fn b17(p: &Point) -> Result<Vec<Equality>> {
+fn b17(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (slip, g) = (t.slip(), t.metric());
         let first = -(t.dfd.transpose() * &g * &slip);
@@ -62,7 +62,7 @@ fn b17(p: &Point) -> Result<Vec<Equality>> {
     })
 }
 
-fn b18(p: &Point) -> Result<Vec<Equality>> {
+fn b18(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (xdot, g, dt) = (&t.p.xdot, t.metric(), t.dfd.transpose());
         let first = -(&dt * &g * xdot) + dt * &g * &t.fd;
@@ -72,7 +72,7 @@ fn b18(p: &Point) -> Result<Vec<Equality>> {
     })
 }
 
-fn b19(p: &Point) -> Result<Vec<Equality>> {
+fn b19(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let (xdot, g, dt) = (&t.p.xdot, t.metric(), t.dfd.transpose());
         let (by_xdot, by_fd) = (&dt * &g * xdot, &dt * &g * &t.fd);
@@ -80,7 +80,7 @@ fn b19(p: &Point) -> Result<Vec<Equality>> {
     })
 }
 
-fn b20(p: &Point) -> Result<Vec<Equality>> {
+fn b20(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_x(p, |t| {
         let force = t.dfd.transpose() * t.metric();
         let drift = &force * &t.fd * two() - force * &t.p.xdot * two();
@@ -89,17 +89,17 @@ fn b20(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// `(dF_d/dx)^T` in the blocks of (B21).
-fn drift_blocks(t: &Reference<'_>) -> DMatrix<F> {
+fn drift_blocks(t: &Reference<'_>) -> DMatrix<Gf> {
     let (zero, identity) = (DMatrix::zeros(t.n, t.n), DMatrix::identity(t.n, t.n));
     let [dq, dv] = t.dfd0().map(|d| d.transpose());
     blocks([[&zero, &dq], [&identity, &dv]])
 }
 
-fn b21(p: &Point) -> Result<Vec<Equality>> {
+fn b21(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
-    let g = t.metric().map(J::constant);
+    let g = t.metric().map(Jet1::constant);
     // With G held fixed this is the gradient of F_d^T G F_d.
-    let left = t.by_drift(|fd| fd.dot(&(&g * fd)))?;
+    let left = t.by_f_d(|fd| fd.dot(&(&g * fd)))?;
     let [dq, dv] = t.dfd0().map(|d| d.transpose() * t.h.transpose() * &t.c);
     let right = stack(&-dq, &(t.x_p2() * p.k - dv)) * two();
     Ok(vec![
@@ -113,12 +113,12 @@ fn b21(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b22(p: &Point) -> Result<Vec<Equality>> {
+fn b22(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let [xdot_p1, xdot_p2, ..] = t.rates();
-    let momentum = (t.metric() * &p.xdot * two()).map(J::constant);
+    let momentum = (t.metric() * &p.xdot * two()).map(Jet1::constant);
     // With G and xdot held fixed this is the gradient of 2 F_d^T G xdot.
-    let left = t.by_drift(|fd| fd.dot(&momentum))?;
+    let left = t.by_f_d(|fd| fd.dot(&momentum))?;
     let [dq, dv] = t.dfd0().map(|d| d.transpose() * t.hth() * &xdot_p2);
     let right = stack(&dq, &(xdot_p1 * p.k + dv)) * two();
     let middle = drift_blocks(&t) * t.metric() * &p.xdot * two();
@@ -129,32 +129,32 @@ fn b22(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// `dFD_0^T/dx_P1 f` and `dFD_0^T/dx_P2 f` with `f = H^T (2 C + 2 H xdot_P2)`.
-fn drift_forces(t: &Reference<'_>) -> [DVector<F>; 2] {
+fn drift_forces(t: &Reference<'_>) -> [DVector<Gf>; 2] {
     let [_, xdot_p2, ..] = t.rates();
     let force = t.h.transpose() * (&t.c * two() + &t.h * xdot_p2 * two());
     t.dfd0().map(|d| d.transpose() * &force)
 }
 
 /// `2 k (xdot_P1 - x_P2)`.
-fn slip_force(t: &Reference<'_>) -> DVector<F> {
+fn slip_force(t: &Reference<'_>) -> DVector<Gf> {
     let [xdot_p1, ..] = t.rates();
     (xdot_p1 - t.x_p2()) * (t.p.k * two())
 }
 
 /// With `G` held fixed: the gradient of `(xdot - F_d)^T G (xdot - F_d)`.
-fn through_drift(t: &Reference<'_>) -> Result<DVector<F>> {
-    let (g, xdot) = (t.metric().map(J::constant), t.p.xdot.map(J::constant));
-    t.by_drift(|fd| (&xdot - fd).dot(&(&g * (&xdot - fd))))
+fn through_drift(t: &Reference<'_>) -> Result<DVector<Gf>> {
+    let (g, xdot) = (t.metric().map(Jet1::constant), t.p.xdot.map(Jet1::constant));
+    t.by_f_d(|fd| (&xdot - fd).dot(&(&g * (&xdot - fd))))
 }
 
-fn b23(p: &Point) -> Result<Vec<Equality>> {
+fn b23(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let [by_q, by_v] = drift_forces(&t);
     let right = stack(&-by_q, &-by_v) - stack(&DVector::zeros(t.n), &slip_force(&t));
     Ok(vec![Equality::vectors("sum", &through_drift(&t)?, &right)])
 }
 
-fn b24(p: &Point) -> Result<Vec<Equality>> {
+fn b24(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let (g, dt) = (t.metric(), t.dfd.transpose());
     let second = (t.fd.transpose() * &g * &t.dfd).transpose();
@@ -171,8 +171,8 @@ fn b24(p: &Point) -> Result<Vec<Equality>> {
 
 /// `dL/dx` through `G` alone, by duals of inverse dynamics, against an expression.
 fn by_metric(
-    p: &Point,
-    right: impl Fn(&Reference<'_>) -> Result<DVector<F>>,
+    p: &RandomInstance,
+    right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,
 ) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let left = reference.by_metric()?;
@@ -183,11 +183,11 @@ fn by_metric(
     )])
 }
 
-fn b25(p: &Point) -> Result<Vec<Equality>> {
+fn b25(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_metric(p, through_metric)
 }
 
-fn b26(p: &Point) -> Result<Vec<Equality>> {
+fn b26(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_metric(p, |t| {
         let (slip, dhth, zero) = (t.slip(), t.dhth()?, DMatrix::zeros(t.n, t.n));
         Ok(DVector::from_fn(2 * t.n, |i, _| {
@@ -197,19 +197,19 @@ fn b26(p: &Point) -> Result<Vec<Equality>> {
     })
 }
 
-fn b27(p: &Point) -> Result<Vec<Equality>> {
+fn b27(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_metric(p, |t| Ok(contract(&t.w, &t.dhth()?, &t.w)))
 }
 
-fn b28(p: &Point) -> Result<Vec<Equality>> {
+fn b28(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t) = (p.dof(), Reference::at(p)?);
     // H from inverse dynamics, in which the velocity takes part.
     let derivative = jacobian(p.x.as_slice(), |x| {
         let columns: Result<Vec<_>> = (0..n)
-            .map(|j| inertia_force(&p.model, x, &still(&unit(n, j))))
+            .map(|j| inertia_force(&p.model, x, &unit(n, j)))
             .collect();
         let h = DMatrix::from_columns(&columns?);
-        Ok((h.transpose() * h).as_slice().to_vec())
+        Ok(entries(&(h.transpose() * h)))
     })?;
     let by_q: Vec<_> = t.dhth()?[..n]
         .iter()
@@ -226,14 +226,14 @@ fn b28(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b29(p: &Point) -> Result<Vec<Equality>> {
+fn b29(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_metric(p, |t| {
         let upper = contract(&t.w, &t.dhth()?[..t.n], &t.w);
         Ok(stack(&upper, &DVector::zeros(t.n)))
     })
 }
 
-fn b30(p: &Point) -> Result<Vec<Equality>> {
+fn b30(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let beta = DVector::from_iterator(
         2 * t.n,
@@ -243,11 +243,11 @@ fn b30(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// An expression in `dH/dx_i` for every `i`.
-fn by_slice(t: &Reference<'_>, f: impl Fn(&DMatrix<F>) -> F) -> DVector<F> {
+fn by_slice(t: &Reference<'_>, f: impl Fn(&DMatrix<Gf>) -> Gf) -> DVector<Gf> {
     DVector::from_iterator(t.dh.len(), t.dh.iter().map(f))
 }
 
-fn b31(p: &Point) -> Result<Vec<Equality>> {
+fn b31(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let (w, hw) = (&t.w, &t.h * &t.w);
     let right = by_slice(&t, |d| {
@@ -257,7 +257,7 @@ fn b31(p: &Point) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("beta", &left, &right)])
 }
 
-fn b32(p: &Point) -> Result<Vec<Equality>> {
+fn b32(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let left = by_slice(&t, |d| t.w.dot(&(t.h.transpose() * d * &t.w)));
     let right = by_slice(&t, |d| t.w.dot(&(d.transpose() * &t.h * &t.w)));
@@ -269,7 +269,7 @@ fn b32(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b33(p: &Point) -> Result<Vec<Equality>> {
+fn b33(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let hw = &t.h * &t.w;
     let left = contract(&t.w, &t.dhth()?, &t.w);
@@ -282,16 +282,16 @@ fn b33(p: &Point) -> Result<Vec<Equality>> {
 }
 
 /// `[2 [dH/dx_P1 w]^T H w; 0]`.
-fn contracted(t: &Reference<'_>) -> DVector<F> {
+fn contracted(t: &Reference<'_>) -> DVector<Gf> {
     let upper = t.dh_dq_w().transpose() * &t.h * &t.w * two();
     stack(&upper, &DVector::zeros(t.n))
 }
 
-fn b34(p: &Point) -> Result<Vec<Equality>> {
+fn b34(p: &RandomInstance) -> Result<Vec<Equality>> {
     by_metric(p, |t| Ok(contracted(t)))
 }
 
-fn b35(p: &Point) -> Result<Vec<Equality>> {
+fn b35(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let right = contracted(&t) * p.k.inverse();
     Ok(vec![
@@ -300,16 +300,14 @@ fn b35(p: &Point) -> Result<Vec<Equality>> {
     ])
 }
 
-fn b36(p: &Point) -> Result<Vec<Equality>> {
+fn b36(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t) = (p.dof(), Reference::at(p)?);
-    let by_control = variation(p, |x, xdot| {
-        let mut u = vec![super::reference::JJ::zero(); n];
-        let data = &mut Data::new(&p.model);
-        rnea(&p.model, data, &x[..n], &x[n..], &xdot[n..], &mut u)?;
-        lagrangian_of_control(&xdot[..n], &x[n..], &u, p.k)
+    let by_control = variation(p.node(), |x, xdot| {
+        let u = inverse_dynamics(&p.model, &x[..n], &x[n..], &xdot[n..])?;
+        lagrangian_of_control(&xdot[..n], &x[n..], u.as_slice(), p.k)
     })?;
     let left = t.raise(&(by_control.momentum_rate - by_control.by_x));
-    let [one, two, three, four] = terms(p, &mut t.theorem());
+    let [one, two, three, four] = omega_terms(&p.at())?;
     let sum = one - (two - three + four);
     let algorithm = super::theorem_b3::omega_of(p, AlgorithmB1::new(&p.model))?;
     Ok(vec![

@@ -2,21 +2,22 @@
 
 use crate::dynamics::{InverseDynamicsSecondDerivatives, bias_rate_derivatives};
 use crate::flow::jacobian::theorem_b4::Quantities;
-use crate::verify::field::reference_b4::{In, alpha_2, capital_gamma, derivative, gathered};
-use crate::verify::field::{F, Point};
+use crate::verify::field::wrt::{Wrt, derivative, gathered};
+use crate::verify::field::{Gf, RandomInstance};
+use crate::verify::reference::{alpha_2, capital_gamma};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// A point whose robot has enough joints, and not all of them prismatic: on some small robots nothing shows.
-fn at_a_point() -> (Point, Quantities<F>) {
-    let point = Point::random(&mut ChaCha8Rng::seed_from_u64(1)).expect("a point");
-    let quantities = gathered(&point).expect("sizes agree");
-    (point, quantities)
+/// An instance whose robot has enough joints, and not all of them prismatic: on some small robots nothing shows.
+fn instance() -> (RandomInstance, Quantities<Gf>) {
+    let p = RandomInstance::random(&mut ChaCha8Rng::seed_from_u64(1)).expect("there is a joint");
+    let quantities = gathered(&p).expect("sizes agree");
+    (p, quantities)
 }
 
 /// `w`, `H w` and `dH/dx_P1 H w` with the derivative index last.
-fn of_w(t: &Quantities<F>) -> (DVector<F>, DVector<F>, DMatrix<F>) {
+fn of_w(t: &Quantities<Gf>) -> (DVector<Gf>, DVector<Gf>, DMatrix<Gf>) {
     let w = &t.xdot_p2 - &t.fd0.a;
     let hw = &t.mass.h * &w;
     let first = t.mass.dq.times_first(&hw);
@@ -25,14 +26,14 @@ fn of_w(t: &Quantities<F>) -> (DVector<F>, DVector<F>, DMatrix<F>) {
 
 #[test]
 fn b59_and_b60_and_b70_read_left_to_right_are_transposed() {
-    let (p, t) = at_a_point();
+    let (p, t) = instance();
     let (w, hw, first) = of_w(&t);
     let (h, dh_w) = (&t.mass.h, t.mass.dq.times_second(&w));
     let rest = t.mass.dqdq.times_first_and_second(&hw, &w) + dh_w.tr_mul(&(&dh_w - h * &t.fd0.dq));
     let b59 = -t.fd0.dq.tr_mul(&first) + rest;
     let b60 = -t.fd0.dv.tr_mul(&first) - dh_w.tr_mul(&(h * &t.fd0.dv));
     let b70 = first + dh_w.tr_mul(h);
-    for (literal, part) in [(b59, In::XP1), (b60, In::XP2), (b70, In::XdotP2)] {
+    for (literal, part) in [(b59, Wrt::XP1), (b60, Wrt::XP2), (b70, Wrt::XdotP2)] {
         assert_ne!(
             literal,
             derivative(&p, part, capital_gamma).expect("sizes agree")
@@ -42,8 +43,8 @@ fn b59_and_b60_and_b70_read_left_to_right_are_transposed() {
 
 #[test]
 fn b56_with_rows_in_q_fails() {
-    let (p, t) = at_a_point();
-    let reference = derivative(&p, In::XP1, alpha_2).expect("sizes agree");
+    let (p, t) = instance();
+    let reference = derivative(&p, Wrt::XP1, alpha_2).expect("sizes agree");
     let force = &t.mass.h * &t.xdot_p2 + &t.c;
     let twice = t.mass.h.tr_mul(&(&force + &force));
     let mixed = t.d2fd0.dqdv.times_first(&twice);
@@ -53,7 +54,7 @@ fn b56_with_rows_in_q_fails() {
 
 #[test]
 fn lines_8_to_10_of_algorithm_b2_as_printed_fail() {
-    let (_, t) = at_a_point();
+    let (_, t) = instance();
     // Line 8: the mixed derivative of FD_0 is not that of ID at FD_0.
     assert_ne!(t.d2fd0.dqdv, t.d2id.dqdv);
     // Line 9: d2FD_0/dx_P1^2 cannot do without d2ID/dx_P1^2.

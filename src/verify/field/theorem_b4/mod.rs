@@ -20,7 +20,7 @@ pub(super) fn identities() -> Vec<Identity> {
 fn law(
     label: &'static str,
     statement: &'static str,
-    claims: fn(&super::Point) -> crate::error::Result<Vec<super::Equality>>,
+    claims: fn(&super::RandomInstance) -> crate::error::Result<Vec<super::Equality>>,
 ) -> Identity {
     Identity {
         label,

@@ -1,0 +1,85 @@
+//! A discretised curve with random numbers for everything.
+
+use super::{Gf, RandomInstance};
+use crate::relax::Grid;
+use crate::scalar::AlgebraOver;
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
+
+/// Random numbers that go with an instance.
+pub(super) fn numbers(p: &RandomInstance) -> impl FnMut() -> Gf {
+    let mut rng = ChaCha8Rng::seed_from_u64(p.k.residue());
+    move || Gf::new(rng.random_range(0..Gf::ORDER))
+}
+
+/// Two segments of degree 4 with two points each: functions, weights and coefficients are random.
+pub(super) struct Discretisation {
+    times: Vec<Gf>,
+    weights: Vec<Gf>,
+    /// Values of the functions of a segment and their first two derivatives, three columns per point.
+    table: DMatrix<Gf>,
+    /// `N` rows, one column per function.
+    pub coefficients: DMatrix<Gf>,
+    /// The derivatives of the coefficients with respect to the horizon.
+    pub rates: DMatrix<Gf>,
+    /// A direction for the unknown coefficients.
+    pub direction: DVector<Gf>,
+}
+
+impl Discretisation {
+    const SEGMENTS: usize = 2;
+    const POINTS: usize = 2;
+    const COUNT: usize = 8;
+    /// The unknown functions: the last but one is among them, as with a free final velocity.
+    const FREE: Range<usize> = 2..Self::COUNT - 1;
+
+    pub fn new(p: &RandomInstance) -> Self {
+        let (mut number, n) = (numbers(p), p.dof());
+        let mut matrix = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| number());
+        let direction = matrix(Self::FREE.len() * n, 1);
+        Self {
+            direction: direction.column(0).into_owned(),
+            times: matrix(Self::SEGMENTS * Self::POINTS, 1).data.into(),
+            weights: matrix(Self::POINTS, 1).data.into(),
+            table: matrix(5, 3 * Self::POINTS),
+            coefficients: matrix(n, Self::COUNT),
+            rates: matrix(n, Self::COUNT),
+        }
+    }
+
+    /// The functions on a horizon of one second.
+    pub fn grid(&self) -> Grid<Gf> {
+        self.on(num_traits::One::one()).0
+    }
+
+    /// The functions on a horizon, and coefficients that are affine in it.
+    pub fn on<S: AlgebraOver<Gf>>(&self, horizon: S) -> (Grid<S>, DMatrix<S>) {
+        let rate = S::one() / horizon;
+        let powers = [S::one(), rate, rate * rate];
+        let (functions, columns) = self.table.shape();
+        let table = DMatrix::from_fn(functions, columns, |f, column| {
+            powers[column % 3].scale(self.table[(f, column)])
+        });
+        let scaled = |x: &[Gf]| x.iter().map(|x| horizon.scale(*x)).collect();
+        let (times, weights) = (scaled(&self.times), scaled(&self.weights));
+        let grid = Grid::from_table(Self::SEGMENTS, Self::FREE, times, weights, table);
+        let affine = |c: Gf, rate: Gf| S::lift(c) + horizon.scale(rate);
+        (grid, self.coefficients.zip_map(&self.rates, affine))
+    }
+
+    /// The unknown coefficients.
+    pub fn unknowns(&self) -> &[Gf] {
+        let n = self.coefficients.nrows();
+        &self.coefficients.as_slice()[Self::FREE.start * n..Self::FREE.end * n]
+    }
+
+    /// The coefficients with other unknowns.
+    pub fn with_unknowns<S: AlgebraOver<Gf>>(&self, unknowns: &[S]) -> DMatrix<S> {
+        let first = Self::FREE.start * self.coefficients.nrows();
+        let mut coefficients = self.coefficients.map(S::lift);
+        coefficients.as_mut_slice()[first..first + unknowns.len()].copy_from_slice(unknowns);
+        coefficients
+    }
+}
