@@ -3,14 +3,15 @@
 //! `cargo bench --bench omega_and_jacobians` measures; at the end it prints the medians in microseconds and the exponent `e` of
 //! the growth `N^e` that fits the four largest robots of each row best.
 
+use aghf::constraint::Constraints;
 use aghf::constraint::TorqueLimits;
 use aghf::constraint::{Capsule, CollisionSphere, Sphere, SphereClearance};
 use aghf::flow::Penalty;
+use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide, TorquePenalty};
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
 use aghf::model::{Model, random_chain};
 use aghf::urdf::{builtin_robot, builtin_robots};
-use clap::ValueEnum;
 use criterion::Criterion;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -89,15 +90,10 @@ fn main() {
         if n <= LARGEST_FOR_ALL {
             constrained(&mut criterion, &mut times, model, node);
         }
-        for kind in JacobianKind::value_variants() {
-            if n > LARGEST_FOR_ALL && *kind != JacobianKind::ControlForm {
+        for (name, kind) in JacobianKind::by_name() {
+            if n > LARGEST_FOR_ALL && kind != JacobianKind::ControlForm {
                 continue;
             }
-            let name = kind
-                .to_possible_value()
-                .expect("none is hidden")
-                .get_name()
-                .to_owned();
             let mut jacobian = kind.build(model);
             measure(
                 &mut criterion,
@@ -138,11 +134,13 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
         println!("{name}: {} rows for {n} joints", 10 * balls.len());
         let spheres = (1..=10).map(sphere).collect();
         let constraints = Penalised {
-            state: SphereClearance { balls, spheres },
-            penalty,
-            torque: TorquePenalty {
-                limits: TorqueLimits::of(model),
-                penalty,
+            constraints: Constraints {
+                state: SphereClearance { balls, spheres },
+                torque: TorqueLimits::of(model),
+            },
+            weights: PenaltyWeights {
+                state: penalty,
+                torque: penalty,
             },
         };
         let (mut omega, mut blocks) = (vec![0.0; 2 * n], NodeBlocks::new(n));

@@ -1,6 +1,7 @@
 //! The command line: reads arguments, calls the library, prints.
 
 mod check;
+mod choice;
 mod degrees;
 mod eval;
 mod prove;
@@ -14,6 +15,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::urdf::load_robot_with;
 use crate::urdf::{LoadReport, Mimic, UrdfOptions};
+use choice::choice;
 use clap::{Args, Parser, Subcommand};
 use std::path::Path;
 use std::process::ExitCode;
@@ -55,7 +57,7 @@ enum Command {
 #[derive(Debug, Args)]
 struct UrdfArgs {
     /// What to do with the mimic joints of a URDF file: refuse the robot, or let them move by themselves.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
 }
 

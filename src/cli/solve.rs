@@ -1,9 +1,11 @@
 //! `aghf solve`.
 
+use super::choice::choice;
 use super::{FAILED, print, print_json};
 use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::Guess;
+use crate::ode::IntegratorKind;
 use crate::output::{summary_table, write_outcome};
 use crate::relax::Iteration;
 use crate::scenario::{Method, Record, Scenario, SolveOptions, solve};
@@ -21,7 +23,7 @@ pub(super) struct Solve {
     #[arg(default_value = "kinova_free_01")]
     scenario: String,
     /// How to solve it.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<Method>(), default_value_t)]
     method: Method,
     /// Degree of the polynomial, or of each segment [default: 16 for relax].
     #[arg(long, alias = "p")]
@@ -39,8 +41,11 @@ pub(super) struct Solve {
     #[arg(long)]
     starts: Option<usize>,
     /// Of flow: how to compute the Jacobian [default: control-form].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<JacobianKind>())]
     jacobian: Option<JacobianKind>,
+    /// Of flow: what integrates it [default: bdf].
+    #[arg(long, value_parser = choice::<IntegratorKind>())]
+    integrator: Option<IntegratorKind>,
     /// Of flow: penalty on velocities that are not those of the curve.
     #[arg(long, allow_negative_numbers = true)]
     k: Option<f64>,
@@ -48,7 +53,7 @@ pub(super) struct Solve {
     #[arg(long, allow_negative_numbers = true)]
     s_max: Option<f64>,
     /// Of flow: the curve to start from, a line in the whole state or in the configuration with the velocity that goes with it.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Guess>())]
     guess: Option<Guess>,
     /// Of flow: weight of the constraints.
     #[arg(long, allow_negative_numbers = true)]
@@ -76,6 +81,7 @@ impl Default for Solve {
             tolerance: None,
             starts: None,
             jacobian: None,
+            integrator: None,
             k: None,
             s_max: None,
             guess: None,
@@ -98,6 +104,7 @@ impl Solve {
             tolerance: self.tolerance,
             num_starts: self.starts,
             jacobian: self.jacobian,
+            integrator: self.integrator,
             k: self.k,
             s_max: self.s_max,
             guess: self.guess,

@@ -3,7 +3,7 @@
 use super::print;
 use crate::error::Result;
 use crate::experiments::sweep::{
-    Results, merge, ranking, ranking_table, shard_files, write_parquet, write_ranking,
+    Results, merge, ranking, ranking_table, shard_files, write_ranking, write_rows,
 };
 use crate::experiments::sweep::{Row, RowOutcome, Shard, Sweep as Grid, run};
 use clap::Args;
@@ -37,7 +37,7 @@ pub(super) struct Sweep {
     /// The files to join [default: all results.shard-*.csv in the folder].
     #[arg(requires = "merge")]
     files: Vec<PathBuf>,
-    /// The folder for results.csv, results.parquet and ranking.csv [default: out/sweeps/NAME].
+    /// The folder for results.csv, results.json and ranking.csv [default: out/sweeps/NAME].
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -73,8 +73,8 @@ impl Sweep {
         if shard == Shard::WHOLE {
             let ranking = ranking(&sweep, &rows);
             print(&ranking_table(&ranking))?;
-            let (table, ranked) = (folder.join("results.parquet"), folder.join("ranking.csv"));
-            write_parquet(&rows, &table)?;
+            let (table, ranked) = (folder.join("results.json"), folder.join("ranking.csv"));
+            write_rows(&rows, &table)?;
             write_ranking(&ranking, &ranked)?;
             files.extend([table, ranked]);
         }

@@ -1,14 +1,15 @@
-//! The constraints that a scenario can ask for.
+//! The constraints that a scenario can ask for, and any other.
 
 use super::{
-    Bounds, Constraint, HalfSpaceClearance, PlacedState, SphereClearance, WeightedDerivatives,
-    Weights,
+    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, SphereClearance,
+    WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// One of the constraints that are here, so that a list can hold different ones.
-#[derive(Clone, Debug, PartialEq)]
+/// One of the constraints that are here, or any other, so that a list can hold different ones. Those that are here need no pointer, and
+/// are evaluated over every scalar.
+#[derive(Clone, Debug)]
 pub enum AnyConstraint<C: Scalar = f64> {
     /// Balls outside spheres.
     Spheres(SphereClearance<C>),
@@ -16,6 +17,8 @@ pub enum AnyConstraint<C: Scalar = f64> {
     HalfSpace(HalfSpaceClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
+    /// Any other one, evaluated over fewer scalars than those above: see [`DynConstraint`].
+    Other(Box<dyn DynConstraint<C>>),
 }
 
 /// Does the same with whichever it is.
@@ -25,6 +28,7 @@ macro_rules! each {
             AnyConstraint::Spheres($it) => $what,
             AnyConstraint::HalfSpace($it) => $what,
             AnyConstraint::Bounds($it) => $what,
+            AnyConstraint::Other($it) => $what,
         }
     };
 }

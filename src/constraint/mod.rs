@@ -16,6 +16,7 @@ mod bounds;
 mod capsules;
 mod clearance;
 mod composition;
+mod dynamic;
 mod evaluator;
 mod torque_limits;
 mod weighted_derivatives;
@@ -24,8 +25,9 @@ pub use any::AnyConstraint;
 pub use bounds::{Bound, Bounds, Side};
 pub use capsules::Capsule;
 pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance};
+pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
-pub use torque_limits::TorqueLimits;
+pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
 
 use crate::error::{Error, Result, check_length};

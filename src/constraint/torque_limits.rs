@@ -1,6 +1,7 @@
-//! Limits on the torque of each joint.
+//! Limits on the torque of each joint, and the bundle of all constraints of a motion.
 
-use crate::error::{Result, check_length};
+use super::Constraint;
+use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
@@ -44,6 +45,41 @@ impl<C: Scalar> TorqueLimits<C> {
         for ((u, limit), g) in limited.zip(g.chunks_exact_mut(2)) {
             g[0] = *u - S::lift(limit);
             g[1] = -*u - S::lift(limit);
+        }
+        Ok(())
+    }
+}
+
+/// Everything that a motion has to keep at every time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraints<K, C: Scalar = f64> {
+    /// Constraints on $x = [q; v]$.
+    pub state: K,
+    /// Limits on $u$; no entries where there are none.
+    pub torque: TorqueLimits<C>,
+}
+
+impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
+    /// The number of rows at each time: those of the state, then those of the control.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        self.state.dim() + self.torque.dim()
+    }
+}
+
+impl TorqueLimits {
+    /// Checks the limits for `model`.
+    ///
+    /// # Errors
+    /// There is not one entry per joint, or a limit is not positive and finite; it names the joint.
+    pub fn check(&self, model: &Model) -> Result<()> {
+        check_length("torque limits", model.dof(), self.0.len())?;
+        for (joint, limit) in model.joints().iter().zip(&self.0) {
+            if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+                let element = format!("joint '{}': torque limit", joint.name());
+                let condition = format!("it is {limit}, a positive number is needed");
+                return Err(Error::input(model.name(), element, condition));
+            }
         }
         Ok(())
     }

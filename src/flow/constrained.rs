@@ -1,25 +1,32 @@
 //! The constrained flow (A4) and its Jacobian.
 
 use super::Penalty;
-use super::jacobian::{NodeBlocks, NodeJacobian};
+use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use super::{ControlForm, Node, RightHandSide, TorquePenalty};
-use crate::constraint::{Constraint, Evaluator, Weights};
+use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
+
+/// The penalties of the rows of [`Constraints`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PenaltyWeights<C: Scalar = f64> {
+    /// The penalty of each row in the state.
+    pub state: Penalty<C>,
+    /// The penalty of each limit on the control.
+    pub torque: Penalty<C>,
+}
 
 /// The constraints of a motion as penalties in its Lagrangian, (A1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Penalised<K, C: Scalar = f64> {
-    /// Constraints on the state.
-    pub state: K,
-    /// The penalty of each of their rows.
-    pub penalty: Penalty<C>,
-    /// Limits on the control, with a penalty of their own.
-    pub torque: TorquePenalty<C>,
+    /// The constraints.
+    pub constraints: Constraints<K, C>,
+    /// Their penalties.
+    pub weights: PenaltyWeights<C>,
 }
 
 /// The flow (A4) of the control form.
@@ -32,23 +39,44 @@ where
 {
     /// The right-hand side of the constrained flow for `model`.
     #[must_use]
-    pub fn right_hand_side<'a, S: AlgebraOver<C>>(
+    pub fn right_hand_side<'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
         model: &'a Model<C>,
     ) -> Constrained<'a, C, S, &'a K> {
         Sum::new(
-            ControlForm::with_cost(model, self.torque.clone()),
+            ControlForm::with_cost(model, self.torque_penalty()),
             self.state_penalty(model),
         )
     }
 
-    /// What the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
+    /// The limits on the control as a cost of the control.
     #[must_use]
-    pub fn state_penalty<'a, S: AlgebraOver<C>>(
+    pub fn torque_penalty(&self) -> TorquePenalty<C> {
+        TorquePenalty {
+            limits: self.constraints.torque.clone(),
+            penalty: self.weights.torque,
+        }
+    }
+
+    /// The terms that the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
+    #[must_use]
+    pub fn state_penalty<'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
         model: &'a Model<C>,
     ) -> StatePenalty<'a, C, S, &'a K> {
-        StatePenalty::new(model, &self.state, self.penalty)
+        StatePenalty::new(model, &self.constraints.state, self.weights.state)
+    }
+
+    /// An analytic Jacobian of the flow of the paper's Lagrangian with what all constraints add: the terms of
+    /// the control, then those of the state. `paper` must not know of the constraints.
+    #[must_use]
+    pub fn with_penalties<'a, P: NodeJacobian<C, S> + 'a, S: AlgebraOver<C> + Tanh>(
+        &'a self,
+        model: &'a Model<C>,
+        paper: P,
+    ) -> impl NodeJacobian<C, S> + 'a {
+        let of_torque = ControlFormJacobian::of_cost(model, self.torque_penalty());
+        Sum::new(Sum::new(paper, of_torque), self.state_penalty(model))
     }
 }
 
@@ -88,7 +116,7 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
     outer: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> StatePenalty<'m, C, S, K> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m, C, S, K> {
     /// For `model`, the same penalty for each row.
     #[must_use]
     pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
@@ -114,7 +142,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> StatePenalty<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> RightHandSide<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S>
     for StatePenalty<'_, C, S, K>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
@@ -144,7 +172,7 @@ impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> RightHandSide<C, S>
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> NodeJacobian<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
     for StatePenalty<'_, C, S, K>
 {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
@@ -194,24 +222,36 @@ impl<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>> NodeJacobian<C, S>
     }
 }
 
-/// Two right-hand sides, or two Jacobians, added up: a flow and what something more in its Lagrangian adds to it.
+/// The sum or the difference of two right-hand sides, or of two Jacobians: a flow and a term of its Lagrangian.
 #[derive(Clone, Debug)]
 pub struct Sum<A, B, S: Scalar> {
     first: A,
     second: B,
+    /// The factor of `second`, plus or minus one.
+    sign: S,
     omega: Vec<S>,
     blocks: NodeBlocks<S>,
 }
 
 impl<A, B, S: Scalar> Sum<A, B, S> {
-    /// `first` and `second`.
+    /// `first + second`.
     #[must_use]
     pub fn new(first: A, second: B) -> Self {
         Self {
             first,
             second,
+            sign: S::one(),
             omega: Vec::new(),
             blocks: NodeBlocks::new(0),
+        }
+    }
+
+    /// `first - second`.
+    #[must_use]
+    pub fn difference(first: A, second: B) -> Self {
+        Self {
+            sign: -S::one(),
+            ..Self::new(first, second)
         }
     }
 }
@@ -229,7 +269,7 @@ where
         omega
             .iter_mut()
             .zip(&self.omega)
-            .for_each(|(a, b)| *a += *b);
+            .for_each(|(a, b)| *a += self.sign * *b);
         Ok(())
     }
 }
@@ -246,9 +286,12 @@ where
             self.blocks = NodeBlocks::new(out.dx.nrows() / 2);
         }
         self.second.evaluate(node, k, &mut self.blocks)?;
-        out.dx += &self.blocks.dx;
-        out.dxdot += &self.blocks.dxdot;
-        out.dxddot += &self.blocks.dxddot;
+        let sum = |out: &mut DMatrix<S>, term: &DMatrix<S>| {
+            out.zip_apply(term, |out, term| *out += self.sign * term);
+        };
+        sum(&mut out.dx, &self.blocks.dx);
+        sum(&mut out.dxdot, &self.blocks.dxdot);
+        sum(&mut out.dxddot, &self.blocks.dxddot);
         Ok(())
     }
 }

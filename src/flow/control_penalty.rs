@@ -2,15 +2,15 @@
 
 use super::Penalty;
 use crate::constraint::TorqueLimits;
-use crate::scalar::{AlgebraOver, Jet, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 
 /// A sum $\sum_i \ell_i(u_i)$ over the joints that the Lagrangian gains, with the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
 pub trait ControlCost<C: Scalar = f64> {
     /// $\ell_i(u)$ for the control `u` of joint `i`.
-    fn value<S: AlgebraOver<C>>(&self, joint: usize, u: S) -> S;
+    fn value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> S;
 
     /// $\ell_i^{\prime}$, $\ell_i^{\prime\prime}$ and $\ell_i^{\prime\prime\prime}$, by dual numbers of the value unless overridden.
-    fn derivatives<S: AlgebraOver<C>>(&self, joint: usize, u: S) -> [S; 3] {
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 3] {
         let (zero, one) = (S::zero(), S::one());
         let inner = Jet::new(Jet::new(u, [one]), [Jet::constant(one)]);
         let outer = Jet::constant(Jet::new(one, [zero]));
@@ -27,7 +27,7 @@ pub trait ControlCost<C: Scalar = f64> {
 
 /// No cost beyond the effort.
 impl<C: Scalar> ControlCost<C> for () {
-    fn value<S: AlgebraOver<C>>(&self, _: usize, _: S) -> S {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, _: usize, _: S) -> S {
         S::zero()
     }
 
@@ -48,7 +48,7 @@ pub struct TorquePenalty<C: Scalar = f64> {
 impl<C: Scalar> TorquePenalty<C> {
     /// The penalty and its derivatives where there is a limit.
     #[inline]
-    fn derivatives_with_value<S: AlgebraOver<C>>(&self, joint: usize, u: S) -> [S; 4] {
+    fn derivatives_with_value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 4] {
         let Some(limit) = self.limits.0.get(joint).copied().flatten() else {
             return [S::zero(); 4];
         };
@@ -65,11 +65,11 @@ impl<C: Scalar> TorquePenalty<C> {
 }
 
 impl<C: Scalar> ControlCost<C> for TorquePenalty<C> {
-    fn value<S: AlgebraOver<C>>(&self, joint: usize, u: S) -> S {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> S {
         self.derivatives_with_value(joint, u)[0]
     }
 
-    fn derivatives<S: AlgebraOver<C>>(&self, joint: usize, u: S) -> [S; 3] {
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 3] {
         let [_, first, second, third] = self.derivatives_with_value(joint, u);
         [first, second, third]
     }

@@ -3,27 +3,40 @@
 use crate::dynamics::{Data, aba, crba, rnea};
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// A function $L(x, \dot x)$ whose integral over time a flow makes smaller.
 ///
-/// It is written once for every scalar; nothing else is asked for, since derivatives come from dual numbers. A page of
-/// the [guide](crate::guide::lagrangian) walks through an example.
-pub trait Lagrangian {
+/// It is written once for every scalar; nothing else is asked for, since derivatives come from dual numbers. One that is
+/// written for any type `C` of the constants can be proved over a field as well. A page of the
+/// [guide](crate::guide::lagrangian) walks through an example.
+pub trait Lagrangian<C: Scalar = f64> {
     /// $L$ at `x` and `xdot`, `2 N` entries each, under the penalty `k`.
     ///
     /// # Errors
     /// The lengths are not those of the robot.
-    fn value<S: AlgebraOver<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S>;
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S>;
 }
 
 /// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AghfLagrangian;
 
-impl Lagrangian for AghfLagrangian {
-    fn value<S: AlgebraOver<f64>>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> Result<S> {
+impl<C: Scalar> Lagrangian<C> for AghfLagrangian {
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S> {
         let n = model.dof();
         let mut u = vec![S::zero(); n];
         let ((q, v), (qdot, vdot)) = (split(x), split(xdot));

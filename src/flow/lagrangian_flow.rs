@@ -6,7 +6,7 @@ use crate::dynamics::{Data, crba};
 use crate::error::Result;
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Jet};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::DMatrix;
 
 /// The heat flow (7) of any [`Lagrangian`] in the metric (11):
@@ -17,24 +17,24 @@ use nalgebra::DMatrix;
 /// Second derivatives of `L` come from nested dual numbers, `4 N` evaluations of it: slow, allocating, and right for
 /// whatever `L` is. With [`ForwardDual::of`](super::jacobian::ForwardDual::of) around it the Jacobian is right as well.
 #[derive(Clone, Debug)]
-pub struct LagrangianFlow<'m, L> {
-    model: &'m Model,
+pub struct LagrangianFlow<'m, L, C: Scalar = f64> {
+    model: &'m Model<C>,
     lagrangian: L,
 }
 
-impl<'m, L: Lagrangian> LagrangianFlow<'m, L> {
+impl<'m, C: Scalar, L: Lagrangian<C>> LagrangianFlow<'m, L, C> {
     /// The flow of `lagrangian` for `model`.
     #[must_use]
-    pub fn new(model: &'m Model, lagrangian: L) -> Self {
+    pub fn new(model: &'m Model<C>, lagrangian: L) -> Self {
         Self { model, lagrangian }
     }
 
     /// `L`, moving with the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
-    fn along<S: AlgebraOver<f64>>(
+    fn along<S: AlgebraOver<C> + Tanh>(
         &self,
         node: Node<'_, S>,
         coordinate: usize,
-        k: f64,
+        k: C,
     ) -> Result<Jet<Jet<S, 1>, 1>> {
         let m = node.x.len();
         let moving = |x: &[S], rate: &[S], first: usize| -> Vec<Jet<Jet<S, 1>, 1>> {
@@ -54,8 +54,10 @@ impl<'m, L: Lagrangian> LagrangianFlow<'m, L> {
     }
 }
 
-impl<S: AlgebraOver<f64>, L: Lagrangian> RightHandSide<f64, S> for LagrangianFlow<'_, L> {
-    fn omega(&mut self, node: Node<'_, S>, k: f64, omega: &mut [S]) -> Result<()> {
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: Lagrangian<C>> RightHandSide<C, S>
+    for LagrangianFlow<'_, L, C>
+{
+    fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let n = self.model.dof();
         node.check(n, omega.len())?;
         for i in 0..2 * n {
@@ -68,7 +70,8 @@ impl<S: AlgebraOver<f64>, L: Lagrangian> RightHandSide<f64, S> for LagrangianFlo
         let mut ldlt = Ldlt::new(n);
         ldlt.factorise(&h);
         let (p1, p2) = omega.split_at_mut(n);
-        p1.iter_mut().for_each(|o| *o = o.scale(1.0 / k));
+        let per_k = C::one() / k;
+        p1.iter_mut().for_each(|o| *o = o.scale(per_k));
         ldlt.solve(p2);
         ldlt.solve(p2);
         Ok(())

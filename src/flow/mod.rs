@@ -17,7 +17,7 @@ mod run;
 
 pub use action::{EffortSummary, effort_of};
 pub use collocation::{Collocation, assemble_jacobian};
-pub use constrained::{Constrained, Penalised, StatePenalty, Sum};
+pub use constrained::{Constrained, Penalised, PenaltyWeights, StatePenalty, Sum};
 pub use control_penalty::{ControlCost, TorquePenalty};
 pub use lagrangian::{AghfLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
 pub use lagrangian_flow::LagrangianFlow;
@@ -29,7 +29,7 @@ pub use penalty::{
 };
 pub use run::{
     FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
-    flow_with, output_count,
+    flow_with, flow_with_integrator, output_count,
 };
 
 use crate::error::Result;

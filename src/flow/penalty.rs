@@ -1,6 +1,6 @@
 //! Inequality constraints as penalties in the Lagrangian: (A1) to (A3).
 
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 
 /// The numbers $k_{cons}$ and $c_{cons}$ of a penalty, one pair for all rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ impl<C: Scalar> Penalty<C> {
     /// = -2 c\, (c\, (1 - t^2)\, S^{\prime} + t S^{\prime\prime})$.
     #[inline]
     #[must_use]
-    pub fn derivatives<S: AlgebraOver<C>>(&self, g: S) -> [S; 4] {
+    pub fn derivatives<S: AlgebraOver<C> + Tanh>(&self, g: S) -> [S; 4] {
         let Self { k_cons, c_cons } = *self;
         let (half, two) = (S::from_f64(0.5), S::from_f64(2.0));
         let (four, six) = (S::from_f64(4.0), S::from_f64(6.0));
@@ -39,34 +39,34 @@ impl<C: Scalar> Penalty<C> {
 
 /// (A3): the activation $S(g) = \tfrac12 + \tfrac12 \tanh(c_{cons}\, g)$. It goes from 0 to 1 where the constraint is
 /// violated, and is one half on the boundary.
-pub fn activation<C: Scalar, S: AlgebraOver<C>>(g: S, c_cons: C) -> S {
+pub fn activation<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let half = S::from_f64(0.5);
     half + half * g.scale(c_cons).tanh()
 }
 
 /// $S'(g) = \tfrac12 c_{cons} (1 - \tanh^2(c_{cons}\, g))$.
-pub fn activation_slope<C: Scalar, S: AlgebraOver<C>>(g: S, c_cons: C) -> S {
+pub fn activation_slope<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let tanh = g.scale(c_cons).tanh();
     (S::from_f64(0.5) * (S::one() - tanh * tanh)).scale(c_cons)
 }
 
 /// (A2): the penalty $b(g) = k_{cons}\, g^2 S(g)$.
-pub fn penalty<C: Scalar, S: AlgebraOver<C>>(g: S, k_cons: C, c_cons: C) -> S {
+pub fn penalty<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     (g * g * activation(g, c_cons)).scale(k_cons)
 }
 
 /// $b^{\prime}(g) = k_{cons} (2 g S + g^2 S^{\prime})$, the derivative of the activation kept.
-pub fn penalty_slope<C: Scalar, S: AlgebraOver<C>>(g: S, k_cons: C, c_cons: C) -> S {
+pub fn penalty_slope<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     Penalty { k_cons, c_cons }.derivatives(g)[1]
 }
 
 /// $b^{\prime\prime}(g) = k_{cons} (2 S + 4 g S^{\prime} + g^2 S^{\prime\prime})$, the derivatives of the activation kept.
-pub fn penalty_curvature<C: Scalar, S: AlgebraOver<C>>(g: S, k_cons: C, c_cons: C) -> S {
+pub fn penalty_curvature<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     Penalty { k_cons, c_cons }.derivatives(g)[2]
 }
 
 /// (A1): $L_{cons} = L + \sum_j b(g_j)$ from the Lagrangian and the values of the constraints.
-pub fn constrained_lagrangian<C: Scalar, S: AlgebraOver<C>>(
+pub fn constrained_lagrangian<C: Scalar, S: AlgebraOver<C> + Tanh>(
     lagrangian: S,
     g: impl IntoIterator<Item = S>,
     k_cons: C,

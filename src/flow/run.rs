@@ -8,7 +8,7 @@ use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
 use crate::motion::{Guess, Problem};
-use crate::ode::{Failure, Ode, Statistics, Tolerance, integrate};
+use crate::ode::{Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
 use nalgebra::DMatrix;
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -33,6 +33,8 @@ pub struct FlowSettings {
     pub guess: Guess,
     /// How the Jacobian is computed.
     pub jacobian: JacobianKind,
+    /// What integrates over `s`.
+    pub integrator: IntegratorKind,
     /// The wall time after which the flow stops where it is, as a failure.
     pub time_limit: Option<Duration>,
 }
@@ -41,7 +43,7 @@ impl FlowSettings {
     /// The tolerance that the paper uses, and the default.
     pub const TOLERANCE: f64 = 1e-4;
 
-    /// Settings with the default tolerance, guess and Jacobian.
+    /// Settings with the default tolerance, guess, Jacobian and integrator.
     #[must_use]
     pub fn new(p: usize, k: f64, s_max: f64) -> Self {
         Self {
@@ -51,6 +53,7 @@ impl FlowSettings {
             tolerance: Self::TOLERANCE,
             guess: Guess::default(),
             jacobian: JacobianKind::default(),
+            integrator: IntegratorKind::default(),
             time_limit: None,
         }
     }
@@ -59,6 +62,12 @@ impl FlowSettings {
     #[must_use]
     pub fn with_jacobian(self, jacobian: JacobianKind) -> Self {
         Self { jacobian, ..self }
+    }
+
+    /// The same with another integrator.
+    #[must_use]
+    pub fn with_integrator(self, integrator: IntegratorKind) -> Self {
+        Self { integrator, ..self }
     }
 
     /// # Errors
@@ -169,8 +178,8 @@ pub fn flow_constrained<K: Constraint>(
     flow_with(problem, settings, rhs, jacobian, observe)
 }
 
-/// Runs the flow of any right-hand side with any Jacobian of it. The history tells the paper's action whatever the
-/// right-hand side is. See the guide on [Jacobians](crate::guide::jacobian) and
+/// Runs the flow of any right-hand side with any Jacobian of it and the integrator that the settings name. The history tells the
+/// paper's action whatever the right-hand side is. See the guide on [Jacobians](crate::guide::jacobian) and
 /// [Lagrangians](crate::guide::lagrangian).
 ///
 /// # Errors
@@ -180,6 +189,23 @@ pub fn flow_with(
     settings: &FlowSettings,
     rhs: &mut dyn RightHandSide<f64, f64>,
     jacobian: &mut dyn NodeJacobian,
+    observe: &mut dyn FnMut(FlowRecord),
+) -> Result<FlowOutcome> {
+    let integrator = &mut *settings.integrator.build();
+    flow_with_integrator(problem, settings, rhs, jacobian, integrator, observe)
+}
+
+/// Runs the flow with any integrator, whatever the settings name, otherwise as [`flow_with`]. See the guide on
+/// [integrators](crate::guide::integrator).
+///
+/// # Errors
+/// As [`flow_with`].
+pub fn flow_with_integrator(
+    problem: &Problem<'_>,
+    settings: &FlowSettings,
+    rhs: &mut dyn RightHandSide<f64, f64>,
+    jacobian: &mut dyn NodeJacobian,
+    integrator: &mut dyn Integrator,
     observe: &mut dyn FnMut(FlowRecord),
 ) -> Result<FlowOutcome> {
     settings.check()?;
@@ -209,7 +235,7 @@ pub fn flow_with(
     };
     observe(recorder.record(0.0, &unknowns)?);
     let mut error = None;
-    let outcome = integrate(
+    let outcome = integrator.integrate(
         &mut system,
         0.0,
         &unknowns,

@@ -1,10 +1,64 @@
-//! How to extend the mathematics, with examples that are compiled and run as tests.
-
-#[doc = include_str!("jacobian.md")]
-pub mod jacobian {}
+//! How to extend the mathematics: one page for each thing that a user can replace, with an example that is compiled and run as a test.
+//!
+//! Every page has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
+//! goes, and what the limits are.
+//!
+//! | to replace | implement | verified by |
+//! | --- | --- | --- |
+//! | the [Lagrangian](lagrangian) of the flow | [`Lagrangian`](crate::flow::Lagrangian) | the field |
+//! | a [constraint](constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
+//! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
+//! | the [running cost](running_cost) of the relaxation | a closure, or [`RunningCost`](crate::relax::RunningCost) | dual numbers |
+//! | the [scalar](scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
+//! | the [integrator](integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
+//! | the kind of [joint](joint) | an edit in this crate | dual numbers and the field |
+//!
+//! # A profile for debug builds
+//!
+//! Arithmetic over a generic scalar is small functions inside small functions: without optimisation a solve was measured to be a hundred
+//! times slower. Cargo takes profiles from the user's package and not from this one, so these lines belong into the `Cargo.toml` of every
+//! crate that uses it, lest `cargo run` and `cargo test` crawl:
+//!
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 3
+//! ```
+//!
+//! They optimise the dependencies, this library among them. Code of one's own that is generic in the scalar, or that instantiates the
+//! library for a scalar, a constraint or a cost of its own, is compiled in one's own crate, so it needs
+//!
+//! ```toml
+//! [profile.dev]
+//! opt-level = 2
+//! ```
+//!
+//! as well. The constraints and the effort are evaluated at four times side by side, which pays where the compiler may use vector
+//! instructions: by `-C target-cpu=native` in `RUSTFLAGS`, or in `.cargo/config.toml`
+//!
+//! ```toml
+//! [build]
+//! rustflags = ["-C", "target-cpu=native"]
+//! ```
+//!
+//! A program that is built so runs on machines of the same kind only.
 
 #[doc = include_str!("lagrangian.md")]
 pub mod lagrangian {}
 
 #[doc = include_str!("constraint.md")]
 pub mod constraint {}
+
+#[doc = include_str!("jacobian.md")]
+pub mod jacobian {}
+
+#[doc = include_str!("running_cost.md")]
+pub mod running_cost {}
+
+#[doc = include_str!("scalar.md")]
+pub mod scalar {}
+
+#[doc = include_str!("integrator.md")]
+pub mod integrator {}
+
+#[doc = include_str!("joint.md")]
+pub mod joint {}

@@ -7,4 +7,4 @@ mod simulate;
 pub(crate) use control::samples_at;
 pub use control::{Sample, control_at, sample};
 pub use problem::{Guess, Problem};
-pub use simulate::{Feedback, Simulation, replay_error, simulate};
+pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};

@@ -4,7 +4,6 @@ use crate::curve::Chebyshev;
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 /// A motion to be found: from one state of a robot to another in a given time.
 #[derive(Clone, Debug)]
@@ -92,13 +91,12 @@ impl<'m> Problem<'m> {
     }
 }
 
+crate::names::named_enum! {
 /// A first guess at a trajectory. The ends are always the boundary states.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Guess {
-    /// `q` and `v` both linear in time, as the paper's text says.
-    LineState,
+pub enum Guess("guess") {
     /// `q` linear in time and `v = D q`, its constant slope, as the paper's released code does.
-    #[default]
-    LineConfiguration,
+    LineConfiguration = "line-configuration",
+    /// `q` and `v` both linear in time, as the paper's text says.
+    LineState = "line-state",
+}
 }

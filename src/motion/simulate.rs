@@ -5,7 +5,7 @@ use crate::curve::Curve;
 use crate::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::ode::{Failure, Ode, Statistics, Tolerance, integrate};
+use crate::ode::{Bdf, Failure, Integrator, Ode, Statistics, Tolerance};
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -42,7 +42,7 @@ pub struct Simulation {
     pub statistics: Statistics,
 }
 
-/// Applies the control of `curve` to the robot, from the start of the curve to its end, with an adaptive integrator.
+/// Applies the control of `curve` to the robot, from the start of the curve to its end, with [`Bdf`] as the integrator.
 ///
 /// The outer error is bad input; the inner one is a motion that could not be followed to the end.
 ///
@@ -52,6 +52,19 @@ pub fn simulate(
     model: &Model,
     curve: &Curve,
     feedback: Feedback,
+) -> Result<std::result::Result<Simulation, Box<Failure>>> {
+    simulate_with(model, curve, feedback, &mut Bdf)
+}
+
+/// Simulates with any integrator, otherwise as [`simulate`].
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_with(
+    model: &Model,
+    curve: &Curve,
+    feedback: Feedback,
+    integrator: &mut dyn Integrator,
 ) -> Result<std::result::Result<Simulation, Box<Failure>>> {
     model.check("curve", curve.dof())?;
     let mut robot = ControlledRobot::new(model, curve, feedback);
@@ -65,7 +78,7 @@ pub fn simulate(
         let start = state.clone();
         let mut keep = |_: f64, y: &[f64]| state.copy_from_slice(y);
         let to = &ends[1..];
-        let outcome = integrate(&mut robot, ends[0], &start, to, TOLERANCE, &mut keep);
+        let outcome = integrator.integrate(&mut robot, ends[0], &start, to, TOLERANCE, &mut keep);
         if let Some(error) = robot.error.take() {
             return Err(error);
         }
@@ -117,7 +130,7 @@ pub fn replay_error(model: &Model, curve: &Curve) -> Result<Option<f64>> {
             };
             let (start, to) = (x.column(i), &ends[1..]);
             let start = start.as_slice();
-            let end = integrate(&mut robot, ends[0], start, to, TOLERANCE, &mut compare);
+            let end = Bdf.integrate(&mut robot, ends[0], start, to, TOLERANCE, &mut compare);
             if let Some(error) = robot.error.take() {
                 return Err(error);
             }

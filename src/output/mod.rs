@@ -6,4 +6,4 @@ mod table;
 pub(crate) use files::write_whole;
 pub use files::{write_json, write_outcome, write_text};
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
-pub(crate) use table::{choice, short, table};
+pub(crate) use table::{short, table};

@@ -27,13 +27,6 @@ pub(crate) fn short(x: f64) -> String {
     }
 }
 
-/// The name by which a value is chosen on the command line.
-pub(crate) fn choice(value: &impl clap::ValueEnum) -> String {
-    value
-        .to_possible_value()
-        .map_or_else(String::new, |v| v.get_name().to_owned())
-}
-
 /// What came of a solve.
 #[must_use]
 pub fn summary_table(summary: &Summary) -> String {
@@ -47,7 +40,7 @@ pub fn summary_table(summary: &Summary) -> String {
         1 => format!("p {}", s.p),
         pieces => format!("{pieces} pieces of p {}", s.p),
     };
-    let settings = format!("{}, {degree}, {settings}", choice(&s.method));
+    let settings = format!("{}, {degree}, {settings}", s.method);
     let gains = format!(
         "final error with feedback ({}, {})",
         s.feedback.kp, s.feedback.kv
@@ -89,12 +82,8 @@ pub fn summary_table(summary: &Summary) -> String {
 /// The parameters of a flow, and what only a flow has to say.
 fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
-        "jacobian {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
-        choice(&d.jacobian),
-        d.k,
-        d.s_max,
-        d.tolerance,
-        choice(&d.guess)
+        "jacobian {}, integrator {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
+        d.jacobian, d.integrator, d.k, d.s_max, d.tolerance, d.guess
     );
     let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
     let work = format!(

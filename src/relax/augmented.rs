@@ -7,30 +7,12 @@ use super::{
     ControlEffort, CostWithControl, Grid, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
-use crate::constraint::TorqueLimits;
-use crate::constraint::{Constraint, Evaluator, Weights};
-use crate::error::{Result, check_length};
+use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
+use crate::error::Result;
 use crate::model::Model;
 
 /// How far the rows are kept on the safe side, relative to their scale, so that rounding does not put the end outside.
 const RESERVE: f64 = 2e-7;
-
-/// What a motion has to keep at every time.
-#[derive(Clone, Debug)]
-pub struct Constraints<K> {
-    /// Constraints on $x = [q; v]$.
-    pub state: K,
-    /// Limits on $u$; no entries where there are none.
-    pub torque: TorqueLimits,
-}
-
-impl<K: Constraint> Constraints<K> {
-    /// How many rows there are at each time: those of the state, then those of the control.
-    #[must_use]
-    pub fn dim(&self) -> usize {
-        self.state.dim() + self.torque.dim()
-    }
-}
 
 /// The rows of constraints at single points, in their own units and relative to their scales.
 #[derive(Clone, Debug)]
@@ -55,7 +37,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
         let Constraints { state, torque } = constraints;
         if torque.dim() > 0 {
-            check_length("torque limits", model.dof(), torque.0.len())?;
+            torque.check(model)?;
         }
         let mut slopes = vec![1.0; state.dim()];
         state.row_scales(&mut slopes);

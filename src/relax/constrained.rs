@@ -1,7 +1,7 @@
 //! Least effort within constraints: an augmented Lagrangian about Newton's method.
 
 use super::adaptive::climb;
-use super::augmented::{Augmented, Constraints, Rows};
+use super::augmented::{Augmented, Rows};
 use super::grid::Grids;
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
@@ -14,7 +14,7 @@ use super::{
     ControlEffort, CostWithControl, FRESH, FreeHorizon, Grid, Iteration, Objective, Points,
     RelaxSettings, RelaxSolution, curve_of, path_of,
 };
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, Constraints};
 use crate::error::Result;
 use crate::motion::Problem;
 use nalgebra::DMatrix;

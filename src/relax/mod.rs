@@ -22,7 +22,7 @@ mod settings;
 mod trust_region;
 
 pub use adaptive::DegreeRefinement;
-pub use augmented::{Augmented, Constraints};
+pub use augmented::Augmented;
 pub use blocks::PackedHessian;
 pub use constrained::{relax_constrained, relax_constrained_with};
 pub use cost::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};

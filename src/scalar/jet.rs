@@ -1,8 +1,6 @@
 //! Dual numbers over any scalar.
 
-use super::{AlgebraOver, Scalar};
-use num_traits::{One, Zero};
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 
 /// A number with `N` tangents over any [`Scalar`]: $x + \sum_i \epsilon_i x_i$ with $\epsilon_i \epsilon_j = 0$.
 ///
@@ -57,77 +55,17 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Add for Jet<S, N> {
-    type Output = Self;
+impl_scalar_operators! {
     #[inline]
-    fn add(self, other: Self) -> Self {
-        let eps = std::array::from_fn(|i| self.eps[i] + other.eps[i]);
-        Self::new(self.re + other.re, eps)
-    }
-}
-
-impl<S: Scalar, const N: usize> Sub for Jet<S, N> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        let eps = std::array::from_fn(|i| self.eps[i] - other.eps[i]);
-        Self::new(self.re - other.re, eps)
-    }
-}
-
-impl<S: Scalar, const N: usize> Mul for Jet<S, N> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        self.product(other)
-    }
-}
-
-impl<S: Scalar, const N: usize> Div for Jet<S, N> {
-    type Output = Self;
-    #[inline]
-    fn div(self, other: Self) -> Self {
-        self.quotient(other)
-    }
-}
-
-impl<S: Scalar, const N: usize> Neg for Jet<S, N> {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self::new(-self.re, self.eps.map(|e| -e))
-    }
-}
-
-/// The operators that assign, by those that do not.
-macro_rules! assign {
-    ($($trait:ident $method:ident $op:tt),*) => {$(
-        impl<S: Scalar, const N: usize> $trait for Jet<S, N> {
-            #[inline]
-            fn $method(&mut self, other: Self) {
-                *self = *self $op other;
-            }
-        }
-    )*};
-}
-
-assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
-
-impl<S: Scalar, const N: usize> Zero for Jet<S, N> {
-    #[inline]
-    fn zero() -> Self {
-        Self::constant(S::zero())
-    }
-
-    fn is_zero(&self) -> bool {
-        self.re.is_zero() && self.eps.iter().all(Zero::is_zero)
-    }
-}
-
-impl<S: Scalar, const N: usize> One for Jet<S, N> {
-    #[inline]
-    fn one() -> Self {
-        Self::constant(S::one())
+    impl [S: Scalar, const N: usize] for Jet<S, N> {
+        zero() => Self::constant(S::zero()),
+        one() => Self::constant(S::one()),
+        is_zero(a) => a.re.is_zero() && a.eps.iter().all(Zero::is_zero),
+        neg(a) => Self::new(-a.re, a.eps.map(|e| -e)),
+        add(a, b) => Self::new(a.re + b.re, std::array::from_fn(|i| a.eps[i] + b.eps[i])),
+        sub(a, b) => Self::new(a.re - b.re, std::array::from_fn(|i| a.eps[i] - b.eps[i])),
+        mul(a, b) => a.product(b),
+        div(a, b) => a.quotient(b),
     }
 }
 
@@ -142,7 +80,9 @@ impl<S: Scalar, const N: usize> Scalar for Jet<S, N> {
         let (sin, cos) = self.re.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
+}
 
+impl<S: Tanh, const N: usize> Tanh for Jet<S, N> {
     #[inline]
     fn tanh(self) -> Self {
         let tanh = self.re.tanh();

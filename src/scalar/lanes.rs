@@ -1,9 +1,7 @@
 //! Several numbers at once.
 
-use super::{AlgebraOver, Scalar};
-use num_traits::{One, Zero};
+use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 use std::any::Any;
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `W` numbers that go through the same arithmetic side by side, such as the same joint at `W` times of a motion.
 ///
@@ -22,62 +20,30 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
     }
 }
 
-/// Operators lane by lane, and those that assign: loops, as the compiler does not always take `array::map` apart.
-macro_rules! lanewise {
-    ($($trait:ident $method:ident $assign:ident $assign_method:ident $op:tt),*) => {$(
-        impl<S: Scalar, const W: usize> $trait for Lanes<S, W> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                self $op other;
-                self
-            }
-        }
-
-        impl<S: Scalar, const W: usize> $assign for Lanes<S, W> {
-            #[inline(always)]
-            fn $assign_method(&mut self, other: Self) {
-                for i in 0..W {
-                    self.0[i] $op other.0[i];
-                }
-            }
-        }
-    )*};
+/// What `op` leaves of the first number in each lane: a loop, as the compiler does not always take `array::map` apart.
+#[inline(always)]
+fn lanewise<S: Scalar, const W: usize>(
+    mut a: Lanes<S, W>,
+    b: Lanes<S, W>,
+    op: impl Fn(&mut S, S),
+) -> Lanes<S, W> {
+    for i in 0..W {
+        op(&mut a.0[i], b.0[i]);
+    }
+    a
 }
 
-lanewise!(
-    Add add AddAssign add_assign +=,
-    Sub sub SubAssign sub_assign -=,
-    Mul mul MulAssign mul_assign *=,
-    Div div DivAssign div_assign /=
-);
-
-impl<S: Scalar, const W: usize> Neg for Lanes<S, W> {
-    type Output = Self;
+impl_scalar_operators! {
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        for x in &mut self.0 {
-            *x = -*x;
-        }
-        self
-    }
-}
-
-impl<S: Scalar, const W: usize> Zero for Lanes<S, W> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::splat(S::zero())
-    }
-
-    fn is_zero(&self) -> bool {
-        self.0.iter().all(Zero::is_zero)
-    }
-}
-
-impl<S: Scalar, const W: usize> One for Lanes<S, W> {
-    #[inline(always)]
-    fn one() -> Self {
-        Self::splat(S::one())
+    impl [S: Scalar, const W: usize] for Lanes<S, W> {
+        zero() => Self::splat(S::zero()),
+        one() => Self::splat(S::one()),
+        is_zero(a) => a.0.iter().all(Zero::is_zero),
+        neg(a) => lanewise(a, a, |x, _| *x = -*x),
+        add(a, b) => lanewise(a, b, |x, y| *x += y),
+        sub(a, b) => lanewise(a, b, |x, y| *x -= y),
+        mul(a, b) => lanewise(a, b, |x, y| *x *= y),
+        div(a, b) => lanewise(a, b, |x, y| *x /= y),
     }
 }
 
@@ -114,7 +80,9 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
         }
         (sin, cos)
     }
+}
 
+impl<S: Tanh, const W: usize> Tanh for Lanes<S, W> {
     #[inline(always)]
     fn tanh(self) -> Self {
         Self(self.0.map(S::tanh))

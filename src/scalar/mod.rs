@@ -1,8 +1,8 @@
 //! What the rest of the library asks of a number.
 //!
 //! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational functions
-//! once a mass matrix is inverted. So [`Scalar`] asks for field operations, `sin_cos` and `tanh` and for nothing else: no
-//! order, no square root, no absolute value. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify;
+//! once a mass matrix is inverted. So [`Scalar`] asks for field operations and `sin_cos` and for nothing else: no
+//! order, no square root, no absolute value. What the penalties of constraints need beside is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify;
 //! a prime field and SIMD lanes can, because neither needs an order.
 //!
 //! The constants of a model have a type of their own. [`AlgebraOver<C>`] says that a scalar can be multiplied by a constant of
@@ -11,14 +11,18 @@
 mod jet;
 mod lanes;
 mod numeric;
+mod operators;
 mod prime_field;
 
 pub use jet::Jet;
 pub use lanes::Lanes;
 pub use prime_field::PrimeField;
 
+#[doc(inline)]
+pub use crate::impl_scalar_operators;
+pub use num_traits::{One, Zero};
+
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
-use num_traits::{One, Zero};
 use std::ops::Neg;
 
 /// A number that the generic dynamics compute with.
@@ -41,7 +45,11 @@ pub trait Scalar:
 
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
+}
 
+/// A scalar with a hyperbolic tangent, which the penalties of constraints are made of and nothing else: dynamics and their
+/// derivatives, constraints and Lagrangians do without.
+pub trait Tanh: Scalar {
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
 }

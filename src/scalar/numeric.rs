@@ -1,6 +1,6 @@
 //! `f32`, `f64` and the types of `num-dual` as scalars.
 
-use super::{AlgebraOver, Scalar};
+use super::{AlgebraOver, Scalar, Tanh};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
 use num_traits::{Float, NumCast};
 
@@ -19,7 +19,9 @@ impl<D: DualNum + Copy> Scalar for D {
     fn sin_cos(self) -> (Self, Self) {
         DualNum::sin_cos(&self)
     }
+}
 
+impl<D: DualNum + Copy> Tanh for D {
     #[inline]
     fn tanh(self) -> Self {
         // `num-dual` divides sinh by cosh, which is not a number once they overflow. Beyond this bound the hyperbolic tangent

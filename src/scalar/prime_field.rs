@@ -1,9 +1,7 @@
 //! The field with $2^{61} - 1$ elements, in which an identity is proved rather than measured.
 
-use super::{AlgebraOver, Scalar};
-use num_traits::{One, Zero};
+use super::{AlgebraOver, One, Scalar, Tanh, impl_scalar_operators};
 use std::fmt;
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// An element of $GF(p)$ with the Mersenne prime $p = 2^{61} - 1$. Arithmetic is exact and `==` means equal.
 ///
@@ -56,94 +54,27 @@ impl fmt::Debug for PrimeField {
     }
 }
 
-impl Add for PrimeField {
-    type Output = Self;
+impl_scalar_operators! {
     #[inline]
-    fn add(self, other: Self) -> Self {
-        let sum = self.0 + other.0;
-        Self(if sum >= Self::ORDER {
-            sum - Self::ORDER
-        } else {
-            sum
-        })
-    }
-}
-
-impl Sub for PrimeField {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(if self.0 >= other.0 {
-            self.0 - other.0
-        } else {
-            self.0 + (Self::ORDER - other.0)
-        })
-    }
-}
-
-impl Mul for PrimeField {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        let product = u128::from(self.0) * u128::from(other.0);
-        // 2^61 is 1, so the high bits are added to the low ones.
-        let low = (product as u64) & Self::ORDER;
-        let high = (product >> 61) as u64;
-        Self(low) + Self(high)
-    }
-}
-
-impl Div for PrimeField {
-    type Output = Self;
-    #[inline]
-    fn div(self, other: Self) -> Self {
-        self.times(other.inverse())
-    }
-}
-
-impl PrimeField {
-    /// The product, for where an operator would read as a mistake.
-    #[inline]
-    fn times(self, other: Self) -> Self {
-        self * other
-    }
-}
-
-impl Neg for PrimeField {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self::zero() - self
-    }
-}
-
-/// The operators that assign, by those that do not.
-macro_rules! assign {
-    ($($trait:ident $method:ident $op:tt),*) => {$(
-        impl $trait for PrimeField {
-            #[inline]
-            fn $method(&mut self, other: Self) {
-                *self = *self $op other;
-            }
-        }
-    )*};
-}
-
-assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
-
-impl Zero for PrimeField {
-    fn zero() -> Self {
-        Self(0)
-    }
-
-    fn is_zero(&self) -> bool {
-        self.0 == 0
-    }
-}
-
-impl One for PrimeField {
-    fn one() -> Self {
-        Self(1)
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "a quotient is a product with the inverse")]
+    impl [] for PrimeField {
+        zero() => Self(0),
+        one() => Self(1),
+        is_zero(a) => a.0 == 0,
+        neg(a) => Self(0) - a,
+        add(a, b) => {
+            let sum = a.0 + b.0;
+            Self(if sum >= Self::ORDER { sum - Self::ORDER } else { sum })
+        },
+        sub(a, b) => Self(if a.0 >= b.0 { a.0 - b.0 } else { a.0 + (Self::ORDER - b.0) }),
+        mul(a, b) => {
+            let product = u128::from(a.0) * u128::from(b.0);
+            // 2^61 is 1, so the high bits are added to the low ones.
+            let low = (product as u64) & Self::ORDER;
+            let high = (product >> 61) as u64;
+            Self(low) + Self(high)
+        },
+        div(a, b) => a * b.inverse(),
     }
 }
 
@@ -174,7 +105,9 @@ impl Scalar for PrimeField {
         let inverse = (Self::one() + square).inverse();
         ((self + self) * inverse, (Self::one() - square) * inverse)
     }
+}
 
+impl Tanh for PrimeField {
     /// A formal function: any value will do, as long as its derivative is $1 - \tanh^2$, which [`Jet`](super::Jet) sees to.
     fn tanh(self) -> Self {
         (self + self) * (Self::one() + self * self).inverse()

@@ -6,19 +6,18 @@ use crate::flow::FlowSettings;
 use crate::flow::Penalty;
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::Guess;
+use crate::ode::IntegratorKind;
 use crate::relax::RelaxSettings;
-use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+crate::names::named_enum! {
 /// How a scenario is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub enum Method("method") {
     /// Straight to least control effort, where the flow would come to rest, by Newton's method.
-    #[default]
-    Relax,
+    Relax = "relax",
     /// The Affine Geometric Heat Flow as published (Algorithm B3).
-    Flow,
+    Flow = "flow",
+}
 }
 
 /// What overrides the parameters of a scenario or the defaults of a method.
@@ -38,6 +37,8 @@ pub struct SolveOptions {
     pub num_starts: Option<usize>,
     /// Of the flow: how the Jacobian is computed.
     pub jacobian: Option<JacobianKind>,
+    /// Of the flow: what integrates it.
+    pub integrator: Option<IntegratorKind>,
     /// Of the flow: penalty of (11).
     pub k: Option<f64>,
     /// Of the flow: how far it runs.
@@ -64,6 +65,7 @@ impl SolveOptions {
             tolerance: self.tolerance.unwrap_or(FlowSettings::TOLERANCE),
             guess: self.guess.unwrap_or(parameters.guess),
             jacobian: self.jacobian.unwrap_or_default(),
+            integrator: self.integrator.unwrap_or_default(),
             time_limit: self.time_limit,
         }
     }
@@ -111,6 +113,7 @@ impl SolveOptions {
             Method::Relax => {
                 let foreign = [
                     ("jacobian", self.jacobian.is_some()),
+                    ("integrator", self.integrator.is_some()),
                     ("k", self.k.is_some()),
                     ("s_max", self.s_max.is_some()),
                     ("guess", self.guess.is_some()),

@@ -2,16 +2,17 @@
 
 use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
 use super::{Feasibility, Method, Scenario, SolveOptions};
+use crate::constraint::Constraints;
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::{
     EffortSummary, FlowRecord, FlowSettings, FlowSolution, effort_of, flow, flow_constrained,
 };
-use crate::flow::{Penalised, TorquePenalty};
+use crate::flow::{Penalised, PenaltyWeights};
 use crate::motion::{Feedback, replay_error, sample, simulate};
 use crate::relax::{
-    Constraints, CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax,
-    relax_constrained, relax_constrained_with, relax_with,
+    CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax, relax_constrained,
+    relax_constrained_with, relax_with,
 };
 use std::time::Instant;
 
@@ -70,11 +71,13 @@ fn solve_by_flow(
     let settings: &FlowSettings = &options.flow_settings(scenario);
     let penalty = options.penalty(scenario);
     let constraints = Penalised {
-        state: scenario.state_constraints()?,
-        penalty,
-        torque: TorquePenalty {
-            limits: scenario.torque_limits(),
-            penalty,
+        constraints: Constraints {
+            state: scenario.state_constraints()?,
+            torque: scenario.torque_limits(),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
         },
     };
     let observe = &mut |record| observe(Record::Flow(record));
@@ -108,6 +111,7 @@ fn solve_by_flow(
     let interior = settings.p - 1;
     let details = Details::Flow(FlowDetails {
         jacobian: settings.jacobian,
+        integrator: settings.integrator,
         k: settings.k,
         s_max: settings.s_max,
         tolerance: settings.tolerance,

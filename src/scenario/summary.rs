@@ -3,6 +3,7 @@
 use super::{Feasibility, Method};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Feedback, Guess};
+use crate::ode::IntegratorKind;
 use crate::relax::DegreeRefinement;
 use serde::Serialize;
 
@@ -74,6 +75,8 @@ impl Details {
 pub struct FlowDetails {
     /// How the Jacobian was computed.
     pub jacobian: JacobianKind,
+    /// What integrated it.
+    pub integrator: IntegratorKind,
     /// Penalty of (11).
     pub k: f64,
     /// How far the flow was to run.

@@ -1,14 +1,15 @@
 //! Robots from URDF: reading, checking and writing, and those that are built in.
 
 mod builtin;
+mod elements;
 mod load;
 mod options;
 mod read;
 mod regularity;
-mod text;
 mod tree;
 mod write;
 
+#[cfg(feature = "output")]
 pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use load::{load_robot, load_robot_with};

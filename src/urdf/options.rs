@@ -2,17 +2,17 @@
 
 use std::fmt;
 
+crate::names::named_enum! {
 /// What to do with a joint that is to follow another one (a `mimic` element: $q_i = m\, q_j + c$).
 ///
 /// Such a joint is not natural here: joint `i` moves body `i` and is degree of freedom `i`, with a force of its own, in
 /// every algorithm of this library.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum Mimic {
+pub enum Mimic("mimic") {
     /// Refuse the robot.
-    #[default]
-    Refuse,
+    Refuse = "refuse",
     /// Let it move by itself, with a note, as Pinocchio's `buildModelFromUrdf` does by default.
-    Independent,
+    Independent = "independent",
+}
 }
 
 /// How to read a URDF.

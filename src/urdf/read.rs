@@ -1,6 +1,6 @@
 //! Reading a robot from a URDF file.
 
-use super::text;
+use super::elements::{self, JointType, Pose, read_robot};
 use super::tree;
 use super::tree::Visit;
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions};
@@ -9,7 +9,6 @@ use crate::model::{Carrier, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::path::Path;
-use urdf_rs::JointType;
 
 /// Reads the robot in the URDF file at `path`. See [`parse_urdf`].
 ///
@@ -50,8 +49,7 @@ pub fn parse_urdf_with(
     file: &str,
     options: UrdfOptions,
 ) -> Result<(Model, LoadReport)> {
-    let robot = urdf_rs::read_from_string(&text::dynamics_only(text, file)?)
-        .map_err(|e| Error::input(file, "robot", format!("not a valid URDF: {e}")))?;
+    let robot = read_robot(text, file)?;
     let mut loader = Loader {
         file,
         options,
@@ -145,20 +143,18 @@ impl Loader<'_> {
     }
 
     /// The inertia of a link in its own frame.
-    fn inertia(&mut self, link: &urdf_rs::Link) -> Result<Inertia<f64>> {
+    fn inertia(&mut self, link: &elements::Link) -> Result<Inertia<f64>> {
         let element = format!("link '{}'", link.name);
-        let (mass, i) = (link.inertial.mass.value, &link.inertial.inertia);
-        let origin = self.pose(&link.inertial.origin, element.clone())?;
-        let numbers = [mass, i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz];
+        let (mass, [ixx, ixy, ixz, iyy, iyz, izz]) = (link.mass, link.inertia);
+        let origin = self.pose(&link.origin, element.clone())?;
+        let numbers = [mass, ixx, ixy, ixz, iyy, iyz, izz];
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err(self.error(element, "its mass or inertia is not a finite number"));
         }
         if mass < 0.0 {
             return Err(self.error(element, format!("its mass is negative: {mass}")));
         }
-        let rotational = Matrix3::new(
-            i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz,
-        );
+        let rotational = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
         let name = || link.name.clone();
         if numbers.iter().all(|x| *x == 0.0) {
             self.report.push(LoadNote::Massless { link: name() });
@@ -173,7 +169,7 @@ impl Loader<'_> {
     }
 
     /// A pose; roll, pitch and yaw turn about the fixed axes x, y, z in this order.
-    fn pose(&self, pose: &urdf_rs::Pose, element: String) -> Result<Placement<f64>> {
+    fn pose(&self, pose: &Pose, element: String) -> Result<Placement<f64>> {
         if pose
             .xyz
             .iter()
@@ -182,17 +178,17 @@ impl Loader<'_> {
         {
             return Err(self.error(element, "its origin is not a finite number"));
         }
-        let [roll, pitch, yaw] = pose.rpy.0;
+        let [roll, pitch, yaw] = pose.rpy;
         let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
         Ok(Placement::new(
             rotation.into_inner(),
-            Vector3::from(pose.xyz.0),
+            Vector3::from(pose.xyz),
         ))
     }
 
     /// What the joint does; `None` for a fixed one.
-    fn kind(&mut self, joint: &urdf_rs::Joint) -> Result<Option<JointKind>> {
-        if let Some(urdf_rs::Mimic { joint: mimics, .. }) = &joint.mimic {
+    fn kind(&mut self, joint: &elements::Joint) -> Result<Option<JointKind>> {
+        if let Some(mimics) = &joint.mimics {
             match self.options.mimic {
                 Mimic::Refuse => {
                     let condition = format!(
@@ -208,7 +204,7 @@ impl Loader<'_> {
             }
         }
         let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
-        match joint.joint_type {
+        match joint.kind {
             JointType::Revolute => Ok(Some(JointKind::Revolute)),
             JointType::Continuous => Ok(Some(JointKind::Continuous)),
             JointType::Prismatic => Ok(Some(JointKind::Prismatic)),
@@ -224,8 +220,8 @@ impl Loader<'_> {
     }
 
     /// The axis, made a unit vector.
-    fn axis(&self, joint: &urdf_rs::Joint) -> Result<Vector3<f64>> {
-        let axis = Vector3::from(joint.axis.xyz.0);
+    fn axis(&self, joint: &elements::Joint) -> Result<Vector3<f64>> {
+        let axis = Vector3::from(joint.axis);
         let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
         if axis.iter().any(|x| !x.is_finite()) {
             return refuse("its axis is not a finite number");
@@ -244,16 +240,15 @@ impl Loader<'_> {
         })
     }
 
-    fn limits(&mut self, joint: &urdf_rs::Joint, kind: JointKind) -> Result<Limits> {
-        let limit = &joint.limit;
-        if *limit == urdf_rs::JointLimit::default() {
+    fn limits(&mut self, joint: &elements::Joint, kind: JointKind) -> Result<Limits> {
+        let Some(limit) = joint.limit else {
             if kind != JointKind::Continuous {
                 self.report.push(LoadNote::Unlimited {
                     joint: joint.name.clone(),
                 });
             }
             return Ok(Limits::NONE);
-        }
+        };
         let refuse = |why: String| Err(self.error(format!("joint '{}'", joint.name), why));
         let (velocity, effort) = (limit.velocity, limit.effort);
         if [limit.lower, limit.upper, velocity, effort]

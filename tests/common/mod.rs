@@ -1,13 +1,16 @@
 //! What the tests share: robots, random states, comparisons and derivatives by duals.
 #![allow(dead_code)] // every test file uses its own part of it
 
+pub mod derivatives;
 pub mod ode;
+pub mod relax;
 
 use aghf::dynamics::{Data, crba};
 use aghf::flow::Node;
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
 use aghf::urdf::{builtin_robot, builtin_robots};
+use aghf::verify::duals::{Finding, State};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -100,7 +103,7 @@ pub fn relative_error<'a>(
 #[macro_export]
 macro_rules! assert_close {
     ($a:expr, $b:expr, $bound:expr) => {{
-        let error = common::relative_error($a, $b);
+        let error = $crate::common::relative_error($a, $b);
         assert!(
             error <= $bound,
             "{} and {} differ by {error:e}",
@@ -148,11 +151,36 @@ pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
     }
 }
 
-/// What two solves with `H` leave of sixteen digits, beside `rounding`: the square of its condition number.
+/// Numbers that are neither zero nor alike: $\sin(f)$, $\sin(2 f)$, and so on.
+pub fn wave(count: usize, f: f64) -> Vec<f64> {
+    (1..=count).map(|i| (f * i as f64).sin()).collect()
+}
+
+/// A state of the checker from `x`, `xdot` and `xddot`.
+pub fn state([x, xdot, xddot]: [Vec<f64>; 3]) -> State {
+    State { x, xdot, xddot }
+}
+
+/// Asserts that the checker compared something and found nothing wrong.
+pub fn assert_right(model: &Model, findings: aghf::Result<Vec<Finding>>) {
+    let findings = findings.expect("sizes agree");
+    assert!(!findings.is_empty(), "nothing was compared");
+    let off: Vec<_> = findings.iter().filter(|f| !f.passes()).collect();
+    assert!(off.is_empty(), "{}: {off:#?}", model.name());
+}
+
+/// Asserts that bad input is refused, in these words among others.
+pub fn assert_refused<T: std::fmt::Debug>(result: aghf::Result<T>, words: &str) {
+    let error = result.expect_err(words).to_string();
+    assert!(error.contains(words), "'{error}' does not say '{words}'");
+}
+
+/// What two solves with `H` leave of sixteen digits, beside `rounding`: errors grow linearly with its condition number, as
+/// measured for [`check_all`](aghf::verify::duals::check_all).
 pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
     let n = model.dof();
     let mut h = DMatrix::zeros(n, n);
     crba(model, &mut Data::new(model), &x[..n], &mut h).expect("lengths agree");
     let eigenvalues = h.symmetric_eigenvalues();
-    rounding + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
+    rounding + 1e-13 * eigenvalues.max() / eigenvalues.min()
 }

@@ -1,6 +1,6 @@
 //! Systems of differential equations for the tests of the integrator.
 
-use aghf::ode::{Failure, Ode, Statistics, Tolerance, integrate};
+use aghf::ode::{Bdf, Failure, Integrator, Ode, Statistics, Tolerance};
 use nalgebra::DMatrix;
 
 /// A system from two closures that remembers the largest s it was asked for and counts its calls.
@@ -79,8 +79,19 @@ pub fn solve(
     outputs: &[f64],
     tolerance: Tolerance,
 ) -> (Result<Statistics, Failure>, Observed) {
+    solve_by(&mut Bdf, system, s0, y0, outputs, tolerance)
+}
+
+pub fn solve_by(
+    integrator: &mut dyn Integrator,
+    system: &mut impl Ode,
+    s0: f64,
+    y0: &[f64],
+    outputs: &[f64],
+    tolerance: Tolerance,
+) -> (Result<Statistics, Failure>, Observed) {
     let mut seen = Vec::new();
-    let result = integrate(system, s0, y0, outputs, tolerance, &mut |s, y| {
+    let result = integrator.integrate(system, s0, y0, outputs, tolerance, &mut |s, y| {
         seen.push((s, y.to_vec()));
     });
     (result, seen)

@@ -1,7 +1,6 @@
-//! Lets the oracle's test find libpython where the interpreter of its virtual environment has it; otherwise it does nothing.
+//! Lets the test find libpython where the interpreter of its virtual environment has it.
 
 fn main() {
-    println!("cargo::rerun-if-changed=tests/oracle/build.rs");
-    #[cfg(feature = "oracle")]
+    println!("cargo::rerun-if-changed=build.rs");
     pyo3_build_config::add_libpython_rpath_link_args();
 }

@@ -1,5 +1,6 @@
 //! The dynamics of this library beside Pinocchio's, quantity by quantity.
 
+use crate::python::{Oracle, Quantities};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
     aba, aba_derivatives, bias, crba, forward_kinematics, frame_jacobian, frame_placement,
@@ -7,7 +8,6 @@ use aghf::dynamics::{
     rnea_second_derivatives,
 };
 use aghf::model::Model;
-use aghf::python::{Oracle, Quantities};
 use aghf::spatial::Placement;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -92,7 +92,7 @@ pub fn state(model: &Model) -> impl Strategy<Value = State> + use<> {
         lower..=upper
     });
     let n = model.dof();
-    let numbers = || aghf::common::numbers(n);
+    let numbers = || crate::common::numbers(n);
     (within.collect::<Vec<_>>(), numbers(), numbers(), numbers())
         .prop_map(|(q, v, a, tau)| [q, v, a, tau])
 }

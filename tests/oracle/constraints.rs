@@ -1,14 +1,14 @@
 //! Constraints on places of the robot, their gradients and Hessians.
 
-use aghf::common::config;
-use aghf::compare::{BOUND, Comparison, FLOOR, state};
+use crate::common::config;
+use crate::compare::{BOUND, Comparison, FLOOR, state};
+use crate::python::Quantities;
+use crate::random::any_robot;
 use aghf::constraint::{
     CollisionSphere, Constraint, Evaluator, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
     Weights,
 };
 use aghf::model::Model;
-use aghf::python::Quantities;
-use aghf::random::any_robot;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -38,7 +38,7 @@ fn constraints(model: &Model, q: &[f64]) -> Quantities {
         },
     };
     let both = (spheres, half_space);
-    let rows = Constraint::<f64>::rows(&both);
+    let rows = Constraint::<f64>::dim(&both);
     let x = [q, &vec![0.0; n]].concat();
     let mut evaluator = Evaluator::new(model);
     let mut here = evaluator.at(&x).expect("lengths agree");

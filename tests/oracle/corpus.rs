@@ -1,11 +1,11 @@
 //! Every URDF of two public collections and of this project: it agrees with Pinocchio, or is refused for a stated reason.
 
-use aghf::common::config;
-use aghf::compare::{
+use crate::common::config;
+use crate::compare::{
     Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
 };
+use crate::python::{Oracle, venv};
 use aghf::model::Model;
-use aghf::python::{Oracle, venv};
 use aghf::urdf::{Mimic, UrdfOptions, parse_urdf_with};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -174,7 +174,7 @@ fn compare(model: &Model, oracle: &Oracle) -> Comparison {
 
 /// All robots with their names: the path below the folder of their collection.
 fn robots() -> Vec<(String, PathBuf)> {
-    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
     let mut found = Vec::new();
     let mut of_collection = |folder: &Path, count: usize| {
         let mut files = Vec::new();
@@ -188,7 +188,7 @@ fn robots() -> Vec<(String, PathBuf)> {
                 .map(|p| (name(&p).expect("it is below"), p)),
         );
     };
-    of_collection(&aghf::python::share("example-robot-data/robots"), 69);
+    of_collection(&crate::python::share("example-robot-data/robots"), 69);
     of_collection(&venv().join("share/iCub/robots"), 16);
     of_collection(&project, 8);
     found

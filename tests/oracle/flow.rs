@@ -1,12 +1,12 @@
 //! The right-hand side of the flow and its Jacobians beside their definition in Pinocchio's quantities.
 
-use aghf::common::{config, node, numbers, solve_bound};
-use aghf::compare::{Comparison, relative_error};
+use crate::common::{config, node, numbers, solve_bound};
+use crate::compare::{Comparison, relative_error};
+use crate::python::{Oracle, Quantities};
+use crate::random::{Robot, any_robot};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
 use aghf::flow::{AlgorithmB1, ControlForm, RightHandSide, TheoremB3};
 use aghf::model::Model;
-use aghf::python::{Oracle, Quantities};
-use aghf::random::{Robot, any_robot};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -94,7 +94,7 @@ fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> C
         let mut ours = NodeBlocks::new(model.dof());
         let mut jacobian = kind.build(model);
         jacobian
-            .at(node(parts), k, &mut ours)
+            .evaluate(node(parts), k, &mut ours)
             .expect("lengths agree");
         let (floors, bound) = match kind {
             // Differences do not see what is small beside Omega, and their step leaves them half of the digits.

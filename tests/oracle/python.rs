@@ -67,7 +67,7 @@ impl Oracle {
 
 /// The virtual environment.
 pub fn venv() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("target/oracle/venv")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/oracle/venv")
 }
 
 /// A folder of data in the packages of the virtual environment that are built with CMake.

@@ -1,11 +1,11 @@
 //! Pendulums, random trees and chains, and two built-in robots at random states.
 
-use aghf::common::{config, robot};
-use aghf::compare::{
+use crate::common::{config, robot};
+use crate::compare::{
     Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
 };
+use crate::python::Oracle;
 use aghf::model::{Model, pendulum, random_chain, random_tree};
-use aghf::python::Oracle;
 use aghf::urdf::parse_urdf;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};

@@ -3,7 +3,6 @@
 use super::format::{distinct, figures, in_words};
 use super::timing::{BATCH_SECONDS, BATCHES};
 use super::{Reproduction, ScenarioResult, Search, Series, SystemResult, fit};
-use crate::output::choice;
 use crate::scenario::Limit;
 
 /// A table of Markdown.
@@ -160,7 +159,7 @@ fn solve_settings(reproduction: &Reproduction) -> String {
         by its definition succeed, and no other number of these columns.\n",
         reproduction.settings.repetitions,
         distinct(results().map(|r| format!("{:e}", r.tolerance)), ", "),
-        distinct(results().map(|r| choice(&r.file.flow.guess)), ", "),
+        distinct(results().map(|r| r.file.flow.guess.to_string()), ", "),
         distinct(results().map(|r| r.file.horizon_s.to_string()), ", "),
         distinct(
             results().map(|r| r.file.success_threshold.to_string()),

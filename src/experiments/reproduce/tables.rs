@@ -1,7 +1,6 @@
 //! The measurements as comma-separated values, for other programs.
 
 use super::{Reproduction, Series, SystemResult};
-use crate::output::choice;
 use crate::scenario::Limit;
 use std::io::{Error, Result};
 
@@ -62,7 +61,7 @@ pub(super) fn solves(systems: &[SystemResult]) -> Result<String> {
                 flow.p.to_string(),
                 all(flow.k),
                 all(flow.s_max),
-                choice(&flow.guess),
+                flow.guess.to_string(),
                 all(constrained.then_some(flow.k_cons)),
                 all(constrained.then_some(flow.c_cons)),
                 all(r.tolerance),

@@ -4,7 +4,7 @@ use super::{Row, RowOutcome, Sweep};
 use crate::error::Result;
 use crate::motion::Guess;
 use crate::output::write_whole;
-use crate::output::{choice, short, table};
+use crate::output::{short, table};
 use comfy_table::CellAlignment;
 use serde::Serialize;
 use std::path::Path;
@@ -184,7 +184,7 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
                 r.p.to_string(),
                 exponent(r.k),
                 exponent(r.s_max),
-                choice(&r.guess),
+                r.guess.to_string(),
                 optional(r.k_cons, exponent),
                 optional(r.c_cons, exponent),
                 optional(r.solve_seconds.map(|s| 1e3 * s), |ms| format!("{ms:.2}")),

@@ -14,6 +14,38 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// Names of the columns of [`Row`], in their order.
+const NAMES: [&str; 20] = [
+    "set",
+    "scenario",
+    "p",
+    "k",
+    "s_max",
+    "guess",
+    "k_cons",
+    "c_cons",
+    "outcome",
+    "reason",
+    "final_error_inf",
+    "open_loop_error_inf",
+    "control_effort",
+    "action",
+    "dynamics_defect",
+    "smallest_clearance_m",
+    "steps",
+    "omega_evaluations",
+    "jacobian_evaluations",
+    "solve_seconds",
+];
+
+/// Writes rows as a JSON array of objects; numbers that are not finite are null.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_rows(rows: &[Row], path: &Path) -> Result<()> {
+    write_whole(path, |file| write_json(&rows, file))
+}
+
 /// The rows of a sweep, or of a shard of it, that are in a file, which is locked and open to take more.
 #[derive(Debug)]
 pub struct Results<'s> {
@@ -267,7 +299,7 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
 
 /// The header line.
 fn header() -> String {
-    super::columns::NAMES.join(",") + "\n"
+    NAMES.join(",") + "\n"
 }
 
 /// Rows as lines.

@@ -6,10 +6,10 @@ use crate::dynamics::{
     rnea_derivatives, rnea_weighted_hessian,
 };
 use crate::error::Result;
-use crate::flow::{ControlCost, Node};
+use crate::flow::{ControlCost, Node, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Jet, Scalar};
+use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
 /// The Jacobian of [`ControlForm`](crate::flow::ControlForm), analytic and without third-order tensors. The default.
@@ -38,11 +38,9 @@ use nalgebra::{DMatrix, DVector};
 /// $V [\dot J_q, \dot J_v, \dot H] + W [J_q, J_v, H]$ for their rates, but not in $A$ nor for $J_q^T$; and
 /// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} V H$.
 #[derive(Clone, Debug)]
-pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
+pub struct ControlFormJacobian<'m, C: Scalar, S: Scalar, L = ()> {
     model: &'m Model<C>,
     cost: L,
-    /// Whether the cost stands alone, without the Lagrangian of the paper.
-    alone: bool,
     /// The diagonals of `V` and `W`.
     diagonals: [DVector<S>; 2],
     data: Data<S>,
@@ -75,7 +73,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     upper: DMatrix<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlFormJacobian<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -83,14 +81,14 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
-    /// What `cost` adds to the Jacobian of the flow of the paper's Lagrangian.
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJacobian<'m, C, S, L> {
+    /// The term that `cost` adds to the Jacobian of the flow of the paper's Lagrangian: the Jacobian with `cost` less that without.
     #[must_use]
-    pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
-        Self {
-            alone: true,
-            ..Self::with_cost(model, cost)
-        }
+    pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlFormJacobian<'m, C, S>, S> {
+        Sum::difference(
+            Self::with_cost(model, cost),
+            ControlFormJacobian::new(model),
+        )
     }
 
     /// The Jacobian for `model` and the Lagrangian with `cost` added.
@@ -101,7 +99,6 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
         Self {
             model,
             cost,
-            alone: false,
             diagonals: [DVector::zeros(n), DVector::zeros(n)],
             data: Data::new(model),
             jet_data: Data::new(model),
@@ -135,16 +132,15 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;
         let n = self.model.dof();
-        let k_slip = if self.alone { C::zero() } else { k };
         self.differentiate_inverse_dynamics(node)?;
         self.weigh();
-        self.solve_for_y(node, k_slip);
+        self.solve_for_y(node, k);
         self.contract(node)?;
         self.derivatives
             .columns(0, n)
             .transpose_to(&mut self.jq_transposed);
         self.scale_rows();
-        self.fill_lower(k_slip);
+        self.fill_lower(k);
         self.compose(k, out);
         Ok(())
     }
@@ -175,25 +171,25 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
 
     /// From `u` and its rate $\mu$ and $\dot \mu$, and the diagonals of `V` and `W`. Without a cost they are the same.
     fn weigh(&mut self) {
-        if self.cost.is_zero() && !self.alone {
+        if self.cost.is_zero() {
             return;
         }
         let half = S::from_f64(0.5);
-        let paper = if self.alone { S::zero() } else { S::one() };
+        let one = S::one();
         let [v, w] = &mut self.diagonals;
         for i in 0..self.mu.len() {
             let (u, udot) = (self.mu[i], self.mudot[i]);
             let [first, second, third] = self.cost.derivatives(i, u);
-            v[i] = paper + half * second;
+            v[i] = one + half * second;
             w[i] = half * third * udot;
-            self.mu[i] = paper * u + half * first;
+            self.mu[i] = u + half * first;
             self.mudot[i] = v[i] * udot;
         }
     }
 
     /// $V$ times $[J_q, J_v, H]$, and its part of the rates.
     fn scale_rows(&mut self) {
-        if self.cost.is_zero() && !self.alone {
+        if self.cost.is_zero() {
             return;
         }
         let [v, w] = &self.diagonals;
@@ -303,12 +299,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
             }
         }
         out.dxddot.fill(zero);
-        if !self.alone {
-            for j in 0..n {
-                out.dxdot[(j, n + j)] -= two;
-            }
-            out.dxddot.fill_diagonal(two);
+        for j in 0..n {
+            out.dxdot[(j, n + j)] -= two;
         }
+        out.dxddot.fill_diagonal(two);
         if !self.cost.is_zero() {
             let h = self.derivatives.columns(2 * n, n);
             let mut block = out.dxddot.view_mut((n, n), (n, n));
@@ -317,8 +311,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> NodeJacobian<C, S>
-    for ControlForm<'_, C, S, L>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> NodeJacobian<C, S>
+    for ControlFormJacobian<'_, C, S, L>
 {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)

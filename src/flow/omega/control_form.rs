@@ -2,10 +2,10 @@
 
 use crate::dynamics::{Data, InverseDynamicsDerivatives, mass_matrix_and_rate, rnea_derivatives};
 use crate::error::Result;
-use crate::flow::{ControlCost, Node, RightHandSide};
+use crate::flow::{ControlCost, Node, RightHandSide, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// The right-hand side of the flow written in the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
@@ -29,8 +29,6 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     model: &'m Model<C>,
     cost: L,
-    /// Whether the cost stands alone, without the Lagrangian of the paper.
-    alone: bool,
     mu: DVector<S>,
     /// $\tfrac12 \ell^{\prime\prime}$.
     slope: DVector<S>,
@@ -42,7 +40,7 @@ pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
     sum: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlForm<'m, C, S> {
     /// The right-hand side for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
@@ -50,7 +48,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlForm<'m, C, S> {
     }
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, L> {
+impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m, C, S, L> {
     /// The right-hand side for `model` and the Lagrangian with `cost` added.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
@@ -58,7 +56,6 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
         Self {
             model,
             cost,
-            alone: false,
             mu: DVector::zeros(n),
             slope: DVector::zeros(n),
             data: Data::new(model),
@@ -70,23 +67,17 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
         }
     }
 
-    /// What `cost` adds to the flow of the paper's Lagrangian, in whatever form the latter is computed.
+    /// The term that `cost` adds to the flow of the paper's Lagrangian, in whatever form the latter is computed: the control form
+    /// with `cost` less the control form without.
     #[must_use]
-    pub fn of_cost(model: &'m Model<C>, cost: L) -> Self {
-        Self {
-            alone: true,
-            ..Self::with_cost(model, cost)
-        }
+    pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlForm<'m, C, S>, S> {
+        Sum::difference(Self::with_cost(model, cost), ControlForm::new(model))
     }
 
     /// $\mu$ and $\tfrac12 \ell^{\prime\prime}$ from the control.
     fn weigh(&mut self) {
         let (u, half) = (&self.id.tau, S::from_f64(0.5));
-        if self.alone {
-            self.mu.fill(S::zero());
-        } else {
-            self.mu.copy_from(u);
-        }
+        self.mu.copy_from(u);
         if !self.cost.is_zero() {
             for i in 0..u.len() {
                 let [first, second, _] = self.cost.derivatives(i, u[i]);
@@ -97,7 +88,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> ControlForm<'m, C, S, 
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
     for ControlForm<'_, C, S, L>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
@@ -114,7 +105,7 @@ impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
         )?;
         rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
         self.weigh();
-        let (mu, alone) = (&self.mu, self.alone);
+        let mu = &self.mu;
         let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
 
         let view = |x| DVectorView::from_slice(x, n);
@@ -125,26 +116,18 @@ impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
         self.sum.gemv_tr(one, dq, mu, zero);
         let per_k = C::one() / k;
         for i in 0..n {
-            let slip_rate = if alone {
-                zero
-            } else {
-                node.xddot_p1()[i] - a[i]
-            };
+            let slip_rate = node.xddot_p1()[i] - a[i];
             omega[i] = two * (slip_rate - self.sum[i].scale(per_k));
         }
 
         self.sum.gemv_tr(-one, dv, mu, zero);
         self.sum.gemv(one, &self.hdot, mu, one);
-        if !alone {
-            for i in 0..n {
-                self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
-            }
+        for i in 0..n {
+            self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
         }
         self.ldlt.factorise(h);
         self.ldlt.solve(self.sum.as_mut_slice());
-        if !alone {
-            self.sum += &self.rate;
-        }
+        self.sum += &self.rate;
         if !self.cost.is_zero() {
             self.rate.gemv(one, h, &view(node.xddot_p2()), one);
             self.rate.component_mul_assign(&self.slope);
@@ -152,8 +135,7 @@ impl<C: Scalar, S: AlgebraOver<C>, L: ControlCost<C>> RightHandSide<C, S>
         }
         self.ldlt.solve(self.sum.as_mut_slice());
         for i in 0..n {
-            let rate = if alone { zero } else { node.xddot_p2()[i] };
-            omega[n + i] = two * (rate + self.sum[i]);
+            omega[n + i] = two * (node.xddot_p2()[i] + self.sum[i]);
         }
         Ok(())
     }

@@ -8,6 +8,12 @@ use crate::error::Result;
 pub struct AutodiffCost<F>(pub(super) F);
 
 impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
+    /// The cost that `value` computes.
+    #[must_use]
+    pub fn new(value: F) -> Self {
+        Self(value)
+    }
+
     fn at(&self, t: HyperDual64, y: &[HyperDual64]) -> HyperDual64 {
         let n = y.len() / 4;
         (self.0)(&StageInput {

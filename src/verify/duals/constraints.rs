@@ -3,6 +3,7 @@
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
+use crate::constraint::Constraints;
 use crate::constraint::TorqueLimits;
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
@@ -10,9 +11,10 @@ use crate::constraint::{
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
+use crate::flow::Penalised;
 use crate::flow::Penalty;
+use crate::flow::PenaltyWeights;
 use crate::flow::jacobian::JacobianKind;
-use crate::flow::{Penalised, TorquePenalty};
 use crate::model::Model;
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Vector3};
@@ -26,13 +28,13 @@ use num_dual::Dual64;
 /// None that a loaded model gives.
 pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let made_up = made_up(model, &State::random(model, options.seed, 0))?;
+    let states = options.states(model);
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in states.iter().enumerate() {
         let at = At::new(model, sample, state)?;
         for (name, constraint) in ["spheres", "half-space", "bounds"]
             .iter()
-            .zip(&made_up.state)
+            .zip(&made_up.constraints.state)
         {
             contractions(model, name, constraint, at, &mut findings)?;
         }
@@ -46,12 +48,32 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
                 &format!("{name} with constraints"),
                 &mut *kind.build_constrained(model, &made_up),
                 &mut *JacobianKind::Dual.build_constrained(model, &made_up),
-                BOUND,
-                options,
+                &states,
+                &options.penalties,
             )?);
         }
     }
     Ok(all)
+}
+
+/// Compares the weighted derivatives of a constraint, whether by hand or by the default, with duals of its value and of its gradient at
+/// random states. `name` stands before the names of the quantities.
+///
+/// # Errors
+/// The constraint is for another robot.
+pub fn check_constraint(
+    model: &Model,
+    name: &str,
+    constraint: &impl Constraint,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        contractions(model, name, constraint, at, &mut findings)?;
+    }
+    Ok(findings.all)
 }
 
 /// Nothing is divided here; what is small beside metres and radians may be what rounding leaves of zero.
@@ -103,21 +125,23 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         (i % 4 != 1).then(|| u.abs() + largest * (0.1 * (i as f64).sin() + 0.02))
     };
     Ok(Penalised {
-        state: vec![
-            AnyConstraint::Spheres(SphereClearance {
-                balls: balls.clone(),
-                spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
-            }),
-            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
-            AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
-        ],
-        penalty: Penalty {
-            k_cons: 10.0,
-            c_cons: 2.0,
+        constraints: Constraints {
+            state: vec![
+                AnyConstraint::Spheres(SphereClearance {
+                    balls: balls.clone(),
+                    spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
+                }),
+                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
+            ],
+            torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
         },
-        torque: TorquePenalty {
-            limits: TorqueLimits(u.iter().enumerate().map(limit).collect()),
-            penalty: Penalty {
+        weights: PenaltyWeights {
+            state: Penalty {
+                k_cons: 10.0,
+                c_cons: 2.0,
+            },
+            torque: Penalty {
                 k_cons: 2.0,
                 c_cons: 1.0 / largest,
             },
@@ -130,7 +154,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
 fn contractions(
     model: &Model,
     name: &str,
-    constraint: &AnyConstraint,
+    constraint: &impl Constraint,
     at: At<'_>,
     findings: &mut Findings,
 ) -> Result<()> {

@@ -1,7 +1,7 @@
 //! The derivatives of the dynamics against dual numbers.
 
 use super::tensors::second_derivatives;
-use super::{At, BOUND, CheckOptions, Finding, Findings, State};
+use super::{At, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
     aba, aba_derivatives, mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
@@ -19,16 +19,28 @@ use num_dual::Dual64;
 /// # Errors
 /// None that a loaded model gives.
 pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    check_dynamics_at(model, &options.states(model), &options.penalties)
+}
+
+/// Does the same at given states, such as those where terms vanish or coincide.
+///
+/// # Errors
+/// A state does not have `2 N` entries in each of its parts.
+pub fn check_dynamics_at(
+    model: &Model,
+    states: &[State],
+    penalties: &[f64],
+) -> Result<Vec<Finding>> {
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in states.iter().enumerate() {
+        state.node().check(model.dof(), 2 * model.dof())?;
         let at = At::new(model, sample, state)?;
         inverse_dynamics(model, at, &mut findings)?;
         forward_dynamics(model, at, &mut findings)?;
         mass_matrix(model, at, &mut findings)?;
         contractions(model, at, &mut findings)?;
         second_derivatives(model, at, &mut findings)?;
-        for k in &options.penalties {
+        for k in penalties {
             omega(model, *k, at.under(*k), &mut findings)?;
         }
     }
@@ -153,7 +165,7 @@ fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<(
         let quantity = format!("{part}: control form and Algorithm B1");
         let (control, b1) = (control.rows(row, n), b1.rows(row, n));
         findings.compare(
-            at.divided_twice(BOUND),
+            at.divided_twice(),
             &quantity,
             at,
             control.as_view(),

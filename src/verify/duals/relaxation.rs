@@ -1,6 +1,6 @@
 //! What ties the relaxation to the flow, on any robot.
 
-use super::{At, BOUND, CheckOptions, Finding, Findings, State, extreme_eigenvalues};
+use super::{At, CheckOptions, Finding, Findings, State, extreme_eigenvalues};
 use crate::curve::Basis;
 use crate::curve::gauss_legendre;
 use crate::dynamics::{Data, crba, rnea};
@@ -43,7 +43,7 @@ pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Fin
         for k in &options.penalties {
             let at = at.under(*k);
             findings.compare(
-                at.divided_twice(BOUND),
+                at.multiplied_again(),
                 "Omega on a curve, weak form: gradient of the effort",
                 at,
                 weak_form(model, &path, *k)?.as_view(),

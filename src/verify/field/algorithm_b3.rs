@@ -5,7 +5,7 @@ use crate::curve::Chebyshev;
 use crate::dynamics::{Data, bias, crba, rnea};
 use crate::error::Result;
 use crate::flow::ControlForm;
-use crate::flow::jacobian::{ControlForm as ControlFormJacobian, NodeBlocks, TheoremB4};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, TheoremB4};
 use crate::flow::{Collocation, assemble_jacobian};
 use crate::scalar::Scalar;
 use crate::verify::reference::{At, DifferentiableOver, jacobian, omega_by_definition};

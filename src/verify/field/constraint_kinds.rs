@@ -1,6 +1,7 @@
 //! Every kind of constraint: its rows, and its contractions against nested duals of these.
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
+use crate::constraint::Constraints;
 use crate::constraint::TorqueLimits;
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
@@ -9,8 +10,9 @@ use crate::constraint::{
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
 use crate::flow::Penalty;
+use crate::flow::PenaltyWeights;
 use crate::flow::{ControlCost, Penalised, TorquePenalty, penalty};
-use crate::scalar::AlgebraOver;
+use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
 use crate::verify::reference::{jacobian, vector};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -60,23 +62,25 @@ pub(super) fn set(p: &RandomInstance) -> Set {
         offset: s[4],
     };
     Penalised {
-        state: vec![
-            AnyConstraint::Spheres(SphereClearance {
-                balls: balls.clone(),
-                spheres: vec![sphere(0), sphere(3)],
-            }),
-            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
-            AnyConstraint::Bounds(Bounds(vec![
-                bound(0, Side::Upper, 0),
-                bound(n - 1, Side::Lower, 1),
-                bound(n, Side::Lower, 2),
-                bound(2 * n - 1, Side::Upper, 3),
-            ])),
-        ],
-        penalty: pair(p),
-        torque: TorquePenalty {
-            limits: TorqueLimits((0..n).map(|i| (i % 3 == 0).then_some(p.w[i])).collect()),
-            penalty: Penalty {
+        constraints: Constraints {
+            state: vec![
+                AnyConstraint::Spheres(SphereClearance {
+                    balls: balls.clone(),
+                    spheres: vec![sphere(0), sphere(3)],
+                }),
+                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::Bounds(Bounds(vec![
+                    bound(0, Side::Upper, 0),
+                    bound(n - 1, Side::Lower, 1),
+                    bound(n, Side::Lower, 2),
+                    bound(2 * n - 1, Side::Upper, 3),
+                ])),
+            ],
+            torque: TorqueLimits((0..n).map(|i| (i % 3 == 0).then_some(p.w[i])).collect()),
+        },
+        weights: PenaltyWeights {
+            state: pair(p),
+            torque: Penalty {
                 k_cons: s[7],
                 c_cons: s[4],
             },
@@ -155,7 +159,7 @@ fn contractions(p: &RandomInstance, constraint: &impl Constraint<Gf>) -> Result<
 
 /// The contractions of the constraint number `which` of the set, and its rows against `values`.
 fn kind(p: &RandomInstance, which: usize, values: Vec<Gf>) -> Result<Vec<Equality>> {
-    let constraint = &set(p).state[which];
+    let constraint = &set(p).constraints.state[which];
     let rows = rows(p, constraint, p.x.as_slice())?;
     let mut claims = contractions(p, constraint)?;
     claims.push(Equality::vectors(
@@ -177,7 +181,7 @@ fn centre(p: &RandomInstance, ball: &CollisionSphere<Gf>) -> Result<Vector3<Gf>>
 fn spheres(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
-    if let AnyConstraint::Spheres(SphereClearance { balls, spheres }) = &set.state[0] {
+    if let AnyConstraint::Spheres(SphereClearance { balls, spheres }) = &set.constraints.state[0] {
         for ball in balls {
             let c = centre(p, ball)?;
             values.extend(spheres.iter().map(|sphere| {
@@ -193,7 +197,9 @@ fn spheres(p: &RandomInstance) -> Result<Vec<Equality>> {
 fn half_space(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
-    if let AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }) = &set.state[1] {
+    if let AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }) =
+        &set.constraints.state[1]
+    {
         for ball in balls {
             let height = half_space.normal.dot(&centre(p, ball)?);
             values.push(ball.radius + half_space.offset - height);
@@ -214,7 +220,7 @@ fn bounds(p: &RandomInstance) -> Result<Vec<Equality>> {
 }
 
 fn by_duals(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let state = set(p).state;
+    let state = set(p).constraints.state;
     let mut claims = contractions(p, &state)?;
     claims.extend(contractions(p, &(ValueAlone(&state[..]), &state[2]))?);
     Ok(claims)
@@ -224,13 +230,13 @@ fn by_duals(p: &RandomInstance) -> Result<Vec<Equality>> {
 struct CostAlone(TorquePenalty<Gf>);
 
 impl ControlCost<Gf> for CostAlone {
-    fn value<S: AlgebraOver<Gf>>(&self, joint: usize, u: S) -> S {
+    fn value<S: AlgebraOver<Gf> + Tanh>(&self, joint: usize, u: S) -> S {
         self.0.value(joint, u)
     }
 }
 
 fn torque(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let torque = set(p).torque;
+    let torque = set(p).torque_penalty();
     let Penalty { k_cons, c_cons } = torque.penalty;
     let mut claims = Vec::new();
     for (i, u) in p.x.iter().take(p.dof()).enumerate() {

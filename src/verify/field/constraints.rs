@@ -7,12 +7,12 @@ use super::wrt::{Wrt, derivative};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::error::Result;
 use crate::flow::Penalty;
-use crate::flow::jacobian::{ControlForm, NodeBlocks, NodeJacobian, TheoremB4};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian, TheoremB4};
 use crate::flow::{
     RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
     penalty_curvature, penalty_slope,
 };
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use crate::verify::reference::{At, gradient, inverse_dynamics, omega_by_theorem_b3, variation};
 use nalgebra::DVector;
 use num_traits::{One, Zero};
@@ -40,23 +40,23 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// $L_{cons}$ over any scalar, the torque left out unless asked for.
-fn constrained<S: AlgebraOver<Gf>>(
+fn constrained<S: AlgebraOver<Gf> + Tanh>(
     p: &RandomInstance,
     torque: bool,
     x: &[S],
     xdot: &[S],
 ) -> Result<S> {
     let (set, n) = (set(p), p.dof());
-    let Penalty { k_cons, c_cons } = set.penalty;
-    let g = rows(p, &set.state, x)?;
+    let Penalty { k_cons, c_cons } = set.weights.state;
+    let g = rows(p, &set.constraints.state, x)?;
     let lagrangian = constrained_lagrangian(effort(p, x, xdot)?, g.iter().copied(), k_cons, c_cons);
     if !torque {
         return Ok(lagrangian);
     }
     let u = inverse_dynamics(&p.model, &x[..n], &x[n..], &xdot[n..])?;
-    let mut g = vec![S::zero(); set.torque.limits.dim()];
-    set.torque.limits.value(u.as_slice(), &mut g)?;
-    let Penalty { k_cons, c_cons } = set.torque.penalty;
+    let mut g = vec![S::zero(); set.constraints.torque.dim()];
+    set.constraints.torque.value(u.as_slice(), &mut g)?;
+    let Penalty { k_cons, c_cons } = set.weights.torque;
     Ok(constrained_lagrangian(lagrangian, g, k_cons, c_cons))
 }
 
@@ -68,7 +68,7 @@ fn a1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = constrained(p, false, p.x.as_slice(), p.xdot.as_slice())?;
     let (reference, mut right) = (Reference::at(p)?, Gf::zero());
     let Penalty { k_cons, c_cons } = pair(p);
-    for &g in &rows(p, &set(p).state, p.x.as_slice())? {
+    for &g in &rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() + half() * (c_cons * g).tanh();
         right += k_cons * g * g * s;
     }
@@ -85,7 +85,7 @@ fn a2(p: &RandomInstance) -> Result<Vec<Equality>> {
         },
         mut claims,
     ) = (pair(p), Vec::new());
-    for &g in &rows(p, &set(p).state, p.x.as_slice())? {
+    for &g in &rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() * (Gf::one() + (g * c).tanh());
         claims.push(Equality::numbers("b", penalty(g, k, c), k * g * g * s));
         let at = |i: usize| pair(p).derivatives(g)[i];
@@ -129,7 +129,7 @@ fn a4(p: &RandomInstance) -> Result<Vec<Equality>> {
 
     let omega = omega_by_theorem_b3(&p.at())?;
     let mut penalties = set(p);
-    penalties.torque.limits.0.clear();
+    penalties.constraints.torque.0.clear();
     let of_state = omega_of(p, penalties.state_penalty(&p.model))?;
     Ok(vec![
         Equality::vectors(
@@ -146,7 +146,7 @@ fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
     let v = variation(p.node(), |x, xdot| constrained(p, true, x, xdot))?;
     let left = reference.raise(&(v.momentum_rate - v.by_x));
     let whole = omega_of(p, set.right_hand_side(&p.model))?;
-    let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque.clone());
+    let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque_penalty());
     let terms = omega_of(p, Sum::new(of_torque, set.state_penalty(&p.model)))?;
     let paper = omega_by_theorem_b3(&p.at())?;
     Ok(vec![
@@ -165,8 +165,8 @@ fn right_hand_side(set: &Set, at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
 
 fn constrained_jacobian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (set, model) = (set(p), &p.model);
-    let whole = ControlForm::with_cost(model, set.torque.clone());
-    let of_torque = ControlForm::of_cost(model, set.torque.clone());
+    let whole = ControlFormJacobian::with_cost(model, set.torque_penalty());
+    let of_torque = ControlFormJacobian::of_cost(model, set.torque_penalty());
     let on_b4 = Sum::new(TheoremB4::new(model), of_torque);
     let mut claims = Vec::new();
     let mut claim = |jacobian: &mut dyn NodeJacobian<Gf, Gf>| -> Result<()> {

@@ -9,7 +9,7 @@ use crate::dynamics::{
 };
 use crate::error::Result;
 use crate::flow::RightHandSide;
-use crate::flow::jacobian::{ControlForm, NodeBlocks};
+use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks};
 use crate::scalar::AlgebraOver;
 use crate::verify::reference::{
     At, bias_force, constant, entries, fd_0, inverse_dynamics, jacobian, mass, omega_by_definition,
@@ -219,7 +219,7 @@ fn control_form_omega(at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
 
 fn control_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (t, mut found) = (gathered(p)?, NodeBlocks::new(p.dof()));
-    ControlForm::new(&p.model).blocks(p.node(), p.k, &mut found)?;
+    ControlFormJacobian::new(&p.model).blocks(p.node(), p.k, &mut found)?;
     let by = |part| derivative(p, part, control_form_omega);
     let omega = super::theorem_b3::omega_of(p, crate::flow::ControlForm::new(&p.model))?;
     Ok(vec![

@@ -166,11 +166,20 @@ pub fn identities() -> Vec<Identity> {
 /// # Errors
 /// None that the identities give.
 pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
+    prove_identities(&identities(), points, seed)
+}
+
+/// Proves these identities, such as those of a user's own formulas, otherwise as [`prove`]. Their numerators must not have a larger
+/// degree than [`DEGREE`] in the random inputs.
+///
+/// # Errors
+/// What the claims of an identity return.
+pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let points = (0..points)
         .map(|_| RandomInstance::random(&mut rng))
         .collect::<Result<Vec<_>>>()?;
-    identities()
+    identities
         .iter()
         .map(|identity| verdict(identity, &points))
         .collect()

@@ -1,0 +1,139 @@
+//! Constraints behind pointers, so that one list can hold any.
+
+use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use crate::error::{Error, Result};
+use crate::scalar::{AlgebraOver, Lanes, Scalar};
+use num_dual::{Dual64, DualSVec64};
+use std::any::{Any, type_name};
+use std::fmt::Debug;
+
+/// A [`Constraint`] that can be put into a `Box<dyn DynConstraint>`, which is a constraint again.
+///
+/// Nothing has to be implemented: every constraint over `f64` constants that can be cloned and printed is one. A method that is
+/// generic cannot be called through a pointer, so a boxed constraint is evaluated over the scalars that the flow, the relaxation
+/// and [`verify::duals`](crate::verify::duals) compute with (`f64`, `Lanes<f64, 4>`, `Dual64` and `DualSVec64<8>`) and is an
+/// error over any other. The derivatives of the constraint itself are not restricted: they are computed behind the pointer.
+pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {
+    /// As [`Constraint::dim`].
+    fn rows(&self) -> usize;
+
+    /// As [`Constraint::row_scales`].
+    fn scales(&self, scales: &mut [C]);
+
+    /// Fills `slot`, an `Option<Functions<C, S>>`, if `S` is one of the scalars.
+    #[doc(hidden)]
+    fn functions(&self, slot: &mut dyn Any);
+
+    /// The constraint itself, for the functions.
+    #[doc(hidden)]
+    fn constraint(&self) -> &dyn Any;
+
+    /// A copy.
+    #[doc(hidden)]
+    fn boxed(&self) -> Box<dyn DynConstraint<C>>;
+}
+
+/// The generic functions of a constraint over one scalar; the first argument is the constraint.
+#[doc(hidden)]
+pub struct Functions<C: Scalar, S: Scalar> {
+    value: Value<C, S>,
+    add: AddWeightedDerivatives<C, S>,
+}
+
+type Value<C, S> = fn(&dyn Any, &PlacedState<'_, C, S>, &mut [S]) -> Result<()>;
+
+type AddWeightedDerivatives<C, S> =
+    fn(&dyn Any, &PlacedState<'_, C, S>, Weights<'_, S>, &mut WeightedDerivatives<S>) -> Result<()>;
+
+impl<C: Scalar, S: AlgebraOver<C>> Functions<C, S> {
+    /// Those of `K`.
+    fn of<K: Constraint<C> + 'static>() -> Self {
+        Self {
+            value: |constraint, at, g| known::<K>(constraint)?.value(at, g),
+            add: |constraint, at, weights, out| {
+                known::<K>(constraint)?.add_weighted_derivatives(at, weights, out)
+            },
+        }
+    }
+
+    /// Those of a constraint behind a pointer.
+    fn behind(constraint: &dyn DynConstraint<C>) -> Result<Self> {
+        let mut slot: Option<Self> = None;
+        constraint.functions(&mut slot);
+        slot.ok_or_else(not_known::<S>)
+    }
+}
+
+/// The constraint with its type.
+fn known<K: 'static>(constraint: &dyn Any) -> Result<&K> {
+    constraint.downcast_ref().ok_or_else(not_known::<K>)
+}
+
+fn not_known<T>() -> Error {
+    let condition =
+        "a boxed constraint is evaluated over f64, Lanes<f64, 4>, Dual64 and DualSVec64<8> alone";
+    Error::input("constraint", type_name::<T>(), condition)
+}
+
+impl<K: Constraint + Clone + Debug + Send + Sync + 'static> DynConstraint for K {
+    fn rows(&self) -> usize {
+        self.dim()
+    }
+
+    fn scales(&self, scales: &mut [f64]) {
+        self.row_scales(scales);
+    }
+
+    fn functions(&self, slot: &mut dyn Any) {
+        fill::<K, f64>(slot);
+        fill::<K, Lanes<f64, 4>>(slot);
+        fill::<K, Dual64>(slot);
+        fill::<K, DualSVec64<8>>(slot);
+    }
+
+    fn constraint(&self) -> &dyn Any {
+        self
+    }
+
+    fn boxed(&self) -> Box<dyn DynConstraint> {
+        Box::new(self.clone())
+    }
+}
+
+/// Fills the slot if it is for the scalar `S`.
+fn fill<K: Constraint + 'static, S: AlgebraOver<f64>>(slot: &mut dyn Any) {
+    if let Some(slot) = slot.downcast_mut() {
+        *slot = Some(Functions::<f64, S>::of::<K>());
+    }
+}
+
+impl<C: Scalar> Clone for Box<dyn DynConstraint<C>> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
+impl<C: Scalar> Constraint<C> for Box<dyn DynConstraint<C>> {
+    fn dim(&self) -> usize {
+        (**self).rows()
+    }
+
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let constraint = &**self;
+        (Functions::behind(constraint)?.value)(constraint.constraint(), at, g)
+    }
+
+    fn row_scales(&self, scales: &mut [C]) {
+        (**self).scales(scales);
+    }
+
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut WeightedDerivatives<S>,
+    ) -> Result<()> {
+        let constraint = &**self;
+        (Functions::behind(constraint)?.add)(constraint.constraint(), at, weights, out)
+    }
+}

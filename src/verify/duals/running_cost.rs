@@ -1,0 +1,63 @@
+//! The derivatives of a user's running cost.
+
+use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING};
+use crate::dynamics::{Data, rnea};
+use crate::error::Result;
+use crate::model::Model;
+use crate::relax::{AutodiffCost, HyperDual64, RunningCost, StageDerivatives, StageInput};
+use nalgebra::DMatrix;
+
+/// Compares value, gradient and Hessian of a [`RunningCost`] whose derivatives are written by hand with hyper-dual numbers of the same
+/// cost as a closure, at random states with the control that they take. `name` stands before the names of the quantities.
+///
+/// # Errors
+/// What the cost returns.
+pub fn check_running_cost(
+    model: &Model,
+    name: &str,
+    by_hand: &impl RunningCost,
+    closure: impl Fn(&StageInput<'_, HyperDual64>) -> HyperDual64,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let n = model.dof();
+    let by_duals = AutodiffCost::new(closure);
+    let tolerance = Tolerance {
+        bound: BOUND,
+        floor: VANISHING,
+    };
+    let (mut data, mut u) = (Data::new(model), vec![0.0; n]);
+    let mut findings = Findings::default();
+    for sample in 0..options.samples {
+        let state = &State::random(model, options.seed, sample);
+        let at = At::new(model, sample, state)?;
+        let node = state.node();
+        let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+        rnea(model, &mut data, q, v, a, &mut u)?;
+        let input = StageInput {
+            t: 0.1 * sample as f64,
+            q,
+            v,
+            a,
+            u: &u,
+        };
+        let mut ours = StageDerivatives::new(n);
+        let mut truth = StageDerivatives::new(n);
+        let value = by_hand.derivatives(&input, &mut ours)?;
+        let expected = by_duals.derivatives(&input, &mut truth)?;
+        let alone = by_hand.value(&input)?;
+        let row = |x: &[f64]| DMatrix::from_row_slice(1, x.len(), x);
+        for (what, ours, truth) in [
+            ("value", row(&[alone, value]), row(&[expected; 2])),
+            (
+                "gradient",
+                row(ours.gradient.as_slice()),
+                row(truth.gradient.as_slice()),
+            ),
+            ("Hessian", ours.hessian, truth.hessian),
+        ] {
+            let quantity = format!("{name}: {what}");
+            findings.compare(tolerance, &quantity, at, ours.as_view(), truth.as_view());
+        }
+    }
+    Ok(findings.all)
+}

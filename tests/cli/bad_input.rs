@@ -1,0 +1,193 @@
+//! What the `aghf` binary says about bad input to `solve`: exit code 2, a message that names file and key, no files.
+
+use crate::command::{assert_bad_input, empty_folder, files};
+use serde_json::json;
+
+#[test]
+fn bad_scenarios_exit_with_2() {
+    let folder = empty_folder("bad_scenarios");
+    assert_bad_input(
+        &folder,
+        &["solve", "kinova_free_99"],
+        "kinova_free_99; neither a file nor a built-in scenario",
+    );
+    std::fs::write(folder.join("bad.json"), "{ \"robot\": \n }").expect("writable");
+    assert_bad_input(&folder, &["solve", "bad.json"], "aghf: bad.json: ; line 2");
+    std::fs::write(
+        folder.join("short.json"),
+        r#"{"robot": "pendulum_1", "horizon_s": 1}"#,
+    )
+    .expect("writable");
+    assert_bad_input(
+        &folder,
+        &["solve", "short.json"],
+        "aghf: short.json: ; missing field `q_start`",
+    );
+    let mut long = json!({ "robot": "pendulum_1", "horizon_s": 1.0 });
+    for key in ["q_start", "v_start", "v_goal"] {
+        long[key] = json!([0.0]);
+    }
+    long["q_goal"] = json!([1.0, 2.0]);
+    std::fs::write(folder.join("long.json"), long.to_string()).expect("writable");
+    assert_bad_input(
+        &folder,
+        &["solve", "long.json"],
+        "aghf: long.json: q_goal: ; 1 joints; 2 values",
+    );
+    assert_bad_input(&folder, &["dance"], "dance");
+    assert_eq!(files(&folder).len(), 3, "nothing is written");
+}
+
+#[test]
+fn bad_options_exit_with_2() {
+    let folder = empty_folder("bad_options");
+    for (option, value, words) in [
+        ("--p", "0", "p: it is 0; at least 2"),
+        ("--p", "1", "p: it is 1; at least 2"),
+        ("--p", "x", "--p; invalid value 'x'"),
+        ("--k", "0", "k: it is 0; positive"),
+        ("--k", "1e999", "k: it is inf; positive"),
+        ("--s-max", "nan", "s_max: it is NaN; positive"),
+        ("--s-max", "inf", "s_max: it is inf; positive"),
+        ("--tolerance", "0", "tolerance: it is 0; positive"),
+        ("--jacobian", "magic", "--jacobian; 'magic'; dual"),
+        ("--guess", "circle", "--guess; 'circle'; line-state"),
+        (
+            "--integrator",
+            "magic",
+            "--integrator; 'magic'; bdf; esdirk34",
+        ),
+    ] {
+        assert_bad_input(
+            &folder,
+            &[
+                "solve",
+                "pendulum_1_swingup",
+                "--method",
+                "flow",
+                option,
+                value,
+            ],
+            words,
+        );
+    }
+    for (option, value, words) in [
+        ("--method", "magic", "--method; 'magic'; relax; flow"),
+        ("--p", "3", "degree: it is 3; at least 4"),
+        ("--starts", "0", "num_starts: it is 0; at least 1"),
+        ("--pieces", "0", "segments: it is 0; at least 1"),
+        ("--pieces", "17", "segments: it is 17; at most 16"),
+        ("--adaptive", "0", "degree_tolerance: it is 0; positive"),
+        ("--adaptive", "-1", "degree_tolerance: it is -1; positive"),
+        ("--tolerance", "0", "tolerance: it is 0; positive"),
+        ("--k", "1e5", "k: the method 'relax' has no such parameter"),
+        (
+            "--integrator",
+            "esdirk34",
+            "integrator: the method 'relax' has no such parameter",
+        ),
+    ] {
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", option, value],
+            words,
+        );
+    }
+    for (option, value) in [("--pieces", "2"), ("--adaptive", "0.1")] {
+        let arguments = [
+            "solve",
+            "pendulum_1_swingup",
+            "--method=flow",
+            option,
+            value,
+        ];
+        assert_bad_input(
+            &folder,
+            &arguments,
+            "the method 'flow' has no such parameter",
+        );
+    }
+    for (size, words) in [
+        ("9", "size: '9'; such as 4x9"),
+        ("2x", "size: '2x'"),
+        ("0x9", "segments: it is 0; at least 1"),
+        ("29x9", "segments: it is 29; at most 28"),
+        ("1x3", "degree: it is 3; at least 4"),
+    ] {
+        assert_bad_input(
+            &folder,
+            &["degrees", "pendulum_1_swingup", "1x9", size],
+            words,
+        );
+    }
+    assert_bad_input(&folder, &["degrees", "nothing"], "nothing; neither");
+    assert!(files(&folder).is_empty(), "nothing is written");
+}
+
+#[test]
+fn negative_options_are_told_from_other_options() {
+    let folder = empty_folder("negative_options");
+    for (option, words) in [
+        ("--k", "k: it is -1; positive"),
+        ("--s-max", "s_max: it is -1; positive"),
+        ("--tolerance", "tolerance: it is -1; positive"),
+    ] {
+        assert_bad_input(
+            &folder,
+            &[
+                "solve",
+                "pendulum_1_swingup",
+                "--method=flow",
+                &format!("{option}=-1"),
+            ],
+            words,
+        );
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--method=flow", option, "-1"],
+            words,
+        );
+    }
+}
+
+/// A degree for which there is no memory is bad input, no crash.
+#[test]
+fn absurd_degrees_exit_with_2() {
+    let folder = empty_folder("absurd");
+    for p in ["18446744073709551615", "9000000000000000000", "4294967296"] {
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--p", p],
+            &format!("p: it is {p}"),
+        );
+    }
+}
+
+#[test]
+fn places_that_cannot_be_written_exit_with_2_and_leave_nothing_half_done() {
+    let folder = empty_folder("unwritable");
+    std::fs::write(folder.join("file"), "mine").expect("writable");
+    for out in ["file", "file/below"] {
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--out", out],
+            &format!("aghf: {out}"),
+        );
+    }
+    assert_eq!(files(&folder), ["file".to_owned()].into());
+    assert_eq!(
+        std::fs::read_to_string(folder.join("file")).expect("it is there"),
+        "mine"
+    );
+    for taken in ["trajectory.csv", "summary.json"] {
+        let out = format!("taken_{taken}");
+        std::fs::create_dir_all(folder.join(&out).join(taken)).expect("writable");
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--out", &out],
+            &format!("aghf: {out}/{taken}: "),
+        );
+    }
+    let left = files(&folder);
+    assert!(!left.iter().any(|f| f.contains("partial")), "{left:?}");
+}

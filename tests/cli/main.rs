@@ -1,0 +1,11 @@
+//! The command line.
+
+#[path = "../command/mod.rs"]
+mod command;
+
+mod bad_input;
+mod check;
+mod eval;
+mod robots;
+mod solve;
+mod sweep;

@@ -1,0 +1,7 @@
+//! Constraints and their derivatives.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod derivatives;

@@ -1,0 +1,178 @@
+//! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
+
+use crate::common::robot;
+use aghf::constraint::Constraints;
+use aghf::constraint::TorqueLimits;
+use aghf::constraint::{
+    Bounds, CollisionSphere, Constraint, Evaluator, Sphere, SphereClearance, Weights,
+};
+use aghf::dynamics::{
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
+    frame_jacobian, mass_matrix_and_rate, rnea, rnea_derivatives,
+};
+use aghf::flow::Penalty;
+use aghf::flow::PenaltyWeights;
+use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
+use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
+use aghf::scalar::{AlgebraOver, Tanh};
+use nalgebra::{DMatrix, Vector3};
+use num_dual::DualSVec64;
+
+/// How many allocations `work` makes.
+fn allocations(work: impl FnOnce() -> aghf::Result<()>) -> u64 {
+    let mut result = Ok(());
+    let count = allocation_counter::measure(|| result = work()).count_total;
+    result.expect("lengths agree");
+    count
+}
+
+fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
+    let model = robot("digit_v3_pinned");
+    let n = model.dof();
+    let wave = |m: usize| {
+        (0..m)
+            .map(|i| S::from_f64((0.7 * i as f64).sin()))
+            .collect::<Vec<S>>()
+    };
+    let (q, v, a, mut tau) = (wave(n), wave(n), wave(n), wave(n));
+    let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    let mut id = InverseDynamicsDerivatives::new(n);
+    let mut fd = ForwardDynamicsDerivatives::new(n);
+    let data = &mut Data::new(&model);
+    assert_eq!(
+        allocations(|| rnea(&model, data, &q, &v, &a, &mut tau)),
+        0,
+        "rnea"
+    );
+    assert_eq!(
+        allocations(|| bias(&model, data, &q, &v, &mut tau)),
+        0,
+        "bias"
+    );
+    assert_eq!(
+        allocations(|| aba(&model, data, &q, &v, &a, &mut tau)),
+        0,
+        "aba"
+    );
+    assert_eq!(allocations(|| crba(&model, data, &q, &mut h)), 0, "crba");
+    let rates = allocations(|| mass_matrix_and_rate(&model, data, &q, &v, &mut h, &mut hdot));
+    assert_eq!(rates, 0, "mass_matrix_and_rate");
+    let (tip, mut jacobian) = (
+        &model.frames()[model.frames().len() - 1],
+        DMatrix::zeros(6, n),
+    );
+    let of_frame = allocations(|| frame_jacobian(&model, data, &q, tip, &mut jacobian));
+    assert_eq!(of_frame, 0, "frame_jacobian");
+    let of_id = allocations(|| rnea_derivatives(&model, data, &q, &v, &a, &mut id));
+    assert_eq!(of_id, 0, "rnea_derivatives");
+    let of_fd = allocations(|| aba_derivatives(&model, data, &q, &v, &a, &mut fd));
+    assert_eq!(of_fd, 0, "aba_derivatives");
+
+    let (x, xdot, xddot, mut omega) = (wave(2 * n), wave(2 * n), wave(2 * n), wave(2 * n));
+    let node = Node {
+        x: &x,
+        xdot: &xdot,
+        xddot: &xddot,
+    };
+    let mut control = ControlForm::new(&model);
+    assert_eq!(
+        allocations(|| control.omega(node, 3.0, &mut omega)),
+        0,
+        "control form"
+    );
+    let mut b1 = AlgorithmB1::new(&model);
+    assert_eq!(
+        allocations(|| b1.omega(node, 3.0, &mut omega)),
+        0,
+        "Algorithm B1"
+    );
+
+    let balls = CollisionSphere::joint_frames(&model);
+    let spheres = vec![Sphere {
+        centre: Vector3::zeros(),
+        radius: 0.5,
+    }];
+    let penalty = Penalty {
+        k_cons: 3.0,
+        c_cons: 2.0,
+    };
+    let constraints = Penalised {
+        constraints: Constraints {
+            state: (
+                SphereClearance { balls, spheres },
+                Bounds::positions(&model),
+            ),
+            torque: TorqueLimits::of(&model),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
+        },
+    };
+    let mut constrained = constraints.right_hand_side(&model);
+    constrained
+        .omega(node, 3.0, &mut omega)
+        .expect("lengths agree");
+    let again = allocations(|| constrained.omega(node, 3.0, &mut omega));
+    assert_eq!(again, 0, "constrained flow");
+
+    let state = &constraints.constraints.state;
+    let rows = state.dim();
+    let (mut g, mut evaluator) = (wave(rows), Evaluator::new(&model));
+    let (w, c) = (wave(rows), wave(rows));
+    let weights = Weights {
+        first_order: &w,
+        gauss_newton: Some(&c),
+    };
+    let of_constraints = allocations(|| {
+        let mut here = evaluator.at(&x)?;
+        here.value(state, &mut g)?;
+        here.weighted_derivatives(state, weights)?;
+        Ok(())
+    });
+    assert_eq!(of_constraints, 0, "constraints");
+}
+
+/// The Jacobians of the flow, but for that of Theorem B4, which says that it allocates. That of the control form has five products of
+/// large matrices, each of which `nalgebra` packs into a buffer of its own.
+#[test]
+fn jacobians_allocate_nothing_of_their_own() {
+    let model = robot("digit_v3_pinned");
+    let n = model.dof();
+    let [x, xdot, xddot] = [0.7, 1.3, 2.1].map(|f| crate::common::wave(2 * n, f));
+    let node = Node {
+        x: &x,
+        xdot: &xdot,
+        xddot: &xddot,
+    };
+    let mut out = NodeBlocks::new(n);
+    for (kind, packed) in [
+        (JacobianKind::ControlForm, 5),
+        (JacobianKind::Dual, 0),
+        (JacobianKind::Difference, 0),
+    ] {
+        let mut jacobian = kind.build(&model);
+        let made = allocations(|| jacobian.evaluate(node, 3.0, &mut out));
+        assert_eq!(made, packed, "{kind:?}");
+    }
+}
+
+#[test]
+fn nothing_is_allocated_over_f64() {
+    nothing_is_allocated::<f64>();
+}
+
+#[test]
+fn nothing_is_allocated_over_duals() {
+    nothing_is_allocated::<DualSVec64<8>>();
+}
+
+/// The counter does count.
+#[test]
+fn an_allocation_shows() {
+    let made = allocations(|| {
+        std::hint::black_box(vec![0.0; 10]);
+        Ok(())
+    });
+    assert_eq!(made, 1);
+}

@@ -1,0 +1,134 @@
+//! Where `f64` takes another way than every other scalar, and with it than the proofs: products of matrices by `faer`, and sines and
+//! cosines of four lanes by `wide`. Both ways have to give the same numbers.
+
+use crate::common::{any_model, config, numbers};
+use aghf::dynamics::{Data, RneaWeightedHessian, crba, rnea, rnea_weighted_hessian};
+use aghf::linalg::multiply;
+use aghf::model::Model;
+use aghf::scalar::{AlgebraOver, Lanes, Scalar};
+use nalgebra::DMatrix;
+use proptest::prelude::*;
+
+/// Two matrices whose product exists, of any shapes up to 400, with zeros among the entries.
+fn factors() -> impl Strategy<Value = [DMatrix<f64>; 2]> {
+    (1..400_usize, 1..400_usize, 1..400_usize, any::<u64>()).prop_map(|(m, k, n, seed)| {
+        let entry = |i: usize, j: usize, f: f64| {
+            let angle = f * (i + 1) as f64 + (seed % 1000) as f64 * (j + 1) as f64;
+            if (i + j) % 11 == 0 {
+                0.0
+            } else {
+                angle.sin() * 10.0_f64.powi((i * j % 7) as i32 - 3)
+            }
+        };
+        let a = DMatrix::from_fn(m, k, |i, j| entry(i, j, 0.7));
+        let b = DMatrix::from_fn(k, n, |i, j| entry(i, j, 1.3));
+        [a, b]
+    })
+}
+
+/// Angles of all sizes that the short way is for.
+fn angle() -> impl Strategy<Value = f64> {
+    let sized = (-300.0..9.0_f64, -1.0..1.0_f64).prop_map(|(e, sign)| sign * 10.0_f64.powf(e));
+    prop_oneof![-7.0..7.0_f64, -1e9..1e9_f64, sized]
+}
+
+/// Angles that it is not for, and what is no angle.
+fn beyond() -> impl Strategy<Value = f64> {
+    let sized = (9.0..308.0_f64, any::<bool>())
+        .prop_map(|(e, up)| 10.0_f64.powf(e) * if up { 1.0 } else { -1.0 });
+    let none = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    prop_oneof![4 => sized, 1 => prop::sample::select(none.to_vec())]
+}
+
+/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, behind one another; the acceleration serves
+/// as the weight.
+fn dynamics<S: AlgebraOver<f64>>(model: &Model, [q, v, a]: [&[S]; 3]) -> Vec<S> {
+    let n = model.dof();
+    let data = &mut Data::new(model);
+    let (mut tau, mut h) = (vec![S::zero(); n], DMatrix::zeros(n, n));
+    let mut second = RneaWeightedHessian::new(n);
+    rnea(model, data, q, v, a, &mut tau).expect("lengths agree");
+    crba(model, data, q, &mut h).expect("lengths agree");
+    rnea_weighted_hessian(model, data, q, v, a, a, &mut second).expect("lengths agree");
+    let RneaWeightedHessian { qq, qv, vv, qa } = &second;
+    let matrices = [&h, qq, qv, vv, qa].into_iter().flatten();
+    tau.iter().chain(matrices).copied().collect()
+}
+
+/// A model and `q, v, a` in each of four lanes.
+fn model_and_lanes() -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
+    any_model().prop_flat_map(|model| {
+        let n = model.dof();
+        (Just(model), prop::collection::vec(numbers(3 * n), 4))
+    })
+}
+
+/// The dynamics in lanes side by side, lane by lane.
+fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = model.dof();
+    let packed: Vec<Lanes<f64, W>> = (0..3 * n)
+        .map(|i| Lanes(std::array::from_fn(|lane| states[lane][i])))
+        .collect();
+    let out = dynamics(model, [&packed[..n], &packed[n..2 * n], &packed[2 * n..]]);
+    (0..W)
+        .map(|lane| out.iter().map(|x| x.0[lane]).collect())
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(config(48))]
+
+    /// A sum of `k` products is off by at most `k` half units of rounding of the sum of their sizes, in whatever order, so two such sums
+    /// differ by at most twice that. What was in the result before has no part in it.
+    #[test]
+    fn the_fast_paths_agree_with_the_generic_code_in_products([a, b] in factors()) {
+        let shape = (a.nrows(), b.ncols());
+        let mut fast = DMatrix::from_element(shape.0, shape.1, f64::NAN);
+        multiply(&a, &b, &mut fast);
+        let generic = |m: &DMatrix<f64>| m.map(|x| Lanes([x]));
+        let mut slow = DMatrix::from_element(shape.0, shape.1, Lanes([1.0]));
+        multiply(&generic(&a), &generic(&b), &mut slow);
+        let mut size = DMatrix::zeros(shape.0, shape.1);
+        multiply(&generic(&a.abs()), &generic(&b.abs()), &mut size);
+        let units = f64::EPSILON * (a.ncols() + 1) as f64;
+        for ((fast, slow), size) in fast.iter().zip(&slow).zip(&size) {
+            let error = (fast - slow.0[0]).abs();
+            prop_assert!(error <= units * size.0[0], "{shape:?} {} {error:e}", a.ncols());
+        }
+    }
+
+    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from cancellation, and is as
+    /// good as one is. Where one lane is beyond what the short way is for, all go the long way, which gives the same bits.
+    #[test]
+    fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::array::uniform4(angle()), far in beyond(), lane in 0..4_usize) {
+        let (sin, cos) = Scalar::sin_cos(Lanes(angles));
+        for (i, angle) in angles.into_iter().enumerate() {
+            let (s, c) = angle.sin_cos();
+            for (fast, slow) in [(sin.0[i], s), (cos.0[i], c)] {
+                let bound = if angle.abs() < 7.0 { slow.abs() } else { 2.0 };
+                prop_assert!((fast - slow).abs() <= f64::EPSILON * bound, "{angle:e} {fast:e} {slow:e}");
+            }
+        }
+        let mut angles = angles;
+        angles[lane] = far;
+        let (sin, cos) = Scalar::sin_cos(Lanes(angles));
+        for (i, angle) in angles.into_iter().enumerate() {
+            let (s, c) = angle.sin_cos();
+            prop_assert_eq!((sin.0[i].to_bits(), cos.0[i].to_bits()), (s.to_bits(), c.to_bits()), "{:e}", angle);
+        }
+    }
+
+    /// Two lanes have the bits that each has alone. Of four the sines may differ in the last bit, and each of some hundred products
+    /// in a row hands that on.
+    #[test]
+    fn the_fast_paths_agree_with_the_generic_code_in_the_dynamics((model, states) in model_and_lanes()) {
+        let n = model.dof();
+        let alone: Vec<_> = (states.iter())
+            .map(|x| dynamics(&model, [&x[..n], &x[n..2 * n], &x[2 * n..]]))
+            .collect();
+        prop_assert_eq!(&in_lanes::<2>(&model, &states), &alone[..2]);
+        for (four, alone) in in_lanes::<4>(&model, &states).iter().zip(&alone) {
+            assert_close!(four, alone, 200.0 * f64::EPSILON);
+        }
+    }
+}

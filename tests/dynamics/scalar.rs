@@ -1,0 +1,133 @@
+//! Numbers: derivatives of the functions, constants that are not promoted, and the factorisation.
+
+use crate::common::{config, numbers, wave};
+use aghf::dynamics::{Data, rnea};
+use aghf::linalg::Ldlt;
+use aghf::model::random_tree;
+use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
+use nalgebra::{DMatrix, DVector, SVector};
+use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
+use proptest::prelude::*;
+
+/// `sin x cos x + tanh x` written generically, with its first two derivatives by hand.
+fn mixed<S: Tanh>(x: S) -> S {
+    let (sin, cos) = Scalar::sin_cos(x);
+    sin * cos + Tanh::tanh(x)
+}
+
+fn mixed_by_hand(x: f64) -> [f64; 3] {
+    let t = x.tanh();
+    let sech2 = 1.0 - t * t;
+    [
+        x.sin() * x.cos() + t,
+        (2.0 * x).cos() + sech2,
+        -2.0 * (2.0 * x).sin() - 2.0 * t * sech2,
+    ]
+}
+
+/// A symmetric positive definite matrix.
+fn definite(n: usize, x: &[f64]) -> DMatrix<f64> {
+    let factor = DMatrix::from_column_slice(n, n, &x[..n * n]);
+    &factor * factor.transpose() + DMatrix::identity(n, n)
+}
+
+proptest! {
+    #![proptest_config(config(128))]
+
+    #[test]
+    fn functions_and_their_derivatives(x in -3.0..3.0_f64) {
+        let [value, first, second] = mixed_by_hand(x);
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
+        near(mixed(x), value);
+        near(mixed(Dual64::new(x, 1.0)).eps, first);
+        let vector = mixed(DualSVec64::<3>::new(x, Derivative::some(SVector::from([1.0, 0.0, -2.0]))));
+        let eps = vector.eps.0.expect("it depends on x");
+        near(eps[0], first);
+        near(eps[1], 0.0);
+        near(eps[2], -2.0 * first);
+        near(mixed(Dual2_64::new(x, 1.0, 0.0)).v2, second);
+        near(mixed(HyperDual64::new(x, 1.0, 1.0, 0.0)).eps1eps2, second);
+        let nested = mixed(Dual::new(Dual64::new(x, 1.0), Dual64::new(1.0, 0.0)));
+        near(nested.eps.eps, second);
+        prop_assert!((f64::from(mixed(x as f32)) - value).abs() < 1e-5);
+        near(mixed(Lanes([x, 0.0, 1.0, -x])).0[3], -mixed(x));
+        prop_assert_eq!(mixed(Lanes([x, 0.0, -x])).0[2], -mixed(x));
+    }
+
+    #[test]
+    fn scaling_is_multiplying_by_the_promoted_constant(x in -3.0..3.0_f64, c in -3.0..3.0_f64) {
+        fn same<S: AlgebraOver<f64>>(x: S, c: f64) {
+            assert_eq!(x.scale(c), x * S::lift(c));
+            assert_eq!(S::lift(c), <S as Scalar>::from_f64(c));
+        }
+        same(x, c);
+        same(x as f32, c);
+        same(Lanes([x; 4]), c);
+        // `==` looks at the real part of a dual number only, so its other parts are looked at one by one.
+        let dual = HyperDual64::new(x, 2.0, 3.0, 4.0);
+        let (scaled, promoted) = (AlgebraOver::scale(dual, c), dual * HyperDual64::from(c));
+        prop_assert_eq!(
+            (scaled.re, scaled.eps1, scaled.eps2, scaled.eps1eps2),
+            (promoted.re, promoted.eps1, promoted.eps2, promoted.eps1eps2)
+        );
+    }
+
+    #[test]
+    fn ldlt_solves(n in 1..7_usize, x in numbers(36), b in numbers(6)) {
+        let h = definite(n, &x);
+        let mut ldlt = Ldlt::new(n);
+        // Only the lower triangle is read.
+        ldlt.factorise(&h.lower_triangle());
+        let mut solution = b[..n].to_vec();
+        ldlt.solve(&mut solution);
+        assert_close!(&(&h * DVector::from_vec(solution)), &b[..n], 1e-10);
+        prop_assert!(ldlt.pivots().all(|d| d >= 1.0 - 1e-9));
+        prop_assert!((ldlt.pivots().product::<f64>() / h.determinant() - 1.0).abs() < 1e-10);
+        let mut inverse = DMatrix::identity(n, n);
+        ldlt.solve_columns(&mut inverse);
+        assert_close!(&(h * inverse), &DMatrix::identity(n, n), 1e-10);
+    }
+
+    /// `d(H^-1 b) = H^-1 (db - dH H^-1 b)`.
+    #[test]
+    fn ldlt_differentiates(n in 1..6_usize, x in numbers(25), y in numbers(25), b in numbers(10)) {
+        let h = definite(n, &x);
+        let rate = definite(n, &y);
+        let mut ldlt = Ldlt::new(n);
+        ldlt.factorise(&h.zip_map(&rate, Dual64::new));
+        let mut solution: Vec<Dual64> = (0..n).map(|i| Dual64::new(b[i], b[5 + i])).collect();
+        ldlt.solve(&mut solution);
+        let value = DVector::from_iterator(n, solution.iter().map(|s| s.re));
+        let slope = DVector::from_iterator(n, solution.iter().map(|s| s.eps));
+        assert_close!(&(h * slope), &(DVector::from_column_slice(&b[5..5 + n]) - rate * value), 1e-9);
+    }
+}
+
+/// Far from zero the hyperbolic tangent is one, and its dual numbers are numbers.
+#[test]
+fn tanh_saturates() {
+    for x in [19.9, 20.1, 800.0, f64::MAX] {
+        for x in [x, -x] {
+            assert_eq!(Tanh::tanh(x), x.signum());
+            let first = Tanh::tanh(Dual64::new(x, 3.0));
+            assert!(first.re == x.signum() && first.eps.abs() < 1e-15, "{first}");
+            let second = Tanh::tanh(HyperDual64::new(x, 1.0, 1.0, 0.0));
+            assert!(second.eps1eps2.abs() < 1e-15, "{second}");
+        }
+    }
+}
+
+#[test]
+fn dynamics_run_in_single_precision() {
+    let model = random_tree(8, 5).expect("eight joints");
+    let run = |[q, v, a]: [&[f64]; 3]| {
+        let short = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
+        let (mut double, mut single) = (vec![0.0; 8], vec![0.0_f32; 8]);
+        rnea(&model, &mut Data::new(&model), q, v, a, &mut double).expect("lengths agree");
+        let [q, v, a] = [q, v, a].map(short);
+        rnea(&model, &mut Data::new(&model), &q, &v, &a, &mut single).expect("lengths agree");
+        let single: Vec<f64> = single.into_iter().map(f64::from).collect();
+        assert_close!(&single, &double, 1e-5);
+    };
+    run([&wave(8, 0.3), &wave(8, 0.7), &wave(8, 1.1)]);
+}

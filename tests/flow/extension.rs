@@ -1,0 +1,240 @@
+//! What a user adds from outside: constraints behind pointers, Jacobians by name.
+
+use aghf::constraint::{
+    AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator,
+    PlacedState, Sphere, SphereClearance, TorqueLimits, Weights,
+};
+use aghf::flow::jacobian::{ControlFormJacobian, JacobianKind, Jacobians};
+use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow_constrained};
+use aghf::model::{Model, random_tree};
+use aghf::relax::{RelaxSettings, relax_constrained};
+use aghf::scalar::AlgebraOver;
+use aghf::scenario::Scenario;
+use aghf::verify::duals::{CheckOptions, check_jacobians};
+use nalgebra::Vector3;
+use num_dual::HyperDual64;
+
+/// The sum of the squares of all velocities is bounded.
+#[derive(Clone, Debug)]
+struct Slow(f64);
+
+impl Constraint for Slow {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn value<S: AlgebraOver<f64>>(
+        &self,
+        at: &PlacedState<'_, f64, S>,
+        g: &mut [S],
+    ) -> aghf::Result<()> {
+        g[0] = (at.v().iter()).fold(S::zero(), |sum, v| sum + *v * *v) - S::lift(self.0);
+        Ok(())
+    }
+
+    fn row_scales(&self, scales: &mut [f64]) {
+        scales.fill(2.0 * self.0.sqrt());
+    }
+}
+
+fn spheres(model: &Model) -> SphereClearance {
+    SphereClearance {
+        balls: CollisionSphere::joint_frames(model),
+        spheres: vec![Sphere {
+            centre: Vector3::new(0.4, 0.1, -0.7),
+            radius: 0.3,
+        }],
+    }
+}
+
+fn wave(count: usize, f: f64) -> Vec<f64> {
+    (0..count).map(|i| (f * (i as f64 + 1.0)).sin()).collect()
+}
+
+/// Value, row scales, gradient and Hessian.
+fn everything(model: &Model, constraint: &impl Constraint, x: &[f64]) -> Vec<f64> {
+    let rows = constraint.dim();
+    let (w, c) = (wave(rows, 0.7), wave(rows, 1.9));
+    let (mut g, mut scales) = (vec![0.0; rows], vec![0.0; rows]);
+    let mut evaluator = Evaluator::new(model);
+    let mut here = evaluator.at(x).expect("lengths agree");
+    here.value(constraint, &mut g).expect("same robot");
+    constraint.row_scales(&mut scales);
+    let weights = Weights {
+        first_order: &w,
+        gauss_newton: Some(&c),
+    };
+    let sums = here.weighted_derivatives(constraint, weights);
+    let sums = sums.expect("same robot");
+    g.extend(scales);
+    g.extend(sums.gradient());
+    g.extend(sums.hessian());
+    g
+}
+
+/// Constraints behind pointers have the rows and derivatives that they have without, to the last bit, a list of them too; a scalar
+/// that is not among those of a boxed constraint is an error that names it.
+#[test]
+fn a_boxed_constraint_is_the_same() {
+    let model = random_tree(4, 3).expect("there are joints");
+    let bounds = Bounds(vec![]);
+    let x = wave(2 * model.dof(), 0.9);
+    let bare = (spheres(&model), (Slow(0.5), bounds.clone()));
+    let boxed: Vec<Box<dyn DynConstraint>> = vec![
+        Box::new(spheres(&model)),
+        Box::new(Slow(0.5)),
+        Box::new(bounds),
+    ];
+    let listed = vec![
+        AnyConstraint::Spheres(spheres(&model)),
+        AnyConstraint::Other(Box::new(Slow(0.5))),
+    ];
+    let truth = everything(&model, &bare, &x);
+    assert!(truth.iter().filter(|x| **x != 0.0).count() > 20);
+    assert_eq!(everything(&model, &boxed, &x), truth);
+    assert_eq!(everything(&model, &boxed.clone(), &x), truth);
+    assert_eq!(everything(&model, &listed, &x), truth);
+
+    let moving: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
+    let mut evaluator = Evaluator::new(&model);
+    let here = evaluator.at(&moving).expect("lengths agree");
+    let mut g = vec![HyperDual64::from(0.0); bare.dim()];
+    here.value(&bare, &mut g).expect("without a pointer");
+    let error = here.value(&boxed, &mut g).expect_err("not among them");
+    assert!(error.to_string().contains("HyperDual"), "{error}");
+    assert!(error.to_string().contains("Lanes<f64, 4>"), "{error}");
+}
+
+/// The flow, with every Jacobian, and the relaxation do with boxed constraints what they do without.
+#[test]
+fn flow_and_relaxation_take_boxed_constraints() {
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let problem = scenario.problem().expect("sound");
+    let penalty = Penalty {
+        k_cons: 1e3,
+        c_cons: 50.0,
+    };
+    let weights = PenaltyWeights {
+        state: penalty,
+        torque: penalty,
+    };
+    let none = || TorqueLimits(vec![]);
+    let list = |limit| vec![Box::new(Slow(limit)) as Box<dyn DynConstraint>];
+    let curve = |settings: &FlowSettings, boxed: bool| {
+        let outcome = if boxed {
+            let constraints = Constraints {
+                state: list(9.0),
+                torque: none(),
+            };
+            flow_constrained(
+                &problem,
+                settings,
+                &Penalised {
+                    constraints,
+                    weights,
+                },
+                &mut |_| (),
+            )
+        } else {
+            let constraints = Constraints {
+                state: Slow(9.0),
+                torque: none(),
+            };
+            flow_constrained(
+                &problem,
+                settings,
+                &Penalised {
+                    constraints,
+                    weights,
+                },
+                &mut |_| (),
+            )
+        };
+        outcome.expect("sound").expect("it reaches its end").curve
+    };
+    for (name, kind) in JacobianKind::by_name() {
+        let settings = FlowSettings::new(9, 1e3, 1.0).with_jacobian(kind);
+        assert_eq!(
+            curve(&settings, true).x(),
+            curve(&settings, false).x(),
+            "{name}"
+        );
+    }
+    let settings = RelaxSettings {
+        degree: 8,
+        num_starts: 1,
+        ..RelaxSettings::constrained()
+    };
+    let boxed = Constraints {
+        state: list(30.0),
+        torque: none(),
+    };
+    let bare = Constraints {
+        state: Slow(30.0),
+        torque: none(),
+    };
+    let boxed = relax_constrained(&problem, &settings, &boxed, &mut |_| ()).expect("sound");
+    let bare = relax_constrained(&problem, &settings, &bare, &mut |_| ()).expect("sound");
+    assert_eq!(boxed.curve.x(), bare.curve.x());
+}
+
+#[test]
+fn a_jacobian_is_registered_by_name() {
+    let model = random_tree(3, 1).expect("there are joints");
+    let mut jacobians = Jacobians::built_in();
+    let built_in = JacobianKind::by_name().count();
+    assert_eq!(jacobians.names().count(), built_in);
+    jacobians
+        .register("mine", |model| Box::new(ControlFormJacobian::new(model)))
+        .expect("a new name");
+    let taken = jacobians.register("dual", |model| Box::new(ControlFormJacobian::new(model)));
+    assert!(
+        taken
+            .expect_err("taken")
+            .to_string()
+            .contains("'dual' is taken")
+    );
+    let error = jacobians
+        .build("magic", &model)
+        .err()
+        .expect("no such name")
+        .to_string();
+    for word in [
+        "'magic'",
+        "control-form",
+        "theorem-b4",
+        "dual",
+        "difference",
+        "mine",
+    ] {
+        assert!(error.contains(word), "{error}");
+    }
+    let options = CheckOptions {
+        samples: 1,
+        seed: 3,
+        penalties: vec![1e4],
+    };
+    let findings = check_jacobians(&model, &jacobians, &options).expect("same robot");
+    let mine = findings.iter().filter(|f| f.quantity.contains("mine"));
+    assert!(mine.clone().count() >= 5 && mine.clone().all(aghf::verify::duals::Finding::passes));
+}
+
+#[test]
+fn names_are_read_and_written() {
+    for (name, kind) in JacobianKind::by_name() {
+        assert_eq!(kind.to_string(), name);
+        assert_eq!(name.parse::<JacobianKind>().expect("its name"), kind);
+        assert_eq!(
+            serde_json::to_string(&kind).expect("a name"),
+            format!("\"{name}\"")
+        );
+    }
+    let error = "magic"
+        .parse::<JacobianKind>()
+        .expect_err("no such name")
+        .to_string();
+    assert!(
+        error.contains("jacobian: 'magic' is none of control-form, theorem-b4"),
+        "{error}"
+    );
+}

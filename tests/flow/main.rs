@@ -1,0 +1,15 @@
+//! Curves, integrators, the right-hand side of the flow, its Jacobians and its runs.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod constrained_flow;
+mod curve;
+mod extension;
+mod integrate;
+mod integrate_failures;
+mod jacobian;
+mod right_hand_side;
+mod run;
+mod theorem_b4;

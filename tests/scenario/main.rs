@@ -1,0 +1,12 @@
+//! Scenarios, sweeps and the experiments of the paper.
+
+#[path = "../command/mod.rs"]
+mod command;
+
+mod feasibility;
+mod files;
+mod generate;
+mod objective;
+mod reproduce;
+mod solve;
+mod sweep;

@@ -1,0 +1,10 @@
+//! Models and URDF files.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod errors;
+mod model;
+mod robots;
+mod write;

@@ -1,0 +1,9 @@
+//! The checker, the prover and the pages in `proofs/`.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod check;
+mod errata;
+mod ledger;
