@@ -23,7 +23,7 @@
 //! - **Sees** every error in a formula, however small the term, for trees of joints with all kinds of branching.
 //! - **Does not see** rounding, overflow and cancellation; code that only `f64` takes, namely products of large matrices by `faer`
 //!   ([`linalg`](crate::linalg)) and sines of four numbers at once by `wide` ([`Lanes`](crate::scalar::Lanes)), which the property
-//!   test `the_fast_paths_agree_with_the_generic_code` holds to the generic code; inequalities, comparisons and anything that is about
+//!   tests `the_fast_paths_agree_with_the_generic_code` hold to the generic code; inequalities, comparisons and anything that is about
 //!   order, such as whether a search ends or what it ends at; and a law that is wrong consistently.
 //!
 //! # Pinocchio: `tests/oracle`
@@ -53,14 +53,15 @@
 //!
 //! # Checking an object of one's own
 //!
-//! - A robot: [`check_all`] on its model, or `aghf check robot.urdf`.
-//! - A Jacobian: [`check_jacobian`](duals::check_jacobian), as the page [of the guide](crate::guide::jacobian) shows.
-//! - A Lagrangian is differentiated by dual numbers and needs no check of derivatives; the
-//!   [page about it](crate::guide::lagrangian) compares its flow with a known one.
-//! - A constraint gets its derivatives from dual numbers unless it has its own; the [page about it](crate::guide::constraint) shows
-//!   what to compare these with.
-//! - A function of one's own: [`reference::jacobian`] and [`reference::gradient`] differentiate it by dual numbers, over `f64` or
-//!   over the field.
+//! Each page of the [guide](crate::guide) takes its own example through one of these:
+//!
+//! - a robot: [`check_all`] on its model, or `aghf check robot.urdf`; a new [joint](crate::guide::joint) likewise;
+//! - a [Jacobian](crate::guide::jacobian): [`check_jacobian`](duals::check_jacobian);
+//! - a [constraint](crate::guide::constraint): [`check_constraint`](duals::check_constraint);
+//! - a [running cost](crate::guide::running_cost): [`check_running_cost`](duals::check_running_cost);
+//! - a [Lagrangian](crate::guide::lagrangian): [`prove_identities`](field::prove_identities);
+//! - any other function: [`reference::jacobian`] and [`reference::gradient`] differentiate it by dual numbers, over `f64` or over
+//!   the field.
 //!
 //! ```
 //! use aghf::urdf::builtin_robot;
