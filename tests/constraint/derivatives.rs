@@ -84,6 +84,16 @@ fn contracted(
     weights: Weights<'_, f64>,
 ) -> (DVector<f64>, DMatrix<f64>) {
     let mut evaluator = Evaluator::new(model);
+    // A workspace that was used elsewhere must not matter.
+    let elsewhere: Vec<f64> = x.iter().map(|x| 0.5 - x).collect();
+    let all = Weights {
+        gauss_newton: Some(weights.first_order),
+        ..weights
+    };
+    let mut there = evaluator.at(&elsewhere).expect("lengths agree");
+    there
+        .weighted_derivatives(constraint, all)
+        .expect("same robot");
     let mut here = evaluator.at(x).expect("lengths agree");
     let out = here
         .weighted_derivatives(constraint, weights)

@@ -238,6 +238,9 @@ fn the_runge_kutta_method_solves_stiff_systems_too() {
         let statistics = result.unwrap();
         assert!(statistics.steps < bound, "{statistics:?}");
         assert!(statistics.factorisations > 0, "{statistics:?}");
+        // It is another method than the default.
+        let by_bdf = solve(&mut stiff(1.0), 0.0, &start, &outputs, both(tolerance)).0;
+        assert_ne!(by_bdf.unwrap(), statistics);
     }
 }
 

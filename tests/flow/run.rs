@@ -60,6 +60,12 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
         seen[50].action_at_nodes < 0.1 * seen[0].action_at_nodes,
         "{seen:?}"
     );
+    let effort = effort_of(&model, &solution.curve, 1e5).expect("same robot");
+    assert_close!(
+        &[seen[50].action_at_nodes],
+        &[effort.action_at_nodes],
+        1e-10
+    );
     let x = solution.curve.x();
     assert_eq!(x.column(0).as_slice(), problem.start());
     assert_eq!(x.column(9).as_slice(), problem.goal());
