@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
-use crate::output::{summary_table, write_outcome};
+use crate::output::{summary_table, write_report};
 use crate::relax::Iteration;
 use crate::scenario::{Method, Record, Scenario, SolveOptions, solve};
 use clap::Args;
@@ -129,7 +129,7 @@ impl Solve {
         let folder = self
             .out
             .unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
-        let files = write_outcome(&scenario.model, &outcome, &folder)?;
+        let files = write_report(&scenario.model, &outcome, &folder)?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {

@@ -18,6 +18,8 @@ pub struct Data<S: Scalar> {
     pub(super) velocities: Vec<Motion<S>>,
     /// Body accelerations, gravity taken in.
     pub(super) accelerations: Vec<Motion<S>>,
+    /// $\ddot\Psi$ of the joints, see [`rnea_derivatives`](super::rnea_derivatives).
+    pub(super) psi_ddot: Vec<Motion<S>>,
     /// Body inertias, then those of subtrees.
     pub(super) inertias: Vec<Inertia<S>>,
     /// Body Coriolis matrices, then those of subtrees.
@@ -56,6 +58,7 @@ impl<S: Scalar> Data<S> {
             axes: vec![Motion::zero(); n],
             velocities: vec![Motion::zero(); n],
             accelerations: vec![Motion::zero(); n],
+            psi_ddot: vec![Motion::zero(); n],
             inertias: vec![Inertia::zero(); n],
             coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
             forces: vec![Force::zero(); n],

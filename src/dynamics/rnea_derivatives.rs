@@ -103,14 +103,14 @@ impl<S: Scalar> SubtreeForceDerivatives<S> {
             out.dv[(j, i)] = axis_j.dot(&self.by_v);
             out.dv[(i, j)] = dot(&axis_j.angular, &eta) + rate_j.dot(&self.by_a) * two;
             out.dq[(j, i)] = axis_j.dot(&self.by_q);
-            out.dq[(i, j)] = dot(&rate_j.angular, &eta) + data.accelerations[j].dot(&self.by_a);
+            out.dq[(i, j)] = dot(&rate_j.angular, &eta) + data.psi_ddot[j].dot(&self.by_a);
         }
     }
 }
 
 impl<S: Scalar> Data<S> {
     /// What the derivatives of inverse dynamics are sums of: the axes $S$ and their rates, the inertias, Coriolis matrices
-    /// and forces of the bodies, and in `accelerations` $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot
+    /// and forces of the bodies, and in `psi_ddot` $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot
     /// \Psi_i$ for each joint.
     pub(super) fn prepare_derivatives<C: Scalar>(
         &mut self,
@@ -132,11 +132,10 @@ impl<S: Scalar> Data<S> {
             self.forces[i] = inertia.apply(&self.accelerations[i]) + coriolis.apply(velocity);
             self.coriolis[i] = coriolis;
         }
-        // From here on the accelerations become Psi''.
         let base = kinematics::base_acceleration(model);
-        for (i, joint) in model.joints().iter().enumerate().rev() {
+        for (i, joint) in model.joints().iter().enumerate() {
             let (axis, rate) = (self.axes[i], self.axis_rates[i]);
-            self.accelerations[i] = match joint.parent() {
+            self.psi_ddot[i] = match joint.parent() {
                 Some(p) => self.accelerations[p].cross(&axis) + self.velocities[p].cross(&rate),
                 None => base.cross(&axis),
             };
@@ -171,7 +170,7 @@ impl<S: Scalar> Data<S> {
     /// What joint `i` pushes with: inertias, Coriolis matrices and forces are those of the subtree of `i`.
     #[inline]
     pub(super) fn push(&self, i: usize) -> SubtreeForceDerivatives<S> {
-        let (axis, rate, psi_ddot) = (&self.axes[i], &self.axis_rates[i], &self.accelerations[i]);
+        let (axis, rate, psi_ddot) = (&self.axes[i], &self.axis_rates[i], &self.psi_ddot[i]);
         let (inertia, coriolis, force) = (&self.inertias[i], &self.coriolis[i], &self.forces[i]);
         let two = S::from_f64(2.0);
         SubtreeForceDerivatives {

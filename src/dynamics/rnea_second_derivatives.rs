@@ -184,7 +184,7 @@ impl<S: Scalar> Change<S> {
     fn new(kind: Kind, joint: usize, data: &Data<S>) -> Self {
         let (axis, rate) = (data.axes[joint], data.axis_rates[joint]);
         let (nu, alpha) = match kind {
-            Kind::Q => (rate, data.accelerations[joint]),
+            Kind::Q => (rate, data.psi_ddot[joint]),
             Kind::V => (axis, rate + rate),
             Kind::A => (Motion::zero(), axis),
         };

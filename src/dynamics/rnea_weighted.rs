@@ -119,7 +119,7 @@ pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
     data.sum_forces(model);
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
-        let (axis, rate, psi_ddot) = (data.axes[i], data.axis_rates[i], data.accelerations[i]);
+        let (axis, rate, psi_ddot) = (data.axes[i], data.axis_rates[i], data.psi_ddot[i]);
         let (force, momentum, p) = (
             data.forces[i],
             data.virtual_momenta[i],
@@ -236,7 +236,7 @@ impl<S: Scalar> Data<S> {
 
             for j in path_to_base(model, k) {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
-                let (psi_ddot_j, gained_j) = (&self.accelerations[j], &self.virtual_axis_rates[j]);
+                let (psi_ddot_j, gained_j) = (&self.psi_ddot[j], &self.virtual_axis_rates[j]);
                 out.qq[(j, k)] =
                     dot(&rate_j.angular, &p_by_q) + psi_ddot_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
                 out.qq[(k, j)] = out.qq[(j, k)];

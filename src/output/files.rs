@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::sample;
-use crate::scenario::Outcome;
+use crate::scenario::SolveReport;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -17,7 +17,7 @@ const INTERVALS: usize = 200;
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_outcome(model: &Model, outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn write_report(model: &Model, outcome: &SolveReport, folder: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
     let trajectory = folder.join("trajectory.csv");
     let samples = sample(model, &outcome.curve, INTERVALS)?;

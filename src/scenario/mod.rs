@@ -7,7 +7,7 @@ mod file;
 mod generate;
 mod objective;
 mod options;
-mod outcome;
+mod report;
 mod summary;
 
 pub use builtin::builtin_scenarios;
@@ -20,5 +20,5 @@ pub use file::{
 pub use generate::{FAMILIES, Family, generate, generated_scenarios};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
-pub use outcome::{Outcome, Record, solve};
+pub use report::{Record, SolveReport, solve};
 pub use summary::{Details, FlowDetails, RelaxDetails, Summary};

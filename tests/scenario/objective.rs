@@ -1,6 +1,6 @@
 //! The keys of a scenario that say what the relaxation is to find: read, refused, and solved.
 
-use aghf::scenario::{Details, Method, Outcome, RelaxDetails, Scenario, SolveOptions, solve};
+use aghf::scenario::{Details, Method, RelaxDetails, Scenario, SolveOptions, SolveReport, solve};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -32,7 +32,7 @@ fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
     Scenario::load(path).map_err(error)
 }
 
-fn solved(name: &str, keys: Value) -> (Outcome, RelaxDetails) {
+fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
     let scenario = load(name, &with(keys)).expect("it is good");
     let options = SolveOptions {
         degree: Some(9),

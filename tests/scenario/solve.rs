@@ -2,7 +2,8 @@
 
 use aghf::flow::FlowRecord;
 use aghf::scenario::{
-    Details, FlowDetails, Method, Outcome, Record, Scenario, SolveOptions, builtin_scenarios, solve,
+    Details, FlowDetails, Method, Record, Scenario, SolveOptions, SolveReport, builtin_scenarios,
+    solve,
 };
 use aghf::urdf::builtin_robots;
 use serde_json::Value;
@@ -76,7 +77,7 @@ fn the_goal_of_digit_stretch_is_outside_a_limit() {
     );
 }
 
-fn solved(name: &str, options: &SolveOptions) -> Outcome {
+fn solved(name: &str, options: &SolveOptions) -> SolveReport {
     let scenario = Scenario::load(name).expect("built in");
     solve(&scenario, options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -89,7 +90,7 @@ fn by_flow() -> SolveOptions {
     }
 }
 
-fn flow_details(outcome: &Outcome) -> (&FlowDetails, Vec<FlowRecord>) {
+fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
     let Details::Flow(details) = &outcome.summary.details else {
         panic!("it is a flow: {:?}", outcome.summary);
     };
@@ -338,7 +339,7 @@ fn bad_options_are_errors() {
 /// No solve leaves anything behind for the next one.
 #[test]
 fn the_same_solve_gives_the_same_bits() {
-    let shown = |outcome: &Outcome| {
+    let shown = |outcome: &SolveReport| {
         let mut summary = serde_json::to_value(&outcome.summary).expect("numbers");
         summary["solve_seconds"] = Value::Null;
         let bits: Vec<u64> = outcome.curve.x().iter().map(|x| x.to_bits()).collect();

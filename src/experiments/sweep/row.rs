@@ -2,7 +2,7 @@
 
 use super::{ParameterSet, Parameters, Sweep};
 use crate::motion::Guess;
-use crate::scenario::Outcome;
+use crate::scenario::SolveReport;
 use serde::{Deserialize, Serialize};
 
 /// How a solve of a sweep ended.
@@ -121,7 +121,7 @@ impl Row {
 
     /// The row of a set that was solved.
     #[must_use]
-    pub fn new(sweep: &Sweep, set: &ParameterSet, outcome: &Outcome) -> Self {
+    pub fn new(sweep: &Sweep, set: &ParameterSet, outcome: &SolveReport) -> Self {
         let s = &outcome.summary;
         let flow = s.details.flow();
         if outcome.timed_out {

@@ -2,7 +2,7 @@
 
 use super::kinova::rounded;
 use super::paths::Paths;
-use super::{DIGIT_LINK_RADIUS, HIT, Made};
+use super::{Candidate, DIGIT_LINK_RADIUS, HIT};
 use crate::constraint::Capsule;
 use crate::error::Result;
 use crate::model::Model;
@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 const STEP: &str = "digit_free_step";
 
 /// A box of spheres on the ground where the line of the step drags the right foot.
-pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
+pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let step: ScenarioFile = read_json(builtin_scenario(STEP).unwrap_or_default(), STEP)?;
     let swinging = model
         .joints()
@@ -75,7 +75,7 @@ pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
             spheres.push((centre, size));
         }
     }
-    Ok((free && hit).then_some(Made {
+    Ok((free && hit).then_some(Candidate {
         paths,
         spheres,
         half_spaces: Vec::new(),

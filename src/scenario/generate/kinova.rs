@@ -1,7 +1,7 @@
 //! Obstacles for the Kinova arm.
 
 use super::paths::Paths;
-use super::{CLEAR, HIT, KINOVA, Made};
+use super::{CLEAR, Candidate, HIT, KINOVA};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::HalfSpaceObstacle;
@@ -46,7 +46,7 @@ fn round_vector(v: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Five spheres, at least two of which the line hits.
-pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
+pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let paths = motion(model, rng)?;
     let (mut spheres, mut hits) = (Vec::new(), 0);
     for _ in 0..60 {
@@ -62,7 +62,7 @@ pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>>
             hits += usize::from(hit);
         }
         if spheres.len() == 5 && hits >= 2 {
-            return Ok(Some(Made {
+            return Ok(Some(Candidate {
                 paths,
                 spheres,
                 half_spaces: Vec::new(),
@@ -85,7 +85,7 @@ fn near_line(paths: &Paths, rng: &mut ChaCha8Rng) -> (Vector3<f64>, f64) {
 }
 
 /// Two spheres on either side of a link of the bent path, so that it has little room, and the line hits one of them.
-pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
+pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let paths = motion(model, rng)?;
     let capsules = paths.bent.capsules().len();
     for _ in 0..40 {
@@ -103,7 +103,7 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
             hit = hit || paths.line.clearance(centre, radius)? < -HIT;
         }
         if free && hit {
-            return Ok(Some(Made {
+            return Ok(Some(Candidate {
                 paths,
                 spheres: spheres.to_vec(),
                 half_spaces: Vec::new(),
@@ -114,7 +114,7 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
 }
 
 /// A floor below the bent path that the line dips into.
-pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>> {
+pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let paths = motion(model, rng)?;
     let height = ((paths.bent.lowest()? - CLEAR) * ROUND).floor() / ROUND;
     // Not above the base, nor so low that it is no floor of this arm.
@@ -122,7 +122,7 @@ pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Made>>
     if !sensible || paths.line.lowest()? > height - 2.0 * HIT {
         return Ok(None);
     }
-    Ok(Some(Made {
+    Ok(Some(Candidate {
         paths,
         spheres: Vec::new(),
         half_spaces: vec![HalfSpaceObstacle {

@@ -41,11 +41,11 @@ pub struct Family {
     flow: FlowParameters,
     feedback: Feedback,
     /// Boundary states, obstacles and half-spaces, if the random choices go together.
-    attempt: fn(&Model, &mut ChaCha8Rng) -> Result<Option<Made>>,
+    attempt: fn(&Model, &mut ChaCha8Rng) -> Result<Option<Candidate>>,
 }
 
 /// What a family chooses.
-struct Made {
+struct Candidate {
     paths: Paths,
     spheres: Vec<(Vector3<f64>, f64)>,
     half_spaces: Vec<super::HalfSpaceObstacle>,
@@ -140,7 +140,7 @@ impl Family {
         Err(Error::input(name, "scenario", condition))
     }
 
-    fn file(&self, made: Made) -> ScenarioFile {
+    fn file(&self, made: Candidate) -> ScenarioFile {
         let Paths {
             start, goal, rates, ..
         } = made.paths;

@@ -32,7 +32,7 @@ pub enum Record {
 
 /// What came of a solve.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct SolveReport {
     /// In numbers.
     pub summary: Summary,
     /// The curve; the last good one if the solve failed.
@@ -51,7 +51,7 @@ pub fn solve(
     scenario: &Scenario,
     options: &SolveOptions,
     observe: &mut dyn FnMut(Record),
-) -> Result<Outcome> {
+) -> Result<SolveReport> {
     options.check()?;
     match options.method {
         Method::Flow => {
@@ -66,7 +66,7 @@ fn solve_by_flow(
     scenario: &Scenario,
     options: &SolveOptions,
     observe: &mut dyn FnMut(Record),
-) -> Result<Outcome> {
+) -> Result<SolveReport> {
     let problem = scenario.problem()?;
     let settings: &FlowSettings = &options.flow_settings(scenario);
     let penalty = options.penalty(scenario);
@@ -128,7 +128,7 @@ fn solve_by_flow(
         factorisations: statistics.factorisations,
     });
     let history = history.into_iter().map(Record::Flow).collect();
-    let found = Found {
+    let found = Solution {
         curve,
         effort,
         history,
@@ -136,8 +136,8 @@ fn solve_by_flow(
         solve_seconds,
         failure,
     };
-    let outcome = outcome_of(scenario, found)?;
-    Ok(Outcome {
+    let outcome = report_of(scenario, found)?;
+    Ok(SolveReport {
         timed_out,
         ..outcome
     })
@@ -147,7 +147,7 @@ fn solve_by_relaxation(
     scenario: &Scenario,
     settings: &RelaxSettings,
     observe: &mut dyn FnMut(Record),
-) -> Result<Outcome> {
+) -> Result<SolveReport> {
     let problem = scenario.problem()?;
     let started = Instant::now();
     let constraints = Constraints {
@@ -195,7 +195,7 @@ fn solve_by_relaxation(
     let history = iterations.into_iter().map(Record::Relax).collect();
     // Nothing that is told of it depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
-    let found = Found {
+    let found = Solution {
         curve,
         effort,
         history,
@@ -203,7 +203,7 @@ fn solve_by_relaxation(
         solve_seconds,
         failure,
     };
-    outcome_of(scenario, found)
+    report_of(scenario, found)
 }
 
 /// Why a relaxation did not find a minimum, if it did not.
@@ -234,7 +234,7 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
 }
 
 /// What a method found.
-struct Found {
+struct Solution {
     curve: Curve,
     effort: EffortSummary,
     history: Vec<Record>,
@@ -244,8 +244,8 @@ struct Found {
 }
 
 /// What can be measured of a curve, whatever found it.
-fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
-    let Found {
+fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
+    let Solution {
         curve,
         effort,
         history,
@@ -295,7 +295,7 @@ fn outcome_of(scenario: &Scenario, found: Found) -> Result<Outcome> {
         feasibility,
         outside_limits: scenario.outside_limits(),
     };
-    Ok(Outcome {
+    Ok(SolveReport {
         summary,
         curve,
         history,
