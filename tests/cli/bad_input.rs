@@ -44,7 +44,7 @@ fn bad_options_exit_with_2() {
     for (option, value, words) in [
         ("--p", "0", "p: it is 0; at least 2"),
         ("--p", "1", "p: it is 1; at least 2"),
-        ("--p", "x", "--p; invalid value 'x'"),
+        ("--p", "x", "--degree; invalid value 'x'"),
         ("--k", "0", "k: it is 0; positive"),
         ("--k", "1e999", "k: it is inf; positive"),
         ("--s-max", "nan", "s_max: it is NaN; positive"),
@@ -158,7 +158,7 @@ fn absurd_degrees_exit_with_2() {
         assert_bad_input(
             &folder,
             &["solve", "pendulum_1_swingup", "--p", p],
-            &format!("p: it is {p}"),
+            &format!("degree: it is {p}"),
         );
     }
 }
