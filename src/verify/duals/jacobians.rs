@@ -66,9 +66,6 @@ pub(super) fn compare_jacobians(
     Ok(findings.all)
 }
 
-/// The step of central differences at an argument up to one.
-const STEP: f64 = 7.4e-4;
-
 /// Central differences are held to less: they lose what is small beside the largest entry of all blocks.
 pub(super) fn check_differences(
     model: &Model,
@@ -85,9 +82,7 @@ pub(super) fn check_differences(
             let quantity = format!("{name}: dOmega/{by}");
             let tolerance = Tolerance {
                 floor: largest,
-                // The mass matrix loses rank over a distance of about one over the root of its condition number. The error is of order
-                // four in the step over that distance; where the step crosses it the bound says that nothing is said.
-                bound: DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2),
+                bound: DIFFERENCE_BOUND,
             };
             findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
         }
