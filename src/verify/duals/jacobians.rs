@@ -69,9 +69,6 @@ pub(super) fn compare_jacobians(
     Ok(findings.all)
 }
 
-/// The step of central differences at an argument up to one.
-const STEP: f64 = 7.4e-4;
-
 /// Central differences are held to less: they lose what is small beside the largest entry of all blocks.
 pub(super) fn check_differences(
     model: &Model,
@@ -92,7 +89,7 @@ pub(super) fn check_differences(
             let quantity = format!("{name}: dOmega/{by}");
             let tolerance = Tolerance {
                 floor: largest,
-                bound,
+                bound: DIFFERENCE_BOUND,
             };
             findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
         }

@@ -62,7 +62,7 @@ pub const BOUND: f64 = 1e-9;
 /// No bound is larger, however ill-conditioned the mass matrix is: a state at which rounding takes more cannot be judged in double
 /// precision, and is reported.
 pub const LARGEST_BOUND: f64 = 1e-5;
-/// The same of what is divided by the mass matrix twice and then multiplied by it twice.
+/// The same of what is divided by the mass matrix twice and then multiplied by it twice, as the weak form of the relaxation.
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 /// What is so small beside the inertia of the robot may be what rounding leaves of zero.
 const VANISHING: f64 = 1e-6;
