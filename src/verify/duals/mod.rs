@@ -68,8 +68,6 @@ pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 const VANISHING: f64 = 1e-6;
 /// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
-/// No bound of differences is larger, however ill-conditioned the mass matrix is.
-pub const LARGEST_DIFFERENCE_BOUND: f64 = 0.1;
 
 /// What to check with.
 #[derive(Clone, Debug, PartialEq)]
