@@ -68,6 +68,9 @@ pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 const VANISHING: f64 = 1e-6;
 /// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
+/// The same where the step of a difference is not small beside the distance over which the mass matrix loses rank. States at which
+/// differences may be off by more say nothing, and are not compared with them.
+pub const LARGEST_DIFFERENCE_BOUND: f64 = 0.1;
 
 /// What to check with.
 #[derive(Clone, Debug, PartialEq)]
