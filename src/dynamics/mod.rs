@@ -60,6 +60,7 @@ pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>)
 }
 
 /// Joint `from` and the joints it hangs from, up to the base.
+#[inline]
 pub(crate) fn path_to_base<C: Scalar>(
     model: &Model<C>,
     from: usize,

@@ -126,6 +126,7 @@ impl<C: Scalar> Joint<C> {
 
     /// Where body `i` is in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
     #[must_use]
+    #[inline]
     pub fn placement<S: AlgebraOver<C>>(&self, q: S) -> Placement<S> {
         let lift = |v: &Vector3<C>| v.map(S::lift);
         match self.kind {
@@ -151,6 +152,7 @@ impl<C: Scalar> Joint<C> {
     /// $S_i$, the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
     /// placed at `placement`.
     #[must_use]
+    #[inline]
     pub fn motion_subspace<S: AlgebraOver<C>>(&self, placement: &Placement<S>) -> Motion<S> {
         let axis = apply_to_constant(&placement.rotation, &self.axis);
         match self.kind {

@@ -51,6 +51,7 @@ impl<S: Scalar> Inertia<S> {
 
     /// The inertia of a body given in the frame B, in the coordinates of A, where `placement` is that of B in A (2.66).
     #[must_use]
+    #[inline]
     pub fn placed<T: AlgebraOver<S>>(&self, placement: &Placement<T>) -> Inertia<T> {
         let (r, p) = (&placement.rotation, &placement.translation);
         let mass = T::lift(self.mass);
