@@ -7,8 +7,8 @@
 //! Every function takes the model, a [`Data`] for scratch, its arguments and its results. Nothing is left behind in
 //! the scratch, so nothing can go stale, and nothing is allocated where the algorithm does not say so.
 //!
-//! Second derivatives come as explicit tensors, whose index convention [`Tensor3`] and [`Tensor4`] share: a derivative index
-//! comes last.
+//! Second derivatives come as explicit tensors, whose index convention [`Tensor3`](crate::linalg::Tensor3) and
+//! [`Tensor4`](crate::linalg::Tensor4) share: a derivative index comes last.
 
 mod aba;
 mod aba_derivatives;

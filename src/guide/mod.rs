@@ -6,12 +6,12 @@
 //! | to replace | implement | verified by |
 //! | --- | --- | --- |
 //! | the [Lagrangian](lagrangian) of the flow | [`Lagrangian`](crate::flow::Lagrangian) | the field |
-//! | a [constraint](constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
+//! | a [constraint](mod@constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
 //! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
-//! | the [running cost](running_cost) of the relaxation | a closure, or [`RunningCost`](crate::relax::RunningCost) | dual numbers |
-//! | the [scalar](scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
-//! | the [integrator](integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
-//! | the kind of [joint](joint) | an edit in this crate | dual numbers and the field |
+//! | the [running cost](mod@running_cost) of the relaxation | a closure, or [`RunningCost`](crate::relax::RunningCost) | dual numbers |
+//! | the [scalar](mod@scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
+//! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
+//! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |
 //!
 //! # A profile for debug builds
 //!

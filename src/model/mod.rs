@@ -1,12 +1,12 @@
 //! Joints, the tree they form, and where models come from: URDF files and builders.
 //!
 //! Joint `i` moves body `i` and is degree of freedom `i`; its parent body comes before it. `None` as a parent is the fixed
-//! base. So there are no joints with several degrees of freedom, and none that depend on others: [`Mimic`] says what becomes
+//! base. So there are no joints with several degrees of freedom, and none that depend on others: [`Mimic`](crate::urdf::Mimic) says what becomes
 //! of those.
 //!
 //! # What is what in Pinocchio
 //!
-//! Of a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and [`load_urdf`] reads too, here is there:
+//! Of a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and [`load_urdf`](crate::urdf::load_urdf) reads too, here is there:
 //!
 //! | here | there |
 //! | --- | --- |
@@ -15,7 +15,7 @@
 //! | `q[i]` of a revolute or prismatic joint | `q[joints[i + 1].idx_q]` |
 //! | `q[i]` of a continuous joint, an angle | two numbers, `cos q[i]` and `sin q[i]`, at `idx_q` and `idx_q + 1` |
 //! | `v[i]`, `a[i]`, `tau[i]`, row or column `i` of a matrix | the same, `idx_v` is `i` |
-//! | a mimic joint, with [`Mimic::Independent`] | a joint as any other, unless it is called with `mimic=True` |
+//! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent) | a joint as any other, unless it is called with `mimic=True` |
 //! | a [`Frame`], one for every link, in the order of the walk | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
 //! | the mass fixed to the base: left out | `inertias[0]` |

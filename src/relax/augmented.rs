@@ -114,7 +114,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 ///
 /// This is the augmented Lagrangian of Powell, Hestenes and Rockafellar (Nocedal and Wright, *Numerical Optimization*, 17.4) less the
 /// $\lambda_j^2 / 2 \rho$, which do not depend on the curve. A row $h_j$ is a row of the constraints divided by its
-/// [slope](Constraint::slopes), or a torque above its limit divided by the limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it.
+/// [scale](Constraint::row_scales), or a torque above its limit divided by the limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it.
 #[derive(Clone, Debug)]
 pub struct Augmented<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(super) rows: Rows<'a, K, P>,
