@@ -4,13 +4,13 @@
 
 mod common;
 
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
-use aghf::constraint::{Capsule, CollisionSphere, Sphere, SphereClearance};
-use aghf::flow::Penalty;
-use aghf::flow::PenaltyWeights;
+use aghf::constraint::{
+    Capsule, CollisionSphere, Constraints, Sphere, SphereClearance, TorqueLimits,
+};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
+use aghf::flow::{
+    AlgorithmB1, ControlForm, Node, Penalised, Penalty, PenaltyWeights, RightHandSide,
+};
 use aghf::model::Model;
 use common::{Times, criterion, measure, models, report, wave};
 use criterion::Criterion;

@@ -11,11 +11,11 @@ pub enum Error {
     /// A slice or matrix has the wrong size.
     #[error("{what}: expected {expected} entries, found {found}")]
     Length {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
-        /// How many entries it should have.
+        /// The number of entries it should have.
         expected: usize,
-        /// How many it has.
+        /// The number of entries it has.
         found: usize,
     },
     /// Something in a file, or in a model made in code, is wrong.
@@ -25,7 +25,7 @@ pub enum Error {
         file: String,
         /// The element of the file: a link, a joint, a key.
         element: String,
-        /// What is wrong with it.
+        /// A statement of what is wrong with it.
         condition: String,
     },
     /// A file cannot be read or written.
@@ -33,7 +33,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The cause of the failure.
         source: std::io::Error,
     },
 }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 /// An enum whose values are chosen by name, in files and on the command line. [`Display`] writes the name and [`FromStr`] reads it.
 pub trait Named: Copy + Display + FromStr<Err = Error> + Send + Sync + 'static {
-    /// What is chosen, such as `method`; errors name it.
+    /// The kind of thing that is chosen, such as `method`; errors name it.
     const WHAT: &'static str;
     /// All values with their names and one line of help each. The first is the default.
     const ALL: &'static [(Self, &'static str, &'static str)];

@@ -13,8 +13,7 @@ mod sweep;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::urdf::load_robot_with;
-use crate::urdf::{LoadReport, Mimic, UrdfOptions};
+use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
 use std::path::Path;

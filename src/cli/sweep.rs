@@ -3,9 +3,9 @@
 use super::print;
 use crate::error::Result;
 use crate::experiments::sweep::{
-    Results, merge, ranking, ranking_table, shard_files, write_ranking, write_rows,
+    Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run,
+    shard_files, write_ranking, write_rows,
 };
-use crate::experiments::sweep::{Row, RowOutcome, Shard, Sweep as Grid, run};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;

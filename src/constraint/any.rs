@@ -42,8 +42,8 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.value(at, g))
     }
 
-    fn row_scales(&self, slopes: &mut [C]) {
-        each!(self, it => it.row_scales(slopes));
+    fn row_scales(&self, scales: &mut [C]) {
+        each!(self, it => it.row_scales(scales));
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::model::{Limits, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Which side of a number is bounded.
+/// A side of a number that can be bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// It is at least the bound.
@@ -17,9 +17,9 @@ pub enum Side {
 /// A bound on one of several numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound<C: Scalar = f64> {
-    /// Which number.
+    /// The index of the number.
     pub entry: usize,
-    /// Which side.
+    /// The side that is bounded.
     pub side: Side,
     /// The bound.
     pub value: C,

@@ -80,7 +80,7 @@ impl Capsule {
         Ok((0..=pieces as u32).map(ball).collect())
     }
 
-    /// How far the capsule is from a sphere, in m, exactly; negative when they overlap. `placements` are those of all bodies.
+    /// The exact distance from the capsule to a sphere, in m; negative when they overlap. `placements` are those of all bodies.
     ///
     /// # Errors
     /// The robot has no such body.
@@ -96,7 +96,7 @@ impl Capsule {
         Ok((off - along * nearest).norm() - self.radius - sphere.radius)
     }
 
-    /// How far the capsule is inside a half-space, in m, exactly; negative when it sticks out of it.
+    /// The exact depth of the capsule inside a half-space, in m; negative when it sticks out of it.
     ///
     /// # Errors
     /// The robot has no such body.

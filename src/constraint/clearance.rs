@@ -63,9 +63,9 @@ pub struct Sphere<C: Scalar = f64> {
 /// the sphere. Row `i m + j` is that of ball `i` and sphere `j` of `m`. The squares keep it smooth everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SphereClearance<C: Scalar = f64> {
-    /// What the robot carries.
+    /// The balls that the robot carries.
     pub balls: Vec<CollisionSphere<C>>,
-    /// What is in its way.
+    /// The spheres in its way.
     pub spheres: Vec<Sphere<C>>,
 }
 
@@ -88,11 +88,11 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
     }
 
     /// $2 (r + \rho)$, as $g$ is about that times the depth.
-    fn row_scales(&self, slopes: &mut [C]) {
+    fn row_scales(&self, scales: &mut [C]) {
         let balls = self.balls.iter();
         let reaches = balls.flat_map(|b| self.spheres.iter().map(|s| s.radius + b.radius));
-        for (slope, reach) in slopes.iter_mut().zip(reaches) {
-            *slope = reach + reach;
+        for (scale, reach) in scales.iter_mut().zip(reaches) {
+            *scale = reach + reach;
         }
     }
 
@@ -138,9 +138,9 @@ pub struct HalfSpace<C: Scalar = f64> {
 /// Every ball stays in a half-space: $g = \rho + \delta - n \cdot p$ in m, a row for each ball.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HalfSpaceClearance<C: Scalar = f64> {
-    /// What the robot carries.
+    /// The balls that the robot carries.
     pub balls: Vec<CollisionSphere<C>>,
-    /// Where it may be.
+    /// The half-space that the balls must stay in.
     pub half_space: HalfSpace<C>,
 }
 

@@ -27,8 +27,8 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         self.1.value(at, b)
     }
 
-    fn row_scales(&self, slopes: &mut [C]) {
-        let (a, b) = slopes.split_at_mut(self.0.dim());
+    fn row_scales(&self, scales: &mut [C]) {
+        let (a, b) = scales.split_at_mut(self.0.dim());
         self.0.row_scales(a);
         self.1.row_scales(b);
     }
@@ -60,11 +60,11 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         Ok(())
     }
 
-    fn row_scales(&self, mut slopes: &mut [C]) {
+    fn row_scales(&self, mut scales: &mut [C]) {
         for constraint in self {
-            let (own, rest) = slopes.split_at_mut(constraint.dim());
+            let (own, rest) = scales.split_at_mut(constraint.dim());
             constraint.row_scales(own);
-            slopes = rest;
+            scales = rest;
         }
     }
 
@@ -95,8 +95,8 @@ macro_rules! delegate {
                 (**self).value(at, g)
             }
 
-            fn row_scales(&self, slopes: &mut [C]) {
-                (**self).row_scales(slopes);
+            fn row_scales(&self, scales: &mut [C]) {
+                (**self).row_scales(scales);
             }
 
             fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -38,7 +38,7 @@ use nalgebra::Vector3;
 
 /// Inequality constraints $g_j(x) \le 0$ on a state $x = [q; v]$.
 pub trait Constraint<C: Scalar = f64> {
-    /// How many rows $g_j$ there are.
+    /// The number of rows $g_j$.
     fn dim(&self) -> usize;
 
     /// $g(x)$ at a state, into `g`, which has [`dim`](Self::dim) entries. Positive where the constraint is violated.
@@ -47,10 +47,10 @@ pub trait Constraint<C: Scalar = f64> {
     /// The constraint is for another robot.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()>;
 
-    /// How fast each row grows at its boundary with what it bounds, in rad, rad/s or m, into `slopes`, which has
+    /// Writes the rate at which each row grows at its boundary with what it bounds, in rad, rad/s or m, to `scales`, which has
     /// [`dim`](Self::dim) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
-    fn row_scales(&self, slopes: &mut [C]) {
-        slopes.fill(C::one());
+    fn row_scales(&self, scales: &mut [C]) {
+        scales.fill(C::one());
     }
 
     /// Adds to `out` the contractions with the weights of its rows. By dual numbers of the value unless overridden:
@@ -68,7 +68,7 @@ pub trait Constraint<C: Scalar = f64> {
     }
 }
 
-/// What a constraint may look at: a state and where the bodies are in it.
+/// The view that a constraint has of a state: its numbers and the placements of the bodies in it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     /// The robot.
@@ -92,7 +92,7 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
         &self.x[self.x.len() / 2..]
     }
 
-    /// Where a point of a body is in the base frame; without a body the point is fixed to the base.
+    /// The position of a point of a body in the base frame; without a body the point is fixed to the base.
     ///
     /// # Errors
     /// The robot has no such body.

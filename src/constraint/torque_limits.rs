@@ -25,7 +25,7 @@ impl<C: Scalar> TorqueLimits<C> {
         )
     }
 
-    /// How many rows there are: two for each limit.
+    /// The number of rows: two for each limit.
     #[must_use]
     pub fn dim(&self) -> usize {
         2 * self.0.iter().flatten().count()

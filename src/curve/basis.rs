@@ -43,7 +43,7 @@ impl Basis {
         }
     }
 
-    /// How many segments there are.
+    /// The number of segments.
     #[must_use]
     pub fn segments(&self) -> usize {
         self.segments
@@ -55,13 +55,13 @@ impl Basis {
         self.degree
     }
 
-    /// Whether the slope at the end is unknown.
+    /// Tells whether the slope at the end is unknown.
     #[must_use]
     pub fn free_final_velocity(&self) -> bool {
         self.free_final_velocity
     }
 
-    /// How many functions there are, those of the boundary conditions included.
+    /// The number of functions, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
         self.segments * (self.degree - 1) + 2

@@ -88,13 +88,13 @@ impl Curve {
         &self.chebyshev
     }
 
-    /// How many segments there are.
+    /// The number of segments.
     #[must_use]
     pub fn segments(&self) -> usize {
         self.breakpoints.len() - 1
     }
 
-    /// Where each segment begins, s, and where the last one ends: one time more than there are segments.
+    /// The time at which each segment begins, s, and the end of the last one: one time more than there are segments.
     #[must_use]
     pub fn breakpoints(&self) -> &[f64] {
         &self.breakpoints
@@ -126,7 +126,7 @@ impl Curve {
     #[must_use]
     pub fn segment_at(&self, t: f64) -> usize {
         let inner = &self.breakpoints[1..self.segments()];
-        inner.partition_point(|joint| *joint <= t)
+        inner.partition_point(|breakpoint| *breakpoint <= t)
     }
 
     /// The state $x = [q; v]$ at time `t` in s and its derivative $\dot x$; where two segments meet, that of the later one.

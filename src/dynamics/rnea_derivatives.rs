@@ -77,7 +77,7 @@ pub fn rnea_derivatives<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// Forces that moving a joint makes on its subtree, to be met by the joints before it.
+/// Derivatives of the subtree force in joint `i`, projected on each ancestor's axis to fill row and column `i`.
 pub(super) struct SubtreeForceDerivatives<S: Scalar> {
     pub by_q: Force<S>,
     pub by_v: Force<S>,

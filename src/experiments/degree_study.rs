@@ -1,8 +1,7 @@
 //! The effort against degree and pieces.
 
 use crate::error::{Error, Result};
-use crate::output::write_whole;
-use crate::output::{short, table};
+use crate::output::{short, table, write_whole};
 use crate::relax::RelaxSettings;
 use crate::scenario::{Details, Scenario, SolveOptions, Summary, solve};
 use comfy_table::CellAlignment;
@@ -14,7 +13,7 @@ use std::str::FromStr;
 /// Of what polynomials a motion is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// How many.
+    /// The number of polynomials.
     pub pieces: usize,
     /// Of which degree each.
     pub p: usize,
@@ -41,18 +40,18 @@ impl fmt::Display for Size {
     }
 }
 
-/// What one size came to. The columns of the file are in this order.
+/// The result of one size. The columns of the file are in this order.
 #[derive(Clone, Debug, Serialize)]
 pub struct SizeRow {
     /// The name of the scenario.
     pub scenario: String,
-    /// How many polynomials.
+    /// The number of polynomials.
     pub pieces: usize,
     /// Of which degree each.
     pub p: usize,
-    /// How many unknowns.
+    /// The number of unknowns.
     pub unknowns: usize,
-    /// Whether the motion was found, ends at the goal and keeps what it has to.
+    /// True if the motion was found, ends at the goal and keeps what it has to.
     pub success: bool,
     /// $\int |u|^2 dt$.
     pub control_effort: f64,
@@ -72,7 +71,7 @@ pub struct SizeRow {
     pub factorisations: usize,
     /// Wall time.
     pub solve_seconds: f64,
-    /// Why it failed, if it did.
+    /// The reason why it failed, if it did.
     pub failure: Option<String>,
 }
 

@@ -9,7 +9,7 @@ use crate::motion::{Sample, samples_at};
 /// How many intervals of time [`effort_of`] looks at, at least.
 const INTERVALS: usize = 2000;
 
-/// What a curve costs and how well it keeps to the dynamics, all from a grid of 2001 times, a few more for several segments, not
+/// The costs of a curve and its defect in the dynamics, all from a grid of 2001 times, a few more for several segments, not
 /// from the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffortSummary {

@@ -38,7 +38,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         })
     }
 
-    /// How many unknowns there are: the states at the `p - 1` interior nodes, `2 N (p - 1)`.
+    /// The number of unknowns: the states at the `p - 1` interior nodes, `2 N (p - 1)`.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.xi.nrows() * self.interior().len()
@@ -69,7 +69,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         &self.xi
     }
 
-    /// What the flow reads at node `i`.
+    /// The state and its derivatives at node `i`, for the flow to read.
     #[must_use]
     pub fn node(&self, i: usize) -> Node<'_, S> {
         let m = self.xi.nrows();

@@ -1,8 +1,7 @@
 //! The constrained flow (A4) and its Jacobian.
 
-use super::Penalty;
 use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
-use super::{ControlForm, Node, RightHandSide, TorquePenalty};
+use super::{ControlForm, Node, Penalty, RightHandSide, TorquePenalty};
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
 use crate::error::Result;
@@ -80,7 +79,7 @@ where
     }
 }
 
-/// What penalties on the state add to the flow, (A4), and to its Jacobian:
+/// The terms that penalties on the state add to the flow, (A4), and to its Jacobian:
 ///
 /// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\, \gamma_{P1} \\\\
 ///    (H H)^{-1} \gamma_{P2} \end{bmatrix}, \qquad \gamma = \sum_j b^{\prime}(g_j) \frac{\partial g_j}{\partial x} . $$

@@ -19,7 +19,7 @@ pub trait ControlCost<C: Scalar = f64> {
         [by_u.re.re, by_u.re.eps[0], by_u.eps[0].eps[0]]
     }
 
-    /// Whether the cost is zero everywhere, so that nothing need be computed.
+    /// Tells whether the cost is zero everywhere, so that nothing need be computed.
     fn is_zero(&self) -> bool {
         false
     }

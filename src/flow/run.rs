@@ -1,8 +1,9 @@
 //! Algorithm B3: the flow at the nodes as a stiff system of ordinary differential equations.
 
 use super::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
-use super::{Collocation, assemble_jacobian};
-use super::{ControlForm, Penalised, RightHandSide, lagrangian_of_control};
+use super::{
+    Collocation, ControlForm, Penalised, RightHandSide, assemble_jacobian, lagrangian_of_control,
+};
 use crate::constraint::Constraint;
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
@@ -25,15 +26,15 @@ pub struct FlowSettings {
     pub p: usize,
     /// The penalty on $\dot x_{P1} \ne x_{P2}$ in (11).
     pub k: f64,
-    /// How far the flow runs.
+    /// The `s` to which the flow runs.
     pub s_max: f64,
     /// Absolute and relative tolerance of the integrator.
     pub tolerance: f64,
     /// The curve at `s = 0`.
     pub guess: Guess,
-    /// How the Jacobian is computed.
+    /// The way in which the Jacobian is computed.
     pub jacobian: JacobianKind,
-    /// What integrates over `s`.
+    /// The integrator over `s`.
     pub integrator: IntegratorKind,
     /// The wall time after which the flow stops where it is, as a failure.
     pub time_limit: Option<Duration>,
@@ -87,7 +88,7 @@ impl FlowSettings {
     }
 }
 
-/// How far the flow had come at one `s`.
+/// The progress of the flow at one `s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowRecord {
     /// The homotopy variable.
@@ -96,21 +97,21 @@ pub struct FlowRecord {
     pub action_at_nodes: f64,
 }
 
-/// Where the flow ended.
+/// The result of a flow that reached `s_max`.
 #[derive(Clone, Debug)]
 pub struct FlowSolution {
     /// The curve at `s_max`.
     pub curve: Curve,
     /// The action at `s = 0` and at 50 values of `s` on a logarithmic grid.
     pub history: Vec<FlowRecord>,
-    /// What it cost.
+    /// The work that the integrator did.
     pub statistics: Statistics,
 }
 
 /// The flow did not reach `s_max`.
 #[derive(Clone, Debug)]
 pub struct FlowFailure {
-    /// How far it came.
+    /// The `s` that it came to.
     pub s: f64,
     /// The interior node at which the right-hand side was last not finite, and which entry of $\Omega$ it was there.
     pub non_finite: Option<(usize, usize)>,
@@ -118,11 +119,11 @@ pub struct FlowFailure {
     pub last_good: Curve,
     /// The history up to `s`.
     pub history: Vec<FlowRecord>,
-    /// What went wrong.
+    /// The reason why it stopped.
     pub reason: String,
-    /// Whether that was the time limit.
+    /// True if that was the time limit.
     pub timed_out: bool,
-    /// What it cost.
+    /// The work that the integrator did.
     pub statistics: Statistics,
 }
 
@@ -138,7 +139,7 @@ impl fmt::Display for FlowFailure {
 
 impl std::error::Error for FlowFailure {}
 
-/// What comes of a flow: a curve, or a flow that could not be carried to its end, which keeps the last good curve.
+/// The outcome of a flow: a curve, or a flow that could not be carried to its end, which keeps the last good curve.
 pub type FlowOutcome = std::result::Result<FlowSolution, Box<FlowFailure>>;
 
 /// Runs the flow (Algorithm B3) from the guess to `s_max` with the control form of $\Omega$ and the Jacobian that the settings
@@ -262,7 +263,7 @@ pub fn flow_with_integrator(
     })
 }
 
-/// How many records the history of a flow to `s_max` has.
+/// The number of records in the history of a flow to `s_max`.
 #[must_use]
 pub fn output_count(s_max: f64) -> u64 {
     1 + outputs(s_max).len() as u64

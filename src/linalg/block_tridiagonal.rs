@@ -26,7 +26,7 @@ impl<S: Scalar> BlockTridiagonal<S> {
         }
     }
 
-    /// How many rows it has.
+    /// The number of rows.
     #[must_use]
     pub fn order(&self) -> usize {
         self.diagonal.iter().map(DMatrix::nrows).sum()

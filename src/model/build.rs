@@ -14,11 +14,11 @@ pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
 pub struct JointSpec<C: Scalar> {
     /// The name of the joint. The frame of its body is called the same.
     pub name: String,
-    /// What it does.
+    /// The kind of the joint.
     pub kind: JointKind,
     /// The body that carries it, by the index of that body's joint; `None` is the base.
     pub parent: Option<usize>,
-    /// Where it is in that body at `q = 0`.
+    /// The placement of the joint in that body at `q = 0`.
     pub origin: Placement<C>,
     /// Its axis in its own frame, of length one.
     pub axis: Vector3<C>,

@@ -4,7 +4,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement, apply_to_constant, cross, cross_matrix};
 use nalgebra::{Matrix3, Vector3};
 
-/// What a joint does.
+/// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
     /// Turns about its axis, within limits.
@@ -27,7 +27,7 @@ impl JointKind {
     }
 }
 
-/// What a joint may do, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit.
+/// The limits of a joint, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Smallest position.
@@ -94,7 +94,7 @@ impl<C: Scalar> Joint<C> {
         &self.name
     }
 
-    /// What the joint does.
+    /// The kind of the joint.
     #[must_use]
     pub fn kind(&self) -> JointKind {
         self.kind
@@ -118,13 +118,13 @@ impl<C: Scalar> Joint<C> {
         &self.axis
     }
 
-    /// Where the joint is in its parent body at `q = 0`.
+    /// The placement of the joint in its parent body at `q = 0`.
     #[must_use]
     pub fn origin(&self) -> &Placement<C> {
         &self.origin
     }
 
-    /// Where body `i` is in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
+    /// The placement of body `i` in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
     #[must_use]
     #[inline]
     pub fn placement<S: AlgebraOver<C>>(&self, q: S) -> Placement<S> {

@@ -42,7 +42,7 @@ pub struct Frame<C: Scalar> {
     pub name: String,
     /// The body it is fixed to; `None` is the base.
     pub body: Option<usize>,
-    /// Where it is in that body.
+    /// The placement of the frame in that body.
     pub placement: Placement<C>,
     /// What carries the link; `None` for the root, and for frames that are no links.
     pub(crate) carrier: Option<Carrier>,

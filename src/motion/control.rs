@@ -40,7 +40,7 @@ pub fn control_at(
     rnea(model, data, q, v, &xdot.as_slice()[model.dof()..], u)
 }
 
-/// The curve at `intervals + 1` equidistant times, both ends included. At a joint of two segments acceleration and control are those of
+/// The curve at `intervals + 1` equidistant times, both ends included. At a breakpoint acceleration and control are those of
 /// the later one.
 ///
 /// # Errors

@@ -31,14 +31,14 @@ impl Feedback {
     pub const NONE: Self = Self { kp: 0.0, kv: 0.0 };
 }
 
-/// Where a simulation ended.
+/// The result of a simulation.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     /// The state at the end of the horizon, $[q; v]$.
     pub state: Vec<f64>,
     /// The largest entry of the difference to the end of the curve, positions and velocities.
     pub error_inf: f64,
-    /// What it cost.
+    /// The work that the integrator did.
     pub statistics: Statistics,
 }
 
@@ -98,7 +98,7 @@ pub fn simulate_with(
     }))
 }
 
-/// How far the robot is from the curve, at most, at the end of an interval between two nodes that it enters on the curve, when all
+/// The largest distance of the robot from the curve at the end of an interval between two nodes that it enters on the curve, when all
 /// that is known of the control is its values at the nodes and it is given the polynomial through them: the largest entry of
 /// the differences, positions and velocities. `None` where an interval could not be followed to its end.
 ///

@@ -5,7 +5,7 @@
 //! * an initial step that suits problems with eigenvalues of any size;
 //! * limits that end in a [`Failure`] where diffsol would give up too early or not at all.
 
-use super::{Failure, NonFinite, Ode, Statistics, Tolerance};
+use super::{Failure, Integrator, NonFinite, Ode, Statistics, Tolerance};
 use diffsol::error::DiffsolError;
 use diffsol::ode_solver::OdeSolverStatistics;
 use diffsol::{
@@ -42,7 +42,7 @@ pub(super) type Config<'p, 'a, M> =
     <<M as Method>::Solver<'p, 'a> as OdeSolverMethod<'p, Equations<'a>>>::Config;
 
 /// An implicit method of diffsol.
-pub(super) trait Method {
+pub(super) trait Method: Sized {
     /// The solver.
     type Solver<'p, 'a: 'p>: OdeSolverMethod<'p, Equations<'a>>;
 
@@ -50,66 +50,64 @@ pub(super) trait Method {
     fn start<'p, 'a>(
         problem: &'p Problem<'a>,
         state: State<'p, 'a, Self>,
-    ) -> Result<Self::Solver<'p, 'a>, DiffsolError>
-    where
-        Self: Sized;
+    ) -> Result<Self::Solver<'p, 'a>, DiffsolError>;
 
     /// Sets how often the Newton iteration may fail, over the whole run.
-    fn limit_newton_failures<'p, 'a: 'p>(config: &mut Config<'p, 'a, Self>, limit: usize)
-    where
-        Self: Sized;
+    fn limit_newton_failures<'p, 'a: 'p>(config: &mut Config<'p, 'a, Self>, limit: usize);
 }
 
-/// Integrates by the method `M`, otherwise as [`Integrator::integrate`](super::Integrator::integrate) says. Outputs but the last are
-/// interpolated and do not influence the steps. A `y` beyond 1e150 counts as not finite.
-pub(super) fn integrate<M: Method>(
-    system: &mut dyn Ode,
-    s0: f64,
-    y0: &[f64],
-    outputs: &[f64],
-    tolerance: Tolerance,
-    observe: &mut dyn FnMut(f64, &[f64]),
-) -> Result<Statistics, Failure> {
-    let progress = Failure {
-        s: s0,
-        y: y0.to_vec(),
-        non_finite: None,
-        reason: String::new(),
-        statistics: Statistics::default(),
-    };
-    let refused = |reason: String| Failure {
-        reason,
-        ..progress.clone()
-    };
-    validate(system.dim(), s0, y0, outputs, tolerance)
-        .map_err(|reason| refused(format!("invalid input: {reason}")))?;
-    let Some(&end) = outputs.last() else {
-        return Ok(progress.statistics);
-    };
-    let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(tolerance.relative)
-        .atol([tolerance.absolute])
-        .build_from_eqn(Equations {
-            core: RefCell::new(Core {
-                system,
-                progress: progress.clone(),
-            }),
-            s0,
-            end,
-            y0,
-            context: NalgebraContext::default(),
-        })
-        .map_err(|e| refused(e.to_string()))?;
-    problem.ode_options.max_timestep_growth = Some(STEP_GROWTH);
-    problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
-    let result = advance::<M>(&problem, outputs, observe).map_err(|e| e.to_string());
-    let progress = problem.eqn.core.into_inner().progress;
-    result
-        .map(|()| progress.statistics)
-        .map_err(|reason| Failure {
-            reason: reason + &progress.reason,
-            ..progress
-        })
+/// Outputs but the last are interpolated and do not influence the steps. A `y` beyond 1e150 counts as not finite.
+impl<M: Method> Integrator for M {
+    fn integrate(
+        &mut self,
+        system: &mut dyn Ode,
+        s0: f64,
+        y0: &[f64],
+        outputs: &[f64],
+        tolerance: Tolerance,
+        observe: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<Statistics, Failure> {
+        let progress = Failure {
+            s: s0,
+            y: y0.to_vec(),
+            non_finite: None,
+            reason: String::new(),
+            statistics: Statistics::default(),
+        };
+        let refused = |reason: String| Failure {
+            reason,
+            ..progress.clone()
+        };
+        validate(system.dim(), s0, y0, outputs, tolerance)
+            .map_err(|reason| refused(format!("invalid input: {reason}")))?;
+        let Some(&end) = outputs.last() else {
+            return Ok(progress.statistics);
+        };
+        let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
+            .rtol(tolerance.relative)
+            .atol([tolerance.absolute])
+            .build_from_eqn(Equations {
+                core: RefCell::new(Core {
+                    system,
+                    progress: progress.clone(),
+                }),
+                s0,
+                end,
+                y0,
+                context: NalgebraContext::default(),
+            })
+            .map_err(|e| refused(e.to_string()))?;
+        problem.ode_options.max_timestep_growth = Some(STEP_GROWTH);
+        problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
+        let result = advance::<M>(&problem, outputs, observe).map_err(|e| e.to_string());
+        let progress = problem.eqn.core.into_inner().progress;
+        result
+            .map(|()| progress.statistics)
+            .map_err(|reason| Failure {
+                reason: reason + &progress.reason,
+                ..progress
+            })
+    }
 }
 
 /// Says what is wrong with the input, if anything.

@@ -1,27 +1,12 @@
 //! Stiff systems of ordinary differential equations by variable-order, variable-step BDF.
 
-use super::adapter::{Config, Equations, Method, Problem, State, integrate};
-use super::{Failure, Integrator, Ode, Statistics, Tolerance};
+use super::adapter::{Config, Equations, Method, Problem, State};
 use diffsol::NalgebraLU;
 use diffsol::error::DiffsolError;
 
 /// Backward differentiation formulas of variable order 1 to 5 and variable step, in the NDF coefficients: diffsol's. The default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bdf;
-
-impl Integrator for Bdf {
-    fn integrate(
-        &mut self,
-        system: &mut dyn Ode,
-        s0: f64,
-        y0: &[f64],
-        outputs: &[f64],
-        tolerance: Tolerance,
-        observe: &mut dyn FnMut(f64, &[f64]),
-    ) -> Result<Statistics, Failure> {
-        integrate::<Self>(system, s0, y0, outputs, tolerance, observe)
-    }
-}
 
 impl Method for Bdf {
     type Solver<'p, 'a: 'p> = diffsol::Bdf<'p, Equations<'a>, NalgebraLU<f64>>;

@@ -51,7 +51,7 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
-/// What an integration cost.
+/// The work that an integration took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Accepted steps.
@@ -66,16 +66,16 @@ pub struct Statistics {
     pub factorisations: usize,
 }
 
-/// Where a right-hand side was not finite.
+/// A point at which a right-hand side was not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonFinite {
-    /// Where it was evaluated.
+    /// The `s` at which it was evaluated.
     pub s: f64,
     /// Index of the first non-finite entry of dy.
     pub entry: usize,
 }
 
-/// Why and where an integration ended early.
+/// An integration that ended early: the place and the reason.
 #[derive(Clone, Debug)]
 pub struct Failure {
     /// The last s reached.
@@ -84,7 +84,7 @@ pub struct Failure {
     pub y: Vec<f64>,
     /// The last non-finite right-hand side since the last accepted step, if any.
     pub non_finite: Option<NonFinite>,
-    /// What went wrong, in diffsol's words where it is diffsol that gave up.
+    /// The reason, in diffsol's words where it is diffsol that gave up.
     pub reason: String,
     /// The cost up to here.
     pub statistics: Statistics,

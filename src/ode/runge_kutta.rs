@@ -1,7 +1,6 @@
 //! Stiff systems of ordinary differential equations by an implicit Runge-Kutta method.
 
-use super::adapter::{Config, Equations, Method, Problem, State, integrate};
-use super::{Failure, Integrator, Ode, Statistics, Tolerance};
+use super::adapter::{Config, Equations, Method, Problem, State};
 use diffsol::error::DiffsolError;
 use diffsol::{NalgebraLU, Sdirk};
 
@@ -12,20 +11,6 @@ use diffsol::{NalgebraLU, Sdirk};
 /// would do for the simulation of a robot, but would need steps of the inverse of the largest eigenvalue for the flow.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Esdirk34;
-
-impl Integrator for Esdirk34 {
-    fn integrate(
-        &mut self,
-        system: &mut dyn Ode,
-        s0: f64,
-        y0: &[f64],
-        outputs: &[f64],
-        tolerance: Tolerance,
-        observe: &mut dyn FnMut(f64, &[f64]),
-    ) -> Result<Statistics, Failure> {
-        integrate::<Self>(system, s0, y0, outputs, tolerance, observe)
-    }
-}
 
 impl Method for Esdirk34 {
     type Solver<'p, 'a: 'p> = Sdirk<'p, Equations<'a>, NalgebraLU<f64>>;

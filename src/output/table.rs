@@ -27,7 +27,7 @@ pub(crate) fn short(x: f64) -> String {
     }
 }
 
-/// What came of a solve.
+/// A table of the result of a solve.
 #[must_use]
 pub fn summary_table(summary: &Summary) -> String {
     let s = summary;
@@ -148,7 +148,7 @@ fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
     format!("{}: {verdict} to {tolerance}", efforts.join(", "))
 }
 
-/// What came of proving identities.
+/// A table of the results of proving identities.
 #[must_use]
 pub fn verdict_table(verdicts: &[Verdict]) -> String {
     let mut table = table();
@@ -170,7 +170,7 @@ pub fn verdict_table(verdicts: &[Verdict]) -> String {
     table.to_string()
 }
 
-/// What was found by checking derivatives: the worst of each quantity.
+/// A table of the findings of checking derivatives: the worst of each quantity.
 #[must_use]
 pub fn check_table(findings: &[Finding]) -> String {
     let mut table = table();

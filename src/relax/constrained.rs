@@ -5,14 +5,13 @@ use super::augmented::{Augmented, Rows};
 use super::grid::Grids;
 use super::held::Held;
 use super::horizon::{Exactness, Tried, search};
-use super::ladder;
 use super::ladder::line;
 use super::newton::{End, Newton, SMALLEST_COST, Stop};
 use super::running_cost::check_integral;
 use super::scan::{Peak, rows_on};
 use super::{
     ControlEffort, CostWithControl, FRESH, FreeHorizon, Grid, Iteration, Objective, Points,
-    RelaxSettings, RelaxSolution, curve_of, path_of,
+    RelaxSettings, RelaxSolution, curve_of, ladder, path_of,
 };
 use crate::constraint::{Constraint, Constraints};
 use crate::error::Result;

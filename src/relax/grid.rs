@@ -2,8 +2,7 @@
 
 use super::blocks::products;
 use super::scan::Scan;
-use crate::curve::Basis;
-use crate::curve::gauss_legendre;
+use crate::curve::{Basis, gauss_legendre};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 use std::cell::RefCell;

@@ -2,8 +2,7 @@
 
 use super::{Grid, PackedHessian, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
-use crate::linalg::BlockTridiagonal;
-use crate::linalg::multiply;
+use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 

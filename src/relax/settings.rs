@@ -1,8 +1,7 @@
 //! What can be asked of the relaxation, and what it says.
 
 use super::{DegreeRefinement, FreeHorizon, Iteration};
-use crate::curve::Basis;
-use crate::curve::Curve;
+use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result};
 use crate::motion::Problem;
 
@@ -187,7 +186,7 @@ pub struct RelaxSolution {
     pub quadrature_error: f64,
     /// Whether the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
-    /// How it came to its degree, where that is degree_tolerance.
+    /// How it came to its degree, where that is adaptive.
     pub adapted: Option<DegreeRefinement>,
     /// How many unknowns there are.
     pub unknowns: usize,

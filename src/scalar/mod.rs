@@ -2,8 +2,8 @@
 //!
 //! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational functions
 //! once a mass matrix is inverted. So [`Scalar`] asks for field operations and `sin_cos` and for nothing else: no
-//! order, no square root, no absolute value. What the penalties of constraints need beside is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify;
-//! a prime field and SIMD lanes can, because neither needs an order.
+//! order, no square root, no absolute value. The hyperbolic tangent that penalties need beside is in [`Tanh`]. `f32`, `f64`,
+//! every `Copy` type of `num-dual` and nests of them qualify; a prime field and SIMD lanes can, because neither needs an order.
 //!
 //! The constants of a model have a type of their own. [`AlgebraOver<C>`] says that a scalar can be multiplied by a constant of
 //! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
@@ -47,8 +47,9 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self);
 }
 
-/// A scalar with a hyperbolic tangent, which the penalties of constraints are made of and nothing else: dynamics and their
-/// derivatives, constraints and Lagrangians do without.
+/// A scalar with a hyperbolic tangent, which the penalties of constraints are made of. Lagrangians and costs of the control, which
+/// may contain penalties, get it, so the flow in its control form asks for it too. Dynamics and their derivatives, constraints,
+/// and the flow by Algorithm B1 and by Theorems B3 and B4 do without.
 pub trait Tanh: Scalar {
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;

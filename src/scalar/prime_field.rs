@@ -12,7 +12,7 @@ use std::fmt;
 pub struct PrimeField(u64);
 
 impl PrimeField {
-    /// How many elements there are: the prime $2^{61} - 1$.
+    /// The number of elements: the prime $2^{61} - 1$.
     pub const ORDER: u64 = (1 << 61) - 1;
 
     /// The residue of an integer.

@@ -70,7 +70,7 @@ impl Environment {
         })
     }
 
-    /// Whether there is nothing to keep clear of.
+    /// Tells whether there is nothing to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.half_spaces.is_empty()
@@ -109,7 +109,7 @@ impl Environment {
         Ok(constraints)
     }
 
-    /// How far the robot is from the nearest obstacle with its bodies at `placements`, in m, exactly; negative when it
+    /// The exact distance from the robot to the nearest obstacle with its bodies at `placements`, in m; negative when it
     /// collides, infinite without obstacles.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use crate::motion::Sample;
 use serde::Serialize;
 use std::fmt;
 
-/// Whether a motion can be carried out, from a fine grid of times.
+/// A report on whether a motion can be carried out, from a fine grid of times.
 #[derive(Clone, Debug, Serialize)]
 pub struct Feasibility {
     /// The smallest distance of the robot's shape from an obstacle, m; negative in a collision, `None` without obstacles.
@@ -20,11 +20,11 @@ pub struct Feasibility {
 pub struct LimitViolation {
     /// The joint.
     pub joint: String,
-    /// What is limited.
+    /// The kind of the limit.
     pub limit: Limit,
-    /// By how much the limit is exceeded at worst, in rad or m, rad/s or m/s, N m or N.
+    /// The amount by which the limit is exceeded at worst, in rad or m, rad/s or m/s, N m or N.
     pub by: f64,
-    /// When, s.
+    /// The time of the worst, s.
     pub at_s: f64,
 }
 
@@ -42,7 +42,7 @@ impl fmt::Display for LimitViolation {
     }
 }
 
-/// What is limited.
+/// The kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
@@ -90,7 +90,7 @@ impl Feasibility {
         })
     }
 
-    /// Whether nothing is hit by more than `depth` and the limits that the scenario enforces are kept within `tolerance`.
+    /// Tells whether nothing is hit by more than `depth` and the limits that the scenario enforces are kept within `tolerance`.
     #[must_use]
     pub fn holds(&self, scenario: &Scenario, depth: f64, tolerance: f64) -> bool {
         let enforced = scenario.file.enforced_limits;

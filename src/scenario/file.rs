@@ -4,8 +4,7 @@ use super::Environment;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use crate::constraint::TorqueLimits;
-use crate::constraint::{AnyConstraint, Bounds};
+use crate::constraint::{AnyConstraint, Bounds, TorqueLimits};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -30,11 +29,11 @@ pub struct SphereObstacle {
 pub struct HalfSpaceObstacle {
     /// A vector in the base frame, of any length, pointing to where the robot may be.
     pub normal: [f64; 3],
-    /// How far along the unit normal the boundary is, m.
+    /// The position of the boundary along the unit normal, m.
     pub offset_m: f64,
 }
 
-/// Which points of the robot keep clear of obstacles.
+/// The points of the robot that keep clear of obstacles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RobotShape {
@@ -45,7 +44,7 @@ pub enum RobotShape {
     SweptLinks {
         /// Their radius, m.
         radius_m: f64,
-        /// How far apart the balls may be that cover them, m.
+        /// The largest distance between the balls that cover them, m.
         #[serde(default = "default_spacing")]
         spacing_m: f64,
     },
@@ -55,7 +54,7 @@ fn default_spacing() -> f64 {
     0.05
 }
 
-/// Which limits of the joints are constraints. All are reported when they are violated.
+/// The limits of the joints that are constraints. All are reported when they are violated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EnforcedLimits {
@@ -68,7 +67,7 @@ pub struct EnforcedLimits {
 }
 
 impl EnforcedLimits {
-    /// Whether there are any.
+    /// Tells whether there are any.
     #[must_use]
     pub fn any(self) -> bool {
         self.position || self.velocity || self.torque
@@ -88,7 +87,7 @@ pub struct FlowParameters {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow runs.
+    /// The `s` to which the flow runs.
     pub s_max: f64,
     /// The curve to start from.
     pub guess: Guess,
@@ -137,16 +136,16 @@ pub struct ScenarioFile {
     /// Of the relaxation: between what bounds and at what price the horizon is found; `horizon_s` is then where the search begins.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
-    /// What to keep clear of.
+    /// The spheres to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sphere_obstacles: Vec<SphereObstacle>,
-    /// Where to stay.
+    /// The half-spaces to stay in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub half_spaces: Vec<HalfSpaceObstacle>,
-    /// What of the robot keeps clear.
+    /// The parts of the robot that keep clear.
     #[serde(default)]
     pub robot_shape: RobotShape,
-    /// Which limits of the joints are constraints; none unless said.
+    /// The limits of the joints that are constraints; none unless said.
     #[serde(default, skip_serializing_if = "EnforcedLimits::none")]
     pub enforced_limits: EnforcedLimits,
     /// Parameters of the flow; the paper's for Kinova where there are none.
@@ -173,11 +172,11 @@ fn paper_threshold() -> f64 {
 pub struct Scenario {
     /// The name: that of the file without its ending.
     pub name: String,
-    /// What the file says.
+    /// The contents of the file.
     pub file: ScenarioFile,
     /// The robot.
     pub model: Model,
-    /// What it has to keep clear of.
+    /// The obstacles that it has to keep clear of.
     pub environment: Environment,
 }
 
@@ -277,7 +276,7 @@ impl Scenario {
         )
     }
 
-    /// Whether there are no constraints.
+    /// Tells whether there are no constraints.
     #[must_use]
     pub fn is_free(&self) -> bool {
         self.environment.is_empty() && !self.file.enforced_limits.any()

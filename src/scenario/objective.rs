@@ -2,8 +2,7 @@
 
 use super::{Scenario, ScenarioFile};
 use crate::error::{Error, Result};
-use crate::relax::FreeHorizon;
-use crate::relax::WeightedSquares;
+use crate::relax::{FreeHorizon, WeightedSquares};
 use serde::{Deserialize, Serialize};
 
 /// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
@@ -65,7 +64,7 @@ pub struct HorizonBounds {
     pub shortest_s: f64,
     /// The longest.
     pub longest_s: f64,
-    /// What a second costs.
+    /// The price of a second.
     pub weight: f64,
 }
 

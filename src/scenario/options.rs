@@ -2,16 +2,15 @@
 
 use super::Scenario;
 use crate::error::{Error, Result};
-use crate::flow::FlowSettings;
-use crate::flow::Penalty;
 use crate::flow::jacobian::JacobianKind;
+use crate::flow::{FlowSettings, Penalty};
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::relax::RelaxSettings;
 use std::time::Duration;
 
 crate::names::named_enum! {
-/// How a scenario is solved.
+/// A method of solving a scenario.
 pub enum Method("method") {
     /// Straight to least control effort, where the flow would come to rest, by Newton's method.
     Relax = "relax",
@@ -20,10 +19,10 @@ pub enum Method("method") {
 }
 }
 
-/// What overrides the parameters of a scenario or the defaults of a method.
+/// The choice of a method, and values that override the parameters of a scenario or the defaults of the method.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SolveOptions {
-    /// How to solve it.
+    /// The method.
     pub method: Method,
     /// Degree of the polynomial, or of each segment.
     pub degree: Option<usize>,

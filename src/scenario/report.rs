@@ -6,9 +6,9 @@ use crate::constraint::Constraints;
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::{
-    EffortSummary, FlowRecord, FlowSettings, FlowSolution, effort_of, flow, flow_constrained,
+    EffortSummary, FlowRecord, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of,
+    flow, flow_constrained,
 };
-use crate::flow::{Penalised, PenaltyWeights};
 use crate::motion::{Feedback, replay_error, sample, simulate};
 use crate::relax::{
     CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax, relax_constrained,
@@ -21,7 +21,7 @@ const INTERVALS: usize = 2000;
 /// By how much a limit that is enforced may be exceeded after the flow, in its own unit: penalties give way a little.
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
-/// How far a solve has come.
+/// The progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Record {
     /// Of the flow.
@@ -30,16 +30,16 @@ pub enum Record {
     Relax(Iteration),
 }
 
-/// What came of a solve.
+/// The result of a solve.
 #[derive(Clone, Debug)]
 pub struct SolveReport {
     /// In numbers.
     pub summary: Summary,
     /// The curve; the last good one if the solve failed.
     pub curve: Curve,
-    /// How it went.
+    /// The progress on the way.
     pub history: Vec<Record>,
-    /// Whether the time limit stopped it.
+    /// True if the time limit stopped it.
     pub timed_out: bool,
 }
 

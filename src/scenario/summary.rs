@@ -7,20 +7,20 @@ use crate::ode::IntegratorKind;
 use crate::relax::DegreeRefinement;
 use serde::Serialize;
 
-/// What came of a solve, in numbers. `None` where a simulation could not be carried to its end.
+/// The result of a solve, in numbers. `None` where a simulation could not be carried to its end.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// The name of the scenario.
     pub scenario: String,
     /// The name of the robot.
     pub robot: String,
-    /// How it was solved.
+    /// The method by which it was solved.
     pub method: Method,
     /// Degree of the polynomial, or of each piece.
     pub p: usize,
-    /// How many polynomials there are.
+    /// The number of polynomials.
     pub pieces: usize,
-    /// Whether the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
+    /// True if the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
     /// hits nothing and keeps the limits that are enforced.
     pub success: bool,
     /// The threshold.
@@ -37,12 +37,12 @@ pub struct Summary {
     pub dynamics_defect: f64,
     /// Wall time of the method, s.
     pub solve_seconds: f64,
-    /// What the method has to say; its fields stand beside the others in JSON.
+    /// The details of the method; their fields stand beside the others in JSON.
     #[serde(flatten)]
     pub details: Details,
-    /// Why the method did not come to its end, if it did not.
+    /// The reason why the method did not come to its end, if it did not.
     pub failure: Option<String>,
-    /// What the curve keeps clear of and which limits it breaks.
+    /// The clearance of the curve from obstacles and the limits that it breaks.
     #[serde(flatten)]
     pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.
@@ -70,16 +70,16 @@ impl Details {
     }
 }
 
-/// How a flow was done and what it cost.
+/// The parameters of a flow and the work it took.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowDetails {
-    /// How the Jacobian was computed.
+    /// The way in which the Jacobian was computed.
     pub jacobian: JacobianKind,
-    /// What integrated it.
+    /// The integrator.
     pub integrator: IntegratorKind,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow was to run.
+    /// The `s` to which the flow was to run.
     pub s_max: f64,
     /// Tolerance of the integrator.
     pub tolerance: f64,
@@ -107,12 +107,12 @@ pub struct FlowDetails {
     pub factorisations: usize,
 }
 
-/// How a relaxation was done and what it cost.
+/// The result of a relaxation and the work it took.
 #[derive(Clone, Debug, Serialize)]
 pub struct RelaxDetails {
     /// The duration of the motion, s: that of the scenario, or what was found where that is free.
     pub horizon_s: f64,
-    /// What was minimised, running cost and price of the horizon together; `None` where that is the control effort.
+    /// The cost that was minimised, running cost and price of the horizon together; `None` where that is the control effort.
     pub cost: Option<f64>,
     /// The gradient norm that was asked for, relative to the effort.
     pub tolerance: f64,
@@ -122,14 +122,14 @@ pub struct RelaxDetails {
     pub smallest_curvature: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
-    /// How many unknowns there are.
+    /// The number of unknowns.
     pub unknowns: usize,
-    /// How far the control by its values at the nodes alone leads from the curve within one interval, see
+    /// The largest distance from the curve to which the control by its values at the nodes alone leads within one interval, see
     /// [`replay_error`](crate::motion::replay_error).
     pub replay_error_inf: Option<f64>,
-    /// How it came to its degree, where that was adaptive.
+    /// The refinement of its degree, where that was adaptive.
     pub adapted: Option<DegreeRefinement>,
-    /// Points of the quadrature of a piece.
+    /// The number of points of the quadrature of a segment.
     pub quadrature_points: usize,
     /// The efforts, or integrals of another running cost, that the starts came to at the lowest degree, ascending.
     pub efforts_of_starts: Vec<f64>,

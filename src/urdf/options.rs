@@ -3,7 +3,7 @@
 use std::fmt;
 
 crate::names::named_enum! {
-/// What to do with a joint that is to follow another one (a `mimic` element: $q_i = m\, q_j + c$).
+/// The treatment of a joint that is to follow another one (a `mimic` element: $q_i = m\, q_j + c$).
 ///
 /// Such a joint is not natural here: joint `i` moves body `i` and is degree of freedom `i`, with a force of its own, in
 /// every algorithm of this library.
@@ -15,14 +15,14 @@ pub enum Mimic("mimic") {
 }
 }
 
-/// How to read a URDF.
+/// The options of reading a URDF.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UrdfOptions {
-    /// What to do with mimic joints.
+    /// The treatment of mimic joints.
     pub mimic: Mimic,
 }
 
-/// What was accepted on loading but is worth knowing.
+/// A note on something that was accepted on loading but is worth knowing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadNote {
     /// The link has no inertial element, or one of zeros, and counts as massless.
@@ -34,7 +34,7 @@ pub enum LoadNote {
     ImpossibleInertia {
         /// The link.
         link: String,
-        /// Why not.
+        /// The reason why it is impossible.
         condition: String,
     },
     /// The link hangs on a fixed joint and became part of the body before it; its frame is kept.
@@ -83,5 +83,5 @@ impl fmt::Display for LoadNote {
     }
 }
 
-/// What was accepted on loading but is worth knowing, in the order in which the tree is walked.
+/// The notes on what was accepted on loading but is worth knowing, in the order in which the tree is walked.
 pub type LoadReport = Vec<LoadNote>;

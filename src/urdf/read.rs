@@ -1,9 +1,8 @@
 //! Reading a robot from a URDF file.
 
 use super::elements::{self, JointType, Pose, read_robot};
-use super::tree;
 use super::tree::Visit;
-use super::{LoadNote, LoadReport, Mimic, UrdfOptions};
+use super::{LoadNote, LoadReport, Mimic, UrdfOptions, tree};
 use crate::error::{Error, Result};
 use crate::model::{Carrier, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};

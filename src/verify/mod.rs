@@ -48,7 +48,7 @@
 //! | gradient and Hessian of the relaxation | field; gradient also against the flow | [`prove`], [`check_relaxation`](duals::check_relaxation) |
 //! | the dynamics are those of the robot in the URDF | Pinocchio | oracle |
 //!
-//! On the command line `aghf check ROBOT` is [`check_all`] and `aghf prove` is [`prove`]; `cargo test --test oracle` runs the oracle.
+//! On the command line `aghf check ROBOT` is [`check_all`] and `aghf prove` is [`prove`]; `tests/run --test oracle` runs the oracle.
 //! What both built-in witnesses hold the library against is written once, in [`reference`](mod@reference), over any number.
 //!
 //! # Checking an object of one's own

@@ -1,8 +1,7 @@
 //! `aghf sweep`: what is in its files after kills, over shards and at the time limit, and what it refuses.
 
 use crate::command::{aghf, assert_bad_input, empty_folder, files};
-use aghf::experiments::sweep::Results;
-use aghf::experiments::sweep::{Row, Shard, Sweep, builtin_sweeps};
+use aghf::experiments::sweep::{Results, Row, Shard, Sweep, builtin_sweeps};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;

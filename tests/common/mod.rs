@@ -175,12 +175,17 @@ pub fn assert_refused<T: std::fmt::Debug>(result: aghf::Result<T>, words: &str) 
     assert!(error.contains(words), "'{error}' does not say '{words}'");
 }
 
-/// What two solves with `H` leave of sixteen digits, beside `rounding`: errors grow linearly with its condition number, as
-/// measured for [`check_all`](aghf::verify::duals::check_all).
-pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
+/// The condition number of the mass matrix at a state.
+pub fn condition(model: &Model, x: &[f64]) -> f64 {
     let n = model.dof();
     let mut h = DMatrix::zeros(n, n);
     crba(model, &mut Data::new(model), &x[..n], &mut h).expect("lengths agree");
     let eigenvalues = h.symmetric_eigenvalues();
-    rounding + 1e-13 * eigenvalues.max() / eigenvalues.min()
+    eigenvalues.max() / eigenvalues.min()
+}
+
+/// What two solves with `H` leave of sixteen digits, beside `rounding`: errors grow linearly with its condition number, as
+/// measured for [`check_all`](aghf::verify::duals::check_all).
+pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
+    rounding + 1e-13 * condition(model, x)
 }

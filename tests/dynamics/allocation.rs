@@ -1,19 +1,18 @@
 //! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
 
 use crate::common::robot;
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
-    Bounds, CollisionSphere, Constraint, Evaluator, Sphere, SphereClearance, Weights,
+    Bounds, CollisionSphere, Constraint, Constraints, Evaluator, Sphere, SphereClearance,
+    TorqueLimits, Weights,
 };
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
     frame_jacobian, mass_matrix_and_rate, rnea, rnea_derivatives,
 };
-use aghf::flow::Penalty;
-use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
-use aghf::flow::{AlgorithmB1, ControlForm, Node, Penalised, RightHandSide};
+use aghf::flow::{
+    AlgorithmB1, ControlForm, Node, Penalised, Penalty, PenaltyWeights, RightHandSide,
+};
 use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;

@@ -73,6 +73,15 @@ proptest! {
     }
 
     #[test]
+    fn lanes_divide_each_by_its_own(a in prop::array::uniform4(-3.0..3.0_f64), b in prop::array::uniform4(0.1..3.0_f64)) {
+        let alone: [f64; 4] = std::array::from_fn(|i| a[i] / b[i]);
+        prop_assert_eq!((Lanes(a) / Lanes(b)).0, alone);
+        let mut assigned = Lanes(a);
+        assigned /= Lanes(b);
+        prop_assert_eq!(assigned.0, alone);
+    }
+
+    #[test]
     fn ldlt_solves(n in 1..7_usize, x in numbers(36), b in numbers(6)) {
         let h = definite(n, &x);
         let mut ldlt = Ldlt::new(n);

@@ -1,21 +1,17 @@
 //! The constrained flow (A4): its right-hand side against the definition, its Jacobians against duals of it.
 
 use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
-use aghf::flow::Penalty;
-use aghf::flow::PenaltyWeights;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{
-    AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, Lagrangian, LagrangianFlow, Penalised,
-    RightHandSide, Sum, TorquePenalty, constrained_lagrangian, penalty,
+    AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, FlowSettings, Lagrangian,
+    LagrangianFlow, Penalised, Penalty, PenaltyWeights, RightHandSide, Sum, TorquePenalty,
+    constrained_lagrangian, flow, flow_constrained, penalty,
 };
-use aghf::flow::{FlowSettings, flow, flow_constrained};
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{AlgebraOver, Tanh};
 use aghf::scenario::Scenario;

@@ -2,9 +2,8 @@
 
 use crate::common::{assert_refused, config, dual_jacobian, numbers, robot};
 use aghf::curve::{Chebyshev, Curve, gauss_legendre};
-use aghf::flow::ControlForm;
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
-use aghf::flow::{Collocation, assemble_jacobian};
+use aghf::flow::{Collocation, ControlForm, assemble_jacobian};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 use proptest::prelude::*;

@@ -1,10 +1,9 @@
 //! The right-hand side of the flow and its Jacobians beside their definition in Pinocchio's quantities.
 
-use crate::common::{config, node, numbers};
+use crate::common::{condition, config, node, numbers};
 use crate::compare::{Comparison, relative_error};
 use crate::python::{Oracle, Quantities};
 use crate::random::{Robot, any_robot};
-use aghf::dynamics::{Data, crba};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks};
 use aghf::flow::{AlgorithmB1, ControlForm, RightHandSide, TheoremB3};
 use aghf::model::Model;
@@ -44,11 +43,7 @@ fn omega_and_its_jacobians() {
 /// The largest relative error of a result that takes two solves with `H` on both sides. The oracle solves with a mass matrix and
 /// differences of its own, which round apart from ours: its errors grow with the square of the condition number.
 fn bound(model: &Model, parts: &Parts) -> f64 {
-    let n = model.dof();
-    let mut h = DMatrix::zeros(n, n);
-    crba(model, &mut Data::new(model), &parts[0][..n], &mut h).expect("lengths agree");
-    let eigenvalues = h.symmetric_eigenvalues();
-    1e-9 + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(2)
+    1e-9 + 1e-15 * condition(model, &parts[0]).powi(2)
 }
 
 fn robot_and_node() -> impl Strategy<Value = (Robot, Parts)> {

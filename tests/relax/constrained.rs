@@ -1,18 +1,17 @@
 //! The relaxation within constraints: the derivatives of what it minimises, optima that are known, and what it says where there is none.
 
 use crate::common::assert_refused;
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::motion::{Problem, sample};
-use aghf::relax::relax;
-use aghf::relax::{Augmented, Point, PointCost, PointDerivatives};
-use aghf::relax::{RelaxSettings, RelaxSolution, relax_constrained};
+use aghf::relax::{
+    Augmented, Point, PointCost, PointDerivatives, RelaxSettings, RelaxSolution, relax,
+    relax_constrained,
+};
 use aghf::scalar::{AlgebraOver, Jet};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use aghf::spatial::{Inertia, Placement};

@@ -2,14 +2,13 @@
 
 use crate::common::relax::solved;
 use crate::common::slider;
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
-use aghf::constraint::{Bound, Bounds, Side};
+use aghf::constraint::{Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::motion::{Feedback, Problem, simulate};
-use aghf::relax::relax;
-use aghf::relax::{CostThroughDynamics, FreeHorizon, RelaxSettings, relax_constrained, relax_with};
-use aghf::relax::{HyperDual64, StageInput};
+use aghf::relax::{
+    CostThroughDynamics, FreeHorizon, HyperDual64, RelaxSettings, StageInput, relax,
+    relax_constrained, relax_with,
+};
 use aghf::scenario::Scenario;
 
 /// Any velocity at the end.

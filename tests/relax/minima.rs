@@ -4,12 +4,11 @@ use crate::common::relax::{degree, solved};
 use crate::common::{robot, slider};
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, crba};
-use aghf::flow::effort_of;
-use aghf::flow::{ControlForm, Node, RightHandSide};
+use aghf::flow::{ControlForm, Node, RightHandSide, effort_of};
 use aghf::motion::Problem;
-use aghf::relax::relax;
-use aghf::relax::{ControlEffort, Point, PointCost, PointDerivatives};
-use aghf::relax::{RelaxSettings, relax_with};
+use aghf::relax::{
+    ControlEffort, Point, PointCost, PointDerivatives, RelaxSettings, relax, relax_with,
+};
 use aghf::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, DualNum};

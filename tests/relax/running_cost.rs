@@ -2,19 +2,14 @@
 
 use crate::common::relax::degree;
 use crate::common::slider;
-use aghf::constraint::AnyConstraint;
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
+use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
 use aghf::motion::Problem;
-use aghf::relax::relax;
 use aghf::relax::{
     ControlEffort, CostThroughDynamics, HyperDual64, Point, PointCost, PointDerivatives,
-    StageInput, WeightedSquares,
-};
-use aghf::relax::{
-    RelaxSettings, RelaxSolution, relax_constrained, relax_constrained_with, relax_with,
+    RelaxSettings, RelaxSolution, StageInput, WeightedSquares, relax, relax_constrained,
+    relax_constrained_with, relax_with,
 };
 use aghf::scenario::Scenario;
 use nalgebra::DMatrix;

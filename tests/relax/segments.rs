@@ -2,16 +2,13 @@
 
 use crate::common::relax::{size, solved};
 use crate::common::{assert_refused, robot, slider};
-use aghf::constraint::Constraints;
-use aghf::constraint::TorqueLimits;
-use aghf::constraint::{AnyConstraint, Bound, Bounds, Side};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::dynamics::{Data, aba};
 use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
-use aghf::relax::relax;
-use aghf::relax::{RelaxSettings, RelaxSolution, relax_constrained};
+use aghf::relax::{RelaxSettings, RelaxSolution, relax, relax_constrained};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
 

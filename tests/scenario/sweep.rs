@@ -1,7 +1,8 @@
 //! Sweep files, rankings and tables of results.
 
-use aghf::experiments::sweep::{Row, RowOutcome, Sweep, builtin_sweeps};
-use aghf::experiments::sweep::{best, ranking, ranking_of, ranking_table, write_rows};
+use aghf::experiments::sweep::{
+    Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_of, ranking_table, write_rows,
+};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

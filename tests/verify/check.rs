@@ -1,17 +1,15 @@
 //! The public checker: it passes what is right, and it finds what is wrong, where it is, and says how to see it again.
 
 use crate::common::{robot, robots};
-use aghf::flow::Node;
 use aghf::flow::jacobian::{
     ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
-use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow};
+use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow, Node};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
-use aghf::verify::duals::check_relaxation;
 use aghf::verify::duals::{
     BOUND, CheckOptions, Finding, LARGEST_BOUND, LARGEST_BOUND_MULTIPLIED,
-    LARGEST_DIFFERENCE_BOUND, State, check_all, check_jacobian,
+    LARGEST_DIFFERENCE_BOUND, State, check_all, check_jacobian, check_relaxation,
 };
 use nalgebra::{Matrix3, Vector3};
 

@@ -22,10 +22,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// How much to measure.
+/// The amount that is measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// How often every solve is timed.
+    /// The number of times that every solve is timed.
     pub repetitions: usize,
     /// At how many random configurations the right-hand side and its Jacobian are timed.
     pub configurations: usize,
@@ -100,10 +100,10 @@ impl Settings {
     }
 }
 
-/// What came of the experiments.
+/// The results of the experiments.
 #[derive(Clone, Debug)]
 pub struct Reproduction {
-    /// How much was measured.
+    /// The settings they were run with.
     pub settings: Settings,
     /// The grid searches, for each system that has one.
     pub searches: Vec<Search>,

@@ -2,20 +2,21 @@
 
 use super::{Settings, System};
 use crate::error::Result;
-use crate::experiments::sweep::{ParameterSet, Shard, Sweep, run};
-use crate::experiments::sweep::{Ranked, Results, best, ranking_of};
+use crate::experiments::sweep::{
+    ParameterSet, Ranked, Results, Shard, Sweep, best, ranking_of, run,
+};
 use std::sync::{Mutex, PoisonError};
 
-/// What the grid search of a system found.
+/// The result of the grid search of a system.
 #[derive(Clone, Debug)]
 pub struct Search {
     /// The system.
     pub system: System,
     /// The name of the sweep.
     pub sweep: String,
-    /// How many sets of parameters each scenario was solved with.
+    /// The number of sets of parameters that each scenario was solved with.
     pub sets: usize,
-    /// How many of them succeeded in all scenarios.
+    /// The number of these sets that succeeded in all scenarios.
     pub succeeding: usize,
     /// The wall time of all solves together, s, whichever run they are from.
     pub solve_seconds: f64,

@@ -5,13 +5,12 @@ use super::searches::{Search, search};
 use super::systems::{SYSTEMS, System};
 use super::timing::median;
 use crate::error::Result;
-use crate::experiments::sweep::Ranked;
-use crate::experiments::sweep::Sweep;
+use crate::experiments::sweep::{Ranked, Sweep};
 use crate::scenario::{
     Feasibility, FlowParameters, Limit, Method, Scenario, ScenarioFile, SolveOptions, solve,
 };
 
-/// Where the parameters come from that a scenario was solved with.
+/// The origin of the parameters that a scenario was solved with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The best set that the supplement prints.
@@ -37,18 +36,18 @@ impl Origin {
     }
 }
 
-/// What came of one scenario with one set.
+/// The result of one scenario with one set.
 #[derive(Clone, Debug)]
 pub struct ScenarioResult {
     /// The name of the scenario.
     pub scenario: String,
-    /// How it was solved: the scenario with the parameters that were used.
+    /// The scenario with the parameters that were used.
     pub file: ScenarioFile,
     /// The tolerance of the integrator.
     pub tolerance: f64,
     /// [`Summary::success`](crate::scenario::Summary::success).
     pub success: bool,
-    /// Why the flow did not come to its end, if it did not.
+    /// The reason why the flow did not come to its end, if it did not.
     pub failure: Option<String>,
     /// The median wall time of the flow, s; that of the only run where it does not succeed.
     pub solve_seconds: f64,
@@ -60,7 +59,7 @@ pub struct ScenarioResult {
     pub open_loop_error: Option<f64>,
     /// The same with feedback.
     pub feedback_error: Option<f64>,
-    /// What the motion keeps clear of and which limits it breaks.
+    /// The clearance of the motion from obstacles and the limits that it breaks.
     pub feasibility: Feasibility,
 }
 
@@ -79,12 +78,12 @@ impl ScenarioResult {
     }
 }
 
-/// What came of all scenarios of a system with its sets of one origin.
+/// The results of all scenarios of a system with its sets of one origin.
 #[derive(Clone, Debug)]
 pub struct SystemResult {
     /// The system.
     pub system: System,
-    /// Where these sets come from: several places where they agree.
+    /// The origins of these sets: several where they agree.
     pub origins: Vec<Origin>,
     /// One for each scenario, at least one.
     pub results: Vec<ScenarioResult>,

@@ -7,7 +7,7 @@ use crate::scenario::{FlowParameters, builtin_scenarios, generated_scenarios};
 pub struct System {
     /// Its name in the report.
     pub title: &'static str,
-    /// What the names of its scenarios, which are built in or generated, begin with.
+    /// The start of the names of its scenarios, which are built in or generated.
     pub prefix: &'static str,
     /// The best set that the supplement prints, if it does.
     pub paper: Option<PaperSet>,
@@ -29,7 +29,7 @@ pub struct PaperSet {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow runs.
+    /// The `s` to which the flow runs.
     pub s_max: f64,
     /// Weight (A2) and sharpness (A3) of the constraints, where there are obstacles.
     pub constraints: Option<(f64, f64)>,

@@ -22,7 +22,7 @@ pub(super) const BATCH_SECONDS: f64 = 5e-5;
 /// Batches a configuration. Its time is that of the fastest: whatever else the machine does only adds to it.
 pub(super) const BATCHES: usize = 5;
 
-/// What is timed.
+/// A quantity that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// $\Omega$ by the control form, the default.
@@ -70,7 +70,7 @@ impl Quantity {
         self.figure() - 1
     }
 
-    /// What the supplement says of its growth with `N`.
+    /// The growth with `N` that the supplement states.
     #[must_use]
     pub fn paper(self) -> Option<&'static str> {
         match self {
@@ -127,7 +127,7 @@ impl Times {
 /// The times of one quantity by the number of joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What was timed.
+    /// The quantity that was timed.
     pub quantity: Quantity,
     /// The robots with their numbers of joints, fewest first, and the times.
     pub points: Vec<(String, usize, Times)>,

@@ -51,7 +51,7 @@ pub struct SweepFile {
     pub p: Vec<usize>,
     /// Penalties of (11).
     pub k: Vec<f64>,
-    /// How far the flow runs.
+    /// The values of `s` to which the flow runs.
     pub s_max: Vec<f64>,
     /// The curves to start from; the line of the paper's released code where there is no list.
     #[serde(default = "line")]
@@ -75,7 +75,7 @@ pub struct Parameters {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow runs.
+    /// The `s` to which the flow runs.
     pub s_max: f64,
     /// The curve to start from.
     pub guess: Guess,
@@ -99,9 +99,9 @@ pub struct ParameterSet {
 /// A sweep with its scenarios, checked.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// What its folder of results is called.
+    /// The name of its folder of results.
     pub name: String,
-    /// What the file says.
+    /// The contents of the file.
     pub file: SweepFile,
     /// The scenarios.
     pub scenarios: Vec<Scenario>,
@@ -186,13 +186,13 @@ impl Sweep {
         })
     }
 
-    /// How many sets each scenario has.
+    /// The number of sets of each scenario.
     #[must_use]
     pub fn sets_a_scenario(&self) -> usize {
         self.sets.len() / self.scenarios.len()
     }
 
-    /// How one set is solved.
+    /// The options with which one set is solved.
     #[must_use]
     pub fn options(&self, parameters: &Parameters) -> SolveOptions {
         SolveOptions {
@@ -212,9 +212,9 @@ impl Sweep {
 /// A part of a sweep for one of several machines: its sets `index - 1`, `index - 1 + count` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// The number of this part, from 1.
     pub index: usize,
-    /// How many parts there are.
+    /// The number of parts.
     pub count: usize,
 }
 
@@ -222,7 +222,7 @@ impl Shard {
     /// The one part of a sweep that is not spread.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Whether a set belongs to this part.
+    /// Tells whether a set belongs to this part.
     #[must_use]
     pub fn has(&self, set: usize) -> bool {
         set % self.count == self.index - 1

@@ -3,13 +3,12 @@
 use super::{Row, RowOutcome, Sweep};
 use crate::error::Result;
 use crate::motion::Guess;
-use crate::output::write_whole;
-use crate::output::{short, table};
+use crate::output::{short, table, write_whole};
 use comfy_table::CellAlignment;
 use serde::Serialize;
 use std::path::Path;
 
-/// How one set of parameters did in one scenario, or in all: means, largest errors and the smallest clearance are over the solves
+/// The results of one set of parameters in one scenario, or in all: means, largest errors and the smallest clearance are over the solves
 /// that succeeded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
@@ -19,7 +18,7 @@ pub struct Ranked {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow runs.
+    /// The `s` to which the flow runs.
     pub s_max: f64,
     /// The curve to start from.
     pub guess: Guess,
@@ -27,7 +26,7 @@ pub struct Ranked {
     pub k_cons: Option<f64>,
     /// Sharpness (A3) of the constraints, if it was set.
     pub c_cons: Option<f64>,
-    /// How many solves there were.
+    /// The number of solves.
     pub solves: usize,
     /// The part of them that succeeded.
     pub success_rate: f64,

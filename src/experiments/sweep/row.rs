@@ -5,7 +5,7 @@ use crate::motion::Guess;
 use crate::scenario::SolveReport;
 use serde::{Deserialize, Serialize};
 
-/// How a solve of a sweep ended.
+/// The outcome of a solve of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RowOutcome {
@@ -56,7 +56,7 @@ pub struct Row {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// How far the flow was to run.
+    /// The `s` to which the flow was to run.
     pub s_max: f64,
     /// The curve it started from.
     pub guess: Guess,
@@ -64,9 +64,9 @@ pub struct Row {
     pub k_cons: Option<f64>,
     /// Sharpness (A3) of the constraints, if it was set.
     pub c_cons: Option<f64>,
-    /// How it ended.
+    /// The outcome.
     pub outcome: RowOutcome,
-    /// Why it failed, if it did.
+    /// The reason why it failed, if it did.
     pub reason: Option<String>,
     /// The final error of the simulation with feedback, if that came to its end.
     pub final_error_inf: Option<f64>,
@@ -168,7 +168,7 @@ impl Row {
         }
     }
 
-    /// Whether another run came to the same, whatever time it took.
+    /// Tells whether another run came to the same, whatever time it took.
     #[must_use]
     pub fn agrees(&self, other: &Self) -> bool {
         let timeless = |row: &Self| Self {

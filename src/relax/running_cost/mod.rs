@@ -59,13 +59,13 @@ pub trait RunningCost {
     /// $l$.
     ///
     /// # Errors
-    /// The moment is one of another robot.
+    /// The input is for another robot.
     fn value(&self, at: &StageInput<'_, f64>) -> Result<f64>;
 
     /// $l$, and its derivatives added to `out`, which has only zeros.
     ///
     /// # Errors
-    /// The moment is one of another robot.
+    /// The input is for another robot.
     fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>)
     -> Result<f64>;
 
@@ -73,7 +73,7 @@ pub trait RunningCost {
     /// unless it is implemented.
     ///
     /// # Errors
-    /// The moment is one of another robot.
+    /// The input is for another robot.
     fn time_rate(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let _ = at;
         Ok(0.0)

@@ -1,4 +1,4 @@
-//! WeightedSquares squares.
+//! Weighted squares of torques, velocities and accelerations.
 
 use super::{RunningCost, StageDerivatives, StageInput};
 use crate::error::{Error, Result, check_length};

@@ -32,9 +32,9 @@ const DIGIT_LINK_RADIUS: f64 = 0.03;
 /// Scenarios of one kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
-    /// What their names begin with.
+    /// The start of their names.
     pub name: &'static str,
-    /// What they are about.
+    /// A description of them.
     pub about: &'static str,
     robot: &'static str,
     link_radius: f64,

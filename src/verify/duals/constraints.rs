@@ -3,18 +3,14 @@
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
-use crate::constraint::Constraints;
-use crate::constraint::TorqueLimits;
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance, Weights,
+    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Constraints, Evaluator,
+    HalfSpace, HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
-use crate::flow::Penalised;
-use crate::flow::Penalty;
-use crate::flow::PenaltyWeights;
 use crate::flow::jacobian::JacobianKind;
+use crate::flow::{Penalised, Penalty, PenaltyWeights};
 use crate::model::Model;
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Vector3};
@@ -68,8 +64,7 @@ pub fn check_constraint(
     options: &CheckOptions,
 ) -> Result<Vec<Finding>> {
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in options.states(model).iter().enumerate() {
         let at = At::new(model, sample, state)?;
         contractions(model, name, constraint, at, &mut findings)?;
     }

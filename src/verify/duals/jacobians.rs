@@ -41,8 +41,8 @@ pub fn check_jacobian_at(
     states: &[State],
     penalties: &[f64],
 ) -> Result<Vec<Finding>> {
-    let truth = &mut ForwardDual::new(model);
-    compare_jacobians(model, name, jacobian, truth, states, penalties)
+    let expected = &mut ForwardDual::new(model);
+    compare_jacobians(model, name, jacobian, expected, states, penalties)
 }
 
 pub(super) fn compare_jacobians(

@@ -66,16 +66,16 @@ pub const LARGEST_BOUND: f64 = 1e-5;
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 /// What is so small beside the inertia of the robot may be what rounding leaves of zero.
 const VANISHING: f64 = 1e-6;
-/// What central differences may be off by, relative to the largest entry of all blocks: they are there for comparison only.
+/// The largest error that central differences may have, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
 /// The same where the step of a difference is not small beside the distance over which the mass matrix loses rank. States at which
 /// differences may be off by more say nothing, and are not compared with them.
 pub const LARGEST_DIFFERENCE_BOUND: f64 = 0.1;
 
-/// What to check with.
+/// The settings of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckOptions {
-    /// How many random states.
+    /// The number of random states.
     pub samples: usize,
     /// The seed of the states: the same seed gives the same states.
     pub seed: u64,
@@ -152,13 +152,13 @@ impl State {
 /// The worst that was seen of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// What was compared.
+    /// The quantity that was compared.
     pub quantity: String,
     /// The penalty, where it matters.
     pub k: Option<f64>,
     /// The worst relative error.
     pub error: f64,
-    /// What it may be.
+    /// The largest error that is allowed.
     pub bound: f64,
     /// Row and column of the worst entry.
     pub entry: (usize, usize),
@@ -169,7 +169,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Whether the error is within its bound; one that is not a number is not.
+    /// Tells whether the error is within its bound; one that is not a number is not.
     #[must_use]
     pub fn passes(&self) -> bool {
         self.error <= self.bound
@@ -371,12 +371,12 @@ pub fn check_jacobians(
             Ok(JacobianKind::Difference) => check_differences(model, name, options)?,
             Ok(JacobianKind::Dual) => {
                 let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
-                let truth = &mut Printed(as_printed);
+                let expected = &mut Printed(as_printed);
                 compare_jacobians(
                     model,
                     name,
                     jacobian,
-                    truth,
+                    expected,
                     &options.states(model),
                     &options.penalties,
                 )?

@@ -1,8 +1,7 @@
 //! What ties the relaxation to the flow, on any robot.
 
 use super::{At, CheckOptions, Finding, Findings, State, extreme_eigenvalues};
-use crate::curve::Basis;
-use crate::curve::gauss_legendre;
+use crate::curve::{Basis, gauss_legendre};
 use crate::dynamics::{Data, crba, rnea};
 use crate::error::Result;
 use crate::flow::{ControlForm, Node, RightHandSide};
@@ -30,8 +29,7 @@ const ROUNDING_GROWTH: f64 = 10.0;
 pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let n = model.dof();
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in options.states(model).iter().enumerate() {
         let (path, at) = regular_curve(model, At::new(model, sample, state)?)?;
         let grid = Grid::new(&path.basis, POINTS, 1.0);
         let mut derivatives = Derivatives::new(&grid, n);

@@ -1,6 +1,6 @@
 //! The derivatives of a user's running cost.
 
-use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING};
+use super::{At, BOUND, CheckOptions, Finding, Findings, Tolerance, VANISHING};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
@@ -27,8 +27,7 @@ pub fn check_running_cost(
     };
     let (mut data, mut u) = (Data::new(model), vec![0.0; n]);
     let mut findings = Findings::default();
-    for sample in 0..options.samples {
-        let state = &State::random(model, options.seed, sample);
+    for (sample, state) in options.states(model).iter().enumerate() {
         let at = At::new(model, sample, state)?;
         let node = state.node();
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
@@ -41,22 +40,22 @@ pub fn check_running_cost(
             u: &u,
         };
         let mut ours = StageDerivatives::new(n);
-        let mut truth = StageDerivatives::new(n);
+        let mut expected = StageDerivatives::new(n);
         let value = by_hand.derivatives(&input, &mut ours)?;
-        let expected = by_duals.derivatives(&input, &mut truth)?;
+        let expected_value = by_duals.derivatives(&input, &mut expected)?;
         let alone = by_hand.value(&input)?;
         let row = |x: &[f64]| DMatrix::from_row_slice(1, x.len(), x);
-        for (what, ours, truth) in [
-            ("value", row(&[alone, value]), row(&[expected; 2])),
+        for (what, ours, expected) in [
+            ("value", row(&[alone, value]), row(&[expected_value; 2])),
             (
                 "gradient",
                 row(ours.gradient.as_slice()),
-                row(truth.gradient.as_slice()),
+                row(expected.gradient.as_slice()),
             ),
-            ("Hessian", ours.hessian, truth.hessian),
+            ("Hessian", ours.hessian, expected.hessian),
         ] {
             let quantity = format!("{name}: {what}");
-            findings.compare(tolerance, &quantity, at, ours.as_view(), truth.as_view());
+            findings.compare(tolerance, &quantity, at, ours.as_view(), expected.as_view());
         }
     }
     Ok(findings.all)

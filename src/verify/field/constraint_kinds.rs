@@ -1,17 +1,14 @@
 //! Every kind of constraint: its rows, and its contractions against nested duals of these.
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
-use crate::constraint::Constraints;
-use crate::constraint::TorqueLimits;
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, WeightedDerivatives, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
+    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, TorqueLimits,
+    WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
-use crate::flow::Penalty;
-use crate::flow::PenaltyWeights;
-use crate::flow::{ControlCost, Penalised, TorquePenalty, penalty};
+use crate::flow::{ControlCost, Penalised, Penalty, PenaltyWeights, TorquePenalty, penalty};
 use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
 use crate::verify::reference::{jacobian, vector};

@@ -6,10 +6,9 @@ use super::theorem_b3::omega_of;
 use super::wrt::{Wrt, derivative};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::error::Result;
-use crate::flow::Penalty;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian, TheoremB4};
 use crate::flow::{
-    RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
+    Penalty, RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
     penalty_curvature, penalty_slope,
 };
 use crate::scalar::{AlgebraOver, Scalar, Tanh};

@@ -64,7 +64,7 @@ impl RandomInstance {
         self.model.dof()
     }
 
-    /// What the flow reads.
+    /// The state and its derivatives, for the flow to read.
     #[must_use]
     pub fn node(&self) -> Node<'_, Gf> {
         Node {

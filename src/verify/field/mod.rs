@@ -117,7 +117,7 @@ impl Equality {
 pub struct Identity {
     /// Its label: `B5`, `A1`, `Algorithm B1 line 4`, `rnea`.
     pub label: &'static str,
-    /// What is equal, in a few words.
+    /// The statement of what is equal, in a few words.
     pub statement: &'static str,
     /// The index convention, where there is a choice.
     pub convention: &'static str,
@@ -125,20 +125,20 @@ pub struct Identity {
     pub claims: fn(&RandomInstance) -> Result<Vec<Equality>>,
 }
 
-/// What came of proving one identity.
+/// The outcome of proving one identity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// The label of the identity.
     pub label: String,
-    /// What is equal.
+    /// The statement of what is equal.
     pub statement: String,
     /// At how many random instances.
     pub points: usize,
-    /// How many entries were compared.
+    /// The number of entries that were compared.
     pub entries: usize,
     /// The largest probability with which a false identity would have passed.
     pub bound: f64,
-    /// Where the sides differ first: the conventions, the point and the entry.
+    /// The first difference of the sides: the conventions, the point and the entry.
     pub failure: Option<String>,
 }
 

@@ -74,7 +74,7 @@ pub fn f_d<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, x: &[S]) -> Result<DV
     Ok(vector(&[v, fd_0(model, q, v)?.as_slice()].concat()))
 }
 
-/// What every quantity of the flow depends on: a robot, what the flow reads at a node, and the penalty.
+/// The arguments of every quantity of the flow: a robot, the state and its derivatives at a node, and the penalty.
 #[derive(Debug)]
 pub struct At<'a, C: Scalar, S> {
     /// The robot.
@@ -247,7 +247,7 @@ pub fn gradient_and_rate<S: Differentiable>(
     ])
 }
 
-/// What the heat flow of a Lagrangian is made of, `2 N` entries each.
+/// The terms of the heat flow of a Lagrangian, `2 N` entries each.
 #[derive(Debug)]
 pub struct Variation<S> {
     /// $\partial L / \partial x$.

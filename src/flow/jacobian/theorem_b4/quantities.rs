@@ -8,8 +8,7 @@ use crate::dynamics::{
 };
 use crate::error::Result;
 use crate::flow::Node;
-use crate::linalg::Ldlt;
-use crate::linalg::Tensor3;
+use crate::linalg::{Ldlt, Tensor3};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
