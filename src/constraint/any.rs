@@ -1,10 +1,11 @@
 //! The constraints that a scenario can ask for, and any other.
 
 use super::{
-    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, SphereClearance,
+    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, RowLabel, SphereClearance,
     WeightedDerivatives, Weights,
 };
 use crate::error::Result;
+use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
 /// One of the constraints that are here, or any other, so that a list can hold different ones. Those that are here need no pointer, and
@@ -44,6 +45,14 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
 
     fn row_scales(&self, scales: &mut [C]) {
         each!(self, it => it.row_scales(scales));
+    }
+
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        each!(self, it => it.label(row, model))
+    }
+
+    fn is_equality(&self, row: usize) -> bool {
+        each!(self, it => it.is_equality(row))
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

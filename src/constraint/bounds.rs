@@ -1,6 +1,7 @@
 //! Bounds on single numbers: positions, velocities, torques.
 
-use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use super::label::unit_of;
+use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::{Limits, Model};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -12,6 +13,16 @@ pub enum Side {
     Lower,
     /// It is at most the bound.
     Upper,
+}
+
+impl Side {
+    /// The side in words.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Upper => "upper",
+        }
+    }
 }
 
 /// A bound on one of several numbers.
@@ -104,6 +115,35 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
             *g = bound.row(entry(at.x, bound.entry)?);
         }
         Ok(())
+    }
+
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        let Some(bound) = self.0.get(row) else {
+            return RowLabel::numbered(row);
+        };
+        let (index, of_velocity) = match bound.entry.checked_sub(model.dof()) {
+            None => (bound.entry, false),
+            Some(index) => (index, true),
+        };
+        let Some(joint) = model.joints().get(index) else {
+            return RowLabel::numbered(row);
+        };
+        let (what, unit, kind) = if of_velocity {
+            let unit = unit_of(joint, "rad/s", "m/s");
+            ("velocity", unit, RowKind::Velocity(index))
+        } else {
+            (
+                "position",
+                unit_of(joint, "rad", "m"),
+                RowKind::Position(index),
+            )
+        };
+        let (side, joint) = (bound.side.name(), joint.name());
+        RowLabel {
+            name: format!("{side} {what} limit of joint '{joint}'"),
+            unit,
+            kind,
+        }
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

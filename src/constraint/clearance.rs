@@ -1,6 +1,7 @@
 //! Balls that bodies carry, and what they have to stay out of.
 
-use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use super::label::name_of;
+use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -96,6 +97,17 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         }
     }
 
+    /// Spheres are counted from zero.
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        // There is no row without a sphere.
+        let spheres = self.spheres.len().max(1);
+        let Some(ball) = self.balls.get(row / spheres) else {
+            return RowLabel::numbered(row);
+        };
+        let (body, sphere) = (name_of(ball.body, model), row % spheres);
+        clearance(format!("distance of {body} from sphere {sphere}"))
+    }
+
     /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
@@ -159,6 +171,18 @@ impl<C: Scalar> Constraint<C> for HalfSpaceClearance<C> {
         Ok(())
     }
 
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        let Some(ball) = self.balls.get(row) else {
+            return RowLabel::numbered(row);
+        };
+        let HalfSpace { normal, offset } = &self.half_space;
+        let body = name_of(ball.body, model);
+        let [x, y, z] = [normal.x, normal.y, normal.z];
+        clearance(format!(
+            "distance of {body} from the plane ({x:.3?}, {y:.3?}, {z:.3?}) . p = {offset:.3?}"
+        ))
+    }
+
     /// The gradient in `p` is $-n$.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
@@ -179,5 +203,14 @@ impl<C: Scalar> Constraint<C> for HalfSpaceClearance<C> {
             )?;
         }
         Ok(())
+    }
+}
+
+/// The label of a distance.
+fn clearance(name: String) -> RowLabel {
+    RowLabel {
+        name,
+        unit: "m",
+        kind: RowKind::Clearance,
     }
 }

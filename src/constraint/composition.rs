@@ -1,7 +1,8 @@
 //! Several constraints are one.
 
-use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::Result;
+use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
 /// No constraint.
@@ -31,6 +32,20 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         let (a, b) = scales.split_at_mut(self.0.dim());
         self.0.row_scales(a);
         self.1.row_scales(b);
+    }
+
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.label(row, model),
+            Some(row) => self.1.label(row, model),
+        }
+    }
+
+    fn is_equality(&self, row: usize) -> bool {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.is_equality(row),
+            Some(row) => self.1.is_equality(row),
+        }
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
@@ -68,6 +83,17 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         }
     }
 
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        match owner(self, row) {
+            Some((constraint, own)) => constraint.label(own, model),
+            None => RowLabel::numbered(row),
+        }
+    }
+
+    fn is_equality(&self, row: usize) -> bool {
+        owner(self, row).is_some_and(|(constraint, own)| constraint.is_equality(own))
+    }
+
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -81,6 +107,17 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         }
         Ok(())
     }
+}
+
+/// The one of several constraints that a row of all belongs to, and which of its rows it is; `None` where there are fewer rows.
+fn owner<C: Scalar, K: Constraint<C>>(all: &[K], mut row: usize) -> Option<(&K, usize)> {
+    for constraint in all {
+        match row.checked_sub(constraint.dim()) {
+            None => return Some((constraint, row)),
+            Some(rest) => row = rest,
+        }
+    }
+    None
 }
 
 /// Hands everything on to what is behind a pointer.
@@ -97,6 +134,14 @@ macro_rules! delegate {
 
             fn row_scales(&self, scales: &mut [C]) {
                 (**self).row_scales(scales);
+            }
+
+            fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+                (**self).label(row, model)
+            }
+
+            fn is_equality(&self, row: usize) -> bool {
+                (**self).is_equality(row)
             }
 
             fn add_weighted_derivatives<S: AlgebraOver<C>>(

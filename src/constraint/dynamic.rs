@@ -1,7 +1,8 @@
 //! Constraints behind pointers, so that one list can hold any.
 
-use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
+use crate::model::Model;
 use crate::scalar::{AlgebraOver, Lanes, Scalar};
 use num_dual::{Dual64, DualSVec64};
 use std::any::{Any, type_name};
@@ -19,6 +20,12 @@ pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {
 
     /// As [`Constraint::row_scales`].
     fn scales(&self, scales: &mut [C]);
+
+    /// As [`Constraint::label`].
+    fn row_label(&self, row: usize, model: &Model<C>) -> RowLabel;
+
+    /// As [`Constraint::is_equality`].
+    fn row_is_equality(&self, row: usize) -> bool;
 
     /// Fills `slot`, an `Option<Functions<C, S>>`, if `S` is one of the scalars.
     #[doc(hidden)]
@@ -84,6 +91,14 @@ impl<K: Constraint + Clone + Debug + Send + Sync + 'static> DynConstraint for K 
         self.row_scales(scales);
     }
 
+    fn row_label(&self, row: usize, model: &Model) -> RowLabel {
+        self.label(row, model)
+    }
+
+    fn row_is_equality(&self, row: usize) -> bool {
+        self.is_equality(row)
+    }
+
     fn functions(&self, slot: &mut dyn Any) {
         fill::<K, f64>(slot);
         fill::<K, Lanes<f64, 4>>(slot);
@@ -125,6 +140,14 @@ impl<C: Scalar> Constraint<C> for Box<dyn DynConstraint<C>> {
 
     fn row_scales(&self, scales: &mut [C]) {
         (**self).scales(scales);
+    }
+
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        (**self).row_label(row, model)
+    }
+
+    fn is_equality(&self, row: usize) -> bool {
+        (**self).row_is_equality(row)
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -1,4 +1,4 @@
-//! Inequality constraints $g(x) \le 0$, written once for every scalar.
+//! Constraints $g(x) \le 0$, some rows of which may be equalities $g_j(x) = 0$, written once for every scalar.
 //!
 //! A [`Constraint`] is its value; the [guide](crate::guide::constraint) writes one in ten lines. What an optimiser needs
 //! of the derivatives are contractions with weights, one for each row of `g`:
@@ -18,6 +18,7 @@ mod clearance;
 mod composition;
 mod dynamic;
 mod evaluator;
+mod label;
 mod torque_limits;
 mod weighted_derivatives;
 
@@ -27,6 +28,7 @@ pub use capsules::Capsule;
 pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance};
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
+pub use label::{RowKind, RowLabel};
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
 
@@ -36,7 +38,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant};
 use nalgebra::Vector3;
 
-/// Inequality constraints $g_j(x) \le 0$ on a state $x = [q; v]$.
+/// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ where [`is_equality`](Self::is_equality) says so.
 pub trait Constraint<C: Scalar = f64> {
     /// The number of rows $g_j$.
     fn dim(&self) -> usize;
@@ -51,6 +53,20 @@ pub trait Constraint<C: Scalar = f64> {
     /// [`dim`](Self::dim) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
     fn row_scales(&self, scales: &mut [C]) {
         scales.fill(C::one());
+    }
+
+    /// What row `row` is called and the unit of the row divided by its [scale](Self::row_scales), for reports. The number of the
+    /// row without a unit unless overridden.
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        let _ = model;
+        RowLabel::numbered(row)
+    }
+
+    /// Whether row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality $g_j(x) \le 0$. It is none unless
+    /// overridden.
+    fn is_equality(&self, row: usize) -> bool {
+        let _ = row;
+        false
     }
 
     /// Adds to `out` the contractions with the weights of its rows. By dual numbers of the value unless overridden:

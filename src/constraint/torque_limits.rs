@@ -1,15 +1,17 @@
 //! Limits on the torque of each joint, and the bundle of all constraints of a motion.
 
-use super::Constraint;
+use super::label::unit_of;
+use super::{Constraint, RowKind, RowLabel, Side};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Limits $|u_i| \le \bar u_i$, in N m or N; `None` where there is none.
+/// Limits $|u_i| \le \bar u_i$, in N m or N; `None` where there is none, and zero for a passive joint.
 ///
 /// A limit is two linear rows, $u_i - \bar u_i$ and $-u_i - \bar u_i$, and not one in $u_i^2 - \bar u_i^2$: the slope of a row in the
 /// excess is one for every joint, where that of the square is $2 \bar u_i$, so that a weight would mean something else for a strong
-/// joint than for a weak one.
+/// joint than for a weak one. A limit of zero is one row, the equality $u_i = 0$: two inequalities that meet leave no inside, and
+/// their gradients are not independent where they hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueLimits<C: Scalar = f64>(pub Vec<Option<C>>);
 
@@ -25,28 +27,70 @@ impl<C: Scalar> TorqueLimits<C> {
         )
     }
 
-    /// The number of rows: two for each limit.
-    #[must_use]
-    pub fn dim(&self) -> usize {
-        2 * self.0.iter().flatten().count()
+    /// The joint and the limit of each row and the side of the torque that it bounds: both where the joint is passive.
+    fn rows(&self) -> impl Iterator<Item = (usize, C, Option<Side>)> {
+        let limited = self.0.iter().enumerate();
+        let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
+        limited.flat_map(|(i, limit)| {
+            let sides: &[Option<Side>] = if limit == C::zero() {
+                &[None]
+            } else {
+                &[Some(Side::Upper), Some(Side::Lower)]
+            };
+            sides.iter().map(move |side| (i, limit, *side))
+        })
     }
 
-    /// The rows $u_i - \bar u_i$ and $-u_i - \bar u_i$ for each limit, into `g`. `u` has an entry a joint.
+    /// The number of rows: two for each limit, one for each passive joint.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        self.rows().count()
+    }
+
+    /// The rows $u_i - \bar u_i$ and $-u_i - \bar u_i$ for each limit, or $u_i$ where the joint is passive, into `g`, which has
+    /// [`dim`](Self::dim) entries. `u` has one entry per joint.
     ///
     /// # Errors
     /// The lengths are others.
     pub fn value<S: AlgebraOver<C>>(&self, u: &[S], g: &mut [S]) -> Result<()> {
         check_length("u", self.0.len(), u.len())?;
         check_length("g", self.dim(), g.len())?;
-        let limited = u
-            .iter()
-            .zip(&self.0)
-            .filter_map(|(u, limit)| limit.map(|limit| (u, limit)));
-        for ((u, limit), g) in limited.zip(g.chunks_exact_mut(2)) {
-            g[0] = *u - S::lift(limit);
-            g[1] = -*u - S::lift(limit);
+        for ((i, limit, side), g) in self.rows().zip(g) {
+            *g = match side {
+                None => u[i],
+                Some(Side::Upper) => u[i] - S::lift(limit),
+                Some(Side::Lower) => -u[i] - S::lift(limit),
+            };
         }
         Ok(())
+    }
+
+    /// Whether a row is the equality $u_i = 0$ of a passive joint.
+    #[must_use]
+    pub fn is_equality(&self, row: usize) -> bool {
+        self.rows()
+            .nth(row)
+            .is_some_and(|(.., side)| side.is_none())
+    }
+
+    /// What a row is called, in N m or N.
+    #[must_use]
+    pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        let Some((index, _, side)) = self.rows().nth(row) else {
+            return RowLabel::numbered(row);
+        };
+        let Some(joint) = model.joints().get(index) else {
+            return RowLabel::numbered(row);
+        };
+        let (what, name) = (unit_of(joint, "torque", "force"), joint.name());
+        RowLabel {
+            name: match side.map(Side::name) {
+                None => format!("{what} of the passive joint '{name}'"),
+                Some(side) => format!("{side} {what} limit of joint '{name}'"),
+            },
+            unit: unit_of(joint, "N m", "N"),
+            kind: RowKind::Torque(index),
+        }
     }
 }
 
@@ -65,19 +109,46 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
     pub fn dim(&self) -> usize {
         self.state.dim() + self.torque.dim()
     }
+
+    /// The scales of all rows, [`dim`](Self::dim) entries: those of [`Constraint::row_scales`], then one for each row of the torque,
+    /// which is in N m or N as it is.
+    #[must_use]
+    pub fn row_scales(&self) -> Vec<C> {
+        let mut scales = vec![C::one(); self.dim()];
+        self.state.row_scales(&mut scales[..self.state.dim()]);
+        scales
+    }
+
+    /// What a row of all is called, and its unit; see [`Constraint::label`].
+    #[must_use]
+    pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        match row.checked_sub(self.state.dim()) {
+            None => self.state.label(row, model),
+            Some(row) => self.torque.label(row, model),
+        }
+    }
+
+    /// Whether a row of all is an equality; see [`Constraint::is_equality`].
+    #[must_use]
+    pub fn is_equality(&self, row: usize) -> bool {
+        match row.checked_sub(self.state.dim()) {
+            None => self.state.is_equality(row),
+            Some(row) => self.torque.is_equality(row),
+        }
+    }
 }
 
 impl TorqueLimits {
     /// Checks the limits for `model`.
     ///
     /// # Errors
-    /// There is not one entry per joint, or a limit is not positive and finite; it names the joint.
+    /// There is not one entry per joint, or a limit is negative or not finite; it names the joint.
     pub fn check(&self, model: &Model) -> Result<()> {
         check_length("torque limits", model.dof(), self.0.len())?;
         for (joint, limit) in model.joints().iter().zip(&self.0) {
-            if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+            if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit >= 0.0)) {
                 let element = format!("joint '{}': torque limit", joint.name());
-                let condition = format!("it is {limit}, a positive number is needed");
+                let condition = format!("it is {limit}, zero or a positive number is needed");
                 return Err(Error::input(model.name(), element, condition));
             }
         }

@@ -4,7 +4,7 @@ use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use super::{ControlForm, Node, Penalty, RightHandSide, TorquePenalty};
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
@@ -46,6 +46,19 @@ where
             ControlForm::with_cost(model, self.torque_penalty()),
             self.state_penalty(model),
         )
+    }
+
+    /// Refuses equalities in the state, which a penalty would take for inequalities.
+    pub(super) fn refuse_equalities(&self, model: &Model<C>) -> Result<()> {
+        let state = &self.constraints.state;
+        match (0..state.dim()).find(|row| state.is_equality(*row)) {
+            None => Ok(()),
+            Some(row) => {
+                let name = state.label(row, model).name;
+                let condition = "it is an equality, the flow has penalties for inequalities only";
+                Err(Error::input(model.name(), name, condition))
+            }
+        }
     }
 
     /// The limits on the control as a cost of the control.

@@ -36,7 +36,8 @@ impl<C: Scalar> ControlCost<C> for () {
     }
 }
 
-/// Torque limits as a penalty, $\ell_i(u) = b(u - \bar u_i) + b(-u - \bar u_i)$.
+/// Torque limits as a penalty, $\ell_i(u) = b(u - \bar u_i) + b(-u - \bar u_i)$. That of a passive joint, whose limit is zero, is
+/// $k_{cons} u^2$, since the activations of `u` and `-u` add up to one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorquePenalty<C: Scalar = f64> {
     /// The limits.

@@ -166,7 +166,7 @@ pub fn flow(
 /// Runs the constrained flow (A4), otherwise as [`flow`].
 ///
 /// # Errors
-/// As [`flow`], or the constraints are for another robot.
+/// As [`flow`], or the constraints are for another robot, or a row of the state is an equality: a penalty is one-sided.
 pub fn flow_constrained<K: Constraint>(
     problem: &Problem<'_>,
     settings: &FlowSettings,
@@ -174,6 +174,7 @@ pub fn flow_constrained<K: Constraint>(
     observe: &mut dyn FnMut(FlowRecord),
 ) -> Result<FlowOutcome> {
     let model = problem.model();
+    constraints.refuse_equalities(model)?;
     let jacobian = &mut *settings.jacobian.build_constrained(model, constraints);
     let rhs = &mut constraints.right_hand_side(model);
     flow_with(problem, settings, rhs, jacobian, observe)

@@ -1,0 +1,79 @@
+//! What a row of a constraint is called, and in what unit it is measured.
+
+use crate::model::{Joint, JointKind, Model};
+use crate::scalar::Scalar;
+
+/// What a row of a constraint is, for a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowLabel {
+    /// What is limited, such as `upper position limit of joint 'joint_2'`.
+    pub name: String,
+    /// The unit of the row divided by its [scale](super::Constraint::row_scales); empty where it is not known.
+    pub unit: &'static str,
+    /// The kind of quantity that is limited.
+    pub kind: RowKind,
+}
+
+impl RowLabel {
+    /// The label of a row of which nothing is known but its number.
+    #[must_use]
+    pub fn numbered(row: usize) -> Self {
+        Self {
+            name: format!("row {row} of the constraint"),
+            unit: "",
+            kind: RowKind::Other,
+        }
+    }
+}
+
+/// The kind of quantity that a row limits, with the index of the joint where it is that of one joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowKind {
+    /// The position of a joint.
+    Position(usize),
+    /// The velocity of a joint.
+    Velocity(usize),
+    /// The torque or force of a joint.
+    Torque(usize),
+    /// The distance of the robot from an obstacle.
+    Clearance,
+    /// Anything else.
+    Other,
+}
+
+impl RowKind {
+    /// The index of the joint.
+    #[must_use]
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Position(joint) | Self::Velocity(joint) | Self::Torque(joint) => Some(joint),
+            Self::Clearance | Self::Other => None,
+        }
+    }
+}
+
+/// The one of two units that goes with the joint: of turning or of sliding.
+pub(super) fn unit_of<C: Scalar>(
+    joint: &Joint<C>,
+    turning: &'static str,
+    sliding: &'static str,
+) -> &'static str {
+    match joint.kind() {
+        JointKind::Revolute | JointKind::Continuous => turning,
+        JointKind::Prismatic => sliding,
+    }
+}
+
+/// The body in words: its first link, or its joint where it has none.
+pub(super) fn name_of<C: Scalar>(body: Option<usize>, model: &Model<C>) -> String {
+    if let Some(frame) = model.frames().iter().find(|f| f.body == body) {
+        return format!("link '{}'", frame.name);
+    }
+    match body {
+        None => "the base".to_owned(),
+        Some(body) => match model.joints().get(body) {
+            Some(joint) => format!("the body of joint '{}'", joint.name()),
+            None => format!("body {body}"),
+        },
+    }
+}
