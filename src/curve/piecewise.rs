@@ -122,6 +122,16 @@ impl Curve {
         self.x.columns(segment * nodes, nodes)
     }
 
+    /// The derivatives in time of the states at the nodes of one segment, `2 N` by `p + 1`.
+    ///
+    /// # Panics
+    /// There is no such segment.
+    #[must_use]
+    pub fn segment_rates(&self, segment: usize) -> DMatrixView<'_, f64> {
+        let nodes = self.chebyshev.degree() + 1;
+        self.xdot.columns(segment * nodes, nodes)
+    }
+
     /// The segment that a time belongs to: the later one of two that meet there.
     #[must_use]
     pub fn segment_at(&self, t: f64) -> usize {

@@ -1,10 +1,13 @@
-//! What a motion is: the boundary value problem, the control that a curve takes, and whether that control does it.
+//! What a motion is: the boundary value problem, the control that a curve takes, whether that control
+//! does it, and whether the motion keeps its constraints.
 
 mod control;
 mod problem;
 mod simulate;
+mod violations;
 
 pub(crate) use control::samples_at;
 pub use control::{Sample, control_at, sample};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
+pub use violations::{Violation, violations};

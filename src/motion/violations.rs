@@ -1,0 +1,202 @@
+//! Whether a motion keeps its constraints: the one function that decides, for a search as for a report.
+
+use crate::constraint::{Constraint, Constraints, Evaluator};
+use crate::curve::{Chebyshev, Curve};
+use crate::dynamics::{Data, rnea};
+use crate::error::{Error, Result};
+use crate::linalg::multiply;
+use crate::model::Model;
+use crate::scalar::Lanes;
+use nalgebra::{DMatrix, DVector};
+
+/// How many times go through the dynamics side by side.
+const LANES: usize = 4;
+/// A number at that many times.
+type Wide = Lanes<f64, LANES>;
+
+/// The largest value over time of one row of constraints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// The row: those of the state come first, then those of the torque.
+    pub row: usize,
+    /// By how much it is violated, in the unit of its [label](Constraints::label): the row divided by its
+    /// [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative where the row is kept with a
+    /// margin, infinite where it is not a number.
+    pub by: f64,
+    /// When, s.
+    pub at_s: f64,
+}
+
+/// The largest value over time of every row of `constraints` along `curve`, one entry per row, in their order.
+///
+/// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included, since the control
+/// may jump from one segment to the next. Between the times a maximum is that of the parabola through three neighbours; it is off by
+/// O(h^3) for the distance `h` of the times. Each row is computed by itself: its entry does not depend on the others. Cost per time:
+/// O(N p) for the curve, O(N) for the dynamics, and that of the rows.
+///
+/// # Errors
+/// The curve or the constraints are for another robot, a torque limit is negative or not finite, or there is no interval.
+pub fn violations<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    intervals: usize,
+) -> Result<Vec<Violation>> {
+    model.check("curve", curve.dof())?;
+    if constraints.torque.dim() > 0 {
+        constraints.torque.check(model)?;
+    }
+    if intervals == 0 {
+        let condition = "it is 0, at least 1 is needed";
+        return Err(Error::input("violations", "intervals", condition));
+    }
+    let scales = constraints.row_scales();
+    let equalities: Vec<bool> = (0..scales.len())
+        .map(|row| constraints.is_equality(row))
+        .collect();
+    let mut largest: Vec<Violation> = (0..scales.len())
+        .map(|row| Violation {
+            row,
+            by: f64::NEG_INFINITY,
+            at_s: 0.0,
+        })
+        .collect();
+    let interval = curve.chebyshev().horizon() / intervals as f64;
+    let table = interpolation(curve.chebyshev(), intervals);
+    let mut rows = Rows::new(model, constraints, intervals + 1);
+    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
+        rows.evaluate(curve, segment, &table, &scales)?;
+        let all = rows.values.chunks_exact(rows.stride);
+        for ((values, largest), equality) in all.zip(&mut largest).zip(&equalities) {
+            let (by, position) = peak(&values[..=intervals], *equality);
+            if by > largest.by {
+                largest.by = by;
+                largest.at_s = begin + position * interval;
+            }
+        }
+    }
+    Ok(largest)
+}
+
+/// The weights with which the nodes of a segment enter equally spaced times of it, a column for each time.
+fn interpolation(chebyshev: &Chebyshev, intervals: usize) -> DMatrix<f64> {
+    let nodes = chebyshev.degree() + 1;
+    let (mut table, mut weights) = (DMatrix::zeros(nodes, intervals + 1), DVector::zeros(nodes));
+    for k in 0..=intervals {
+        let part = k as f64 / intervals as f64;
+        chebyshev.interpolation(chebyshev.horizon() * part, &mut weights);
+        table.set_column(k, &weights);
+    }
+    table
+}
+
+/// All rows at all times of a segment.
+struct Rows<'a, K> {
+    model: &'a Model,
+    constraints: &'a Constraints<K>,
+    evaluator: Evaluator<'a, f64, Wide>,
+    data: Data<Wide>,
+    /// $[q; v; a]$, the torque and the rows at the times that are side by side.
+    z: Vec<Wide>,
+    u: Vec<Wide>,
+    g: Vec<Wide>,
+    /// $[q; v; a]$ at all times, a column each.
+    states: DMatrix<f64>,
+    /// The rows divided by their scales, one after the other, each over time and filled up to whole lanes.
+    values: Vec<f64>,
+    stride: usize,
+}
+
+impl<'a, K: Constraint> Rows<'a, K> {
+    fn new(model: &'a Model, constraints: &'a Constraints<K>, times: usize) -> Self {
+        let (n, count, zero) = (model.dof(), constraints.dim(), Wide::splat(0.0));
+        let stride = times.next_multiple_of(LANES);
+        Self {
+            model,
+            constraints,
+            evaluator: Evaluator::new(model),
+            data: Data::new(model),
+            z: vec![zero; 3 * n],
+            u: vec![zero; n],
+            g: vec![zero; count],
+            states: DMatrix::zeros(3 * n, times),
+            values: vec![0.0; count * stride],
+            stride,
+        }
+    }
+
+    fn evaluate(
+        &mut self,
+        curve: &Curve,
+        segment: usize,
+        table: &DMatrix<f64>,
+        scales: &[f64],
+    ) -> Result<()> {
+        let n = self.model.dof();
+        let mut nodes = DMatrix::zeros(3 * n, table.nrows());
+        nodes.rows_mut(0, 2 * n).copy_from(&curve.segment(segment));
+        let rates = curve.segment_rates(segment);
+        nodes.rows_mut(2 * n, n).copy_from(&rates.rows(n, n));
+        multiply(&nodes, table, &mut self.states);
+        let Constraints { state, torque } = self.constraints;
+        let (of_state, of_torque) = self.g.split_at_mut(state.dim());
+        let times = self.states.ncols();
+        for first in (0..times).step_by(LANES) {
+            for lane in 0..LANES {
+                let column = (first + lane).min(times - 1) * 3 * n;
+                let from = &self.states.as_slice()[column..column + 3 * n];
+                for (to, from) in self.z.iter_mut().zip(from) {
+                    to.0[lane] = *from;
+                }
+            }
+            let placed = self.evaluator.at(&self.z[..2 * n])?;
+            placed.value(state, of_state)?;
+            if !of_torque.is_empty() {
+                let ([q, v], a) = ([&self.z[..n], &self.z[n..2 * n]], &self.z[2 * n..]);
+                rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;
+                torque.value(&self.u, of_torque)?;
+            }
+            let all = of_state.iter().chain(of_torque.iter()).zip(scales);
+            for ((g, scale), values) in all.zip(self.values.chunks_exact_mut(self.stride)) {
+                for (value, g) in values[first..first + LANES].iter_mut().zip(g.0) {
+                    let scaled = g / scale;
+                    // A comparison would pass over it.
+                    *value = if scaled.is_nan() {
+                        f64::INFINITY
+                    } else {
+                        scaled
+                    };
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The largest of values at equally spaced times, or of their absolute values for an equality, and its position in intervals. Every
+/// maximum of the parabolas through three neighbours takes part: near the middle one, or out to an end where there is no other.
+fn peak(values: &[f64], equality: bool) -> (f64, f64) {
+    let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
+    let mut take = |height: f64, at: f64| {
+        if height > largest {
+            (largest, position) = (height, at);
+        }
+    };
+    for (k, value) in values.iter().enumerate() {
+        let height = if equality { value.abs() } else { *value };
+        take(height, k as f64);
+    }
+    let last = values.len().saturating_sub(3);
+    for (k, window) in values.windows(3).enumerate() {
+        let sign = if equality { window[1].signum() } else { 1.0 };
+        let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
+        let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
+        let from = if k == 0 { -1.0 } else { -0.5 };
+        let to = if k == last { 1.0 } else { 0.5 };
+        if bend > 0.0 && slope >= from * bend && slope <= to * bend {
+            let shift = slope / bend;
+            take(b + 0.5 * slope * shift, (k + 1) as f64 + shift);
+        }
+    }
+    (largest, position)
+}
