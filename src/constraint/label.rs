@@ -3,10 +3,10 @@
 use crate::model::{Joint, JointKind, Model};
 use crate::scalar::Scalar;
 
-/// What a row of a constraint is, for a report.
+/// The name, unit and kind of a row of a constraint, for a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowLabel {
-    /// What is limited, such as `upper position limit of joint 'joint_2'`.
+    /// The quantity that is limited, such as `upper position limit of joint 'joint_2'`.
     pub name: String,
     /// The unit of the row divided by its [scale](super::Constraint::row_scales); empty where it is not known.
     pub unit: &'static str,

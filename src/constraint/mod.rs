@@ -55,14 +55,14 @@ pub trait Constraint<C: Scalar = f64> {
         scales.fill(C::one());
     }
 
-    /// What row `row` is called and the unit of the row divided by its [scale](Self::row_scales), for reports. The number of the
+    /// The name of row `row` and the unit of the row divided by its [scale](Self::row_scales), for reports. The number of the
     /// row without a unit unless overridden.
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let _ = model;
         RowLabel::numbered(row)
     }
 
-    /// Whether row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality $g_j(x) \le 0$. It is none unless
+    /// Tells whether row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality $g_j(x) \le 0$. None is unless
     /// overridden.
     fn is_equality(&self, row: usize) -> bool {
         let _ = row;

@@ -65,7 +65,7 @@ impl<C: Scalar> TorqueLimits<C> {
         Ok(())
     }
 
-    /// Whether a row is the equality $u_i = 0$ of a passive joint.
+    /// Tells whether a row is the equality $u_i = 0$ of a passive joint.
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
         self.rows()
@@ -73,7 +73,7 @@ impl<C: Scalar> TorqueLimits<C> {
             .is_some_and(|(.., side)| side.is_none())
     }
 
-    /// What a row is called, in N m or N.
+    /// The name of a row and its unit, N m or N.
     #[must_use]
     pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let Some((index, _, side)) = self.rows().nth(row) else {
@@ -119,7 +119,7 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         scales
     }
 
-    /// What a row of all is called, and its unit; see [`Constraint::label`].
+    /// The name of a row of all and its unit; see [`Constraint::label`].
     #[must_use]
     pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         match row.checked_sub(self.state.dim()) {
@@ -128,7 +128,7 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         }
     }
 
-    /// Whether a row of all is an equality; see [`Constraint::is_equality`].
+    /// Tells whether a row of all is an equality; see [`Constraint::is_equality`].
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
         match row.checked_sub(self.state.dim()) {

@@ -19,11 +19,11 @@ type Wide = Lanes<f64, LANES>;
 pub struct Violation {
     /// The row: those of the state come first, then those of the torque.
     pub row: usize,
-    /// By how much it is violated, in the unit of its [label](Constraints::label): the row divided by its
+    /// The amount by which it is violated, in the unit of its [label](Constraints::label): the row divided by its
     /// [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative where the row is kept with a
     /// margin, infinite where it is not a number.
     pub by: f64,
-    /// When, s.
+    /// The time of that, s.
     pub at_s: f64,
 }
 

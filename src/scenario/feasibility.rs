@@ -1,108 +1,207 @@
 //! What a motion keeps clear of, and which limits it breaks.
 
 use super::Scenario;
+use crate::constraint::{
+    AnyConstraint, Bounds, Constraint, Constraints, RowKind, RowLabel, TorqueLimits,
+};
+use crate::curve::Curve;
 use crate::error::Result;
-use crate::motion::Sample;
+use crate::motion::{Violation, sample, violations};
 use serde::Serialize;
 use std::fmt;
 
-/// A report on whether a motion can be carried out, from a fine grid of times.
+/// At how many intervals of time a motion is looked at, at least.
+const INTERVALS: usize = 2000;
+
+/// How many violations a sentence names.
+const NAMED: usize = 3;
+
+/// A report on whether a motion can be carried out.
 #[derive(Clone, Debug, Serialize)]
 pub struct Feasibility {
-    /// The smallest distance of the robot's shape from an obstacle, m; negative in a collision, `None` without obstacles.
+    /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None` without
+    /// obstacles. The rows that keep the robot clear are those of balls that cover the shape, so they are stricter.
     pub smallest_clearance_m: Option<f64>,
-    /// The worst violation of each kind of limit by each joint that breaks one.
+    /// The violations, however small: of all that the scenario enforces and of all limits of the robot, the worst violation of
+    /// each kind of limit by each joint, and of each distance between a link and an obstacle. What is enforced comes first.
     pub limit_violations: Vec<LimitViolation>,
 }
 
-/// A limit of a joint that is broken.
+/// A limit that is violated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitViolation {
-    /// The joint.
-    pub joint: String,
+    /// The joint, where it is a limit of one.
+    pub joint: Option<String>,
     /// The kind of the limit.
     pub limit: Limit,
-    /// The amount by which the limit is exceeded at worst, in rad or m, rad/s or m/s, N m or N.
+    /// The limit in words.
+    pub name: String,
+    /// The amount by which the limit is exceeded at worst; see [`Violation::by`].
     pub by: f64,
+    /// The unit of that: rad or m, rad/s or m/s, N m or N.
+    pub unit: &'static str,
     /// The time of the worst, s.
     pub at_s: f64,
+    /// `true` where the scenario enforces it.
+    pub enforced: bool,
 }
 
 impl fmt::Display for LimitViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let limit = match self.limit {
-            Limit::Position => "position",
-            Limit::Velocity => "velocity",
-            Limit::Torque => "torque",
-        };
         let Self {
-            joint, by, at_s, ..
+            name, unit, at_s, ..
         } = self;
-        write!(f, "{limit} of joint '{joint}' by {by:.3} at {at_s:.2} s")
+        let by = three_figures(self.by);
+        let space = if unit.is_empty() { "" } else { " " };
+        write!(f, "{name} by {by}{space}{unit} at {at_s:.3} s")
     }
+}
+
+/// A positive number with three significant digits.
+fn three_figures(x: f64) -> String {
+    if !(1e-3..1e4).contains(&x) {
+        return format!("{x:.2e}");
+    }
+    // Of 1e-3 the logarithm is -3, of 999 it is 2; beyond that no digit is behind the point.
+    let decimals = (2.0 - x.log10().floor()).max(0.0);
+    format!("{x:.*}", decimals as usize)
 }
 
 /// The kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
-    /// The position.
+    /// The position of a joint.
     Position,
-    /// The speed.
+    /// The speed of a joint.
     Velocity,
-    /// The torque or force.
+    /// The torque or force of a joint.
     Torque,
+    /// The distance from an obstacle.
+    Clearance,
+    /// Anything else.
+    Other,
+}
+
+impl From<RowKind> for Limit {
+    fn from(kind: RowKind) -> Self {
+        match kind {
+            RowKind::Position(_) => Self::Position,
+            RowKind::Velocity(_) => Self::Velocity,
+            RowKind::Torque(_) => Self::Torque,
+            RowKind::Clearance => Self::Clearance,
+            RowKind::Other => Self::Other,
+        }
+    }
 }
 
 impl Feasibility {
-    /// That of a motion given by `samples`.
+    /// That of a motion, by [`violations`] at no fewer than 2001 times.
     ///
     /// # Errors
-    /// The samples are those of another robot.
-    pub fn of(scenario: &Scenario, samples: &[Sample]) -> Result<Self> {
-        let configurations = samples.iter().map(|s| s.q.as_slice());
+    /// The curve is for another robot, or a torque limit is negative.
+    pub fn of(scenario: &Scenario, curve: &Curve) -> Result<Self> {
         let model = &scenario.model;
-        let mut limit_violations = Vec::new();
-        for (i, joint) in model.joints().iter().enumerate() {
-            let limits = joint.limits();
-            let excess = |limit: Limit, s: &Sample| match limit {
-                Limit::Position => (s.q[i] - limits.upper).max(limits.lower - s.q[i]),
-                Limit::Velocity => s.v[i].abs() - limits.velocity,
-                Limit::Torque => s.u[i].abs() - limits.effort,
-            };
-            for limit in [Limit::Position, Limit::Velocity, Limit::Torque] {
-                let all = samples.iter().map(|s| (excess(limit, s), s.t));
-                let worst = all.max_by(|(a, _), (b, _)| a.total_cmp(b));
-                if let Some((by, at_s)) = worst.filter(|(by, _)| *by > 0.0) {
-                    limit_violations.push(LimitViolation {
-                        joint: joint.name().to_owned(),
-                        limit,
-                        by,
-                        at_s,
-                    });
-                }
-            }
+        let enforced = Constraints {
+            state: scenario.state_constraints()?,
+            torque: scenario.torque_limits(),
+        };
+        let kept = scenario.file.enforced_limits;
+        let mut others = Vec::new();
+        if !kept.position {
+            others.push(AnyConstraint::Bounds(Bounds::positions(model)));
         }
+        if !kept.velocity {
+            others.push(AnyConstraint::Bounds(Bounds::velocities(model)));
+        }
+        let others = Constraints {
+            state: others,
+            torque: if kept.torque {
+                TorqueLimits(Vec::new())
+            } else {
+                TorqueLimits::of(model)
+            },
+        };
+        let mut limit_violations = Vec::new();
+        add(scenario, curve, &enforced, true, &mut limit_violations)?;
+        add(scenario, curve, &others, false, &mut limit_violations)?;
+        let samples = if scenario.environment.is_empty() {
+            Vec::new()
+        } else {
+            sample(model, curve, INTERVALS)?
+        };
+        let configurations = samples.iter().map(|s| s.q.as_slice());
+        let environment = &scenario.environment;
         Ok(Self {
-            smallest_clearance_m: (scenario.environment)
-                .smallest_clearance(model, configurations)?,
+            smallest_clearance_m: environment.smallest_clearance(model, configurations)?,
             limit_violations,
         })
     }
 
-    /// Tells whether nothing is hit by more than `depth` and the limits that the scenario enforces are kept within `tolerance`.
+    /// Tells whether all that the scenario enforces is kept within `tolerance`, in the unit of each.
     #[must_use]
-    pub fn holds(&self, scenario: &Scenario, depth: f64, tolerance: f64) -> bool {
-        let enforced = scenario.file.enforced_limits;
-        let broken = |violation: &LimitViolation| {
-            let enforced = match violation.limit {
-                Limit::Position => enforced.position,
-                Limit::Velocity => enforced.velocity,
-                Limit::Torque => enforced.torque,
-            };
-            enforced && violation.by > tolerance
-        };
-        self.smallest_clearance_m.is_none_or(|m| m >= -depth)
-            && !self.limit_violations.iter().any(broken)
+    pub fn holds(&self, tolerance: f64) -> bool {
+        self.beyond(tolerance).next().is_none()
     }
+
+    /// The enforced limits that are violated by more than `tolerance`, in words; `None` where [all is kept](Self::holds).
+    #[must_use]
+    pub fn reason(&self, tolerance: f64) -> Option<String> {
+        let named: Vec<_> = self.beyond(tolerance).map(ToString::to_string).collect();
+        let (first, more) = named.split_at(NAMED.min(named.len()));
+        let more = match more.len() {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
+    }
+
+    /// What is enforced and violated by more than `tolerance`.
+    fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
+        let all = self.limit_violations.iter();
+        all.filter(move |violation| violation.enforced && violation.by > tolerance)
+    }
+}
+
+/// Adds what is violated of `constraints`: of rows of one kind and joint, or without a joint of one name, the worst.
+fn add<K: Constraint>(
+    scenario: &Scenario,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    enforced: bool,
+    found: &mut Vec<LimitViolation>,
+) -> Result<()> {
+    let model = &scenario.model;
+    let intervals = INTERVALS.div_ceil(curve.segments());
+    let first = found.len();
+    for Violation { row, by, at_s } in violations(model, curve, constraints, intervals)? {
+        if by <= 0.0 {
+            continue;
+        }
+        let RowLabel { name, unit, kind } = constraints.label(row, model);
+        let joint = kind
+            .joint()
+            .and_then(|i| model.joints().get(i))
+            .map(|joint| joint.name().to_owned());
+        let new = LimitViolation {
+            joint,
+            limit: kind.into(),
+            name,
+            by,
+            unit,
+            at_s,
+            enforced,
+        };
+        let same = |old: &&mut LimitViolation| {
+            old.limit == new.limit
+                && old.joint == new.joint
+                && (new.joint.is_some() || old.name == new.name)
+        };
+        match found[first..].iter_mut().find(same) {
+            Some(old) if old.by < new.by => *old = new,
+            Some(_) => {}
+            None => found.push(new),
+        }
+    }
+    Ok(())
 }

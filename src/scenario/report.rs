@@ -9,16 +9,14 @@ use crate::flow::{
     EffortSummary, FlowRecord, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of,
     flow, flow_constrained,
 };
-use crate::motion::{Feedback, replay_error, sample, simulate};
+use crate::motion::{Feedback, replay_error, simulate};
 use crate::relax::{
     CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax, relax_constrained,
     relax_constrained_with, relax_with,
 };
 use std::time::Instant;
 
-/// At how many intervals of time feasibility is looked at.
-const INTERVALS: usize = 2000;
-/// By how much a limit that is enforced may be exceeded after the flow, in its own unit: penalties give way a little.
+/// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
 /// The progress of a solve.
@@ -262,19 +260,19 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
     let final_error_inf = final_error(scenario.file.feedback)?;
     let success_threshold = scenario.file.success_threshold;
     let reached = final_error_inf.is_some_and(|e| e < success_threshold);
-    let feasibility = Feasibility::of(scenario, &sample(model, &curve, INTERVALS)?)?;
-    let (method, feasible) = match details {
-        Details::Flow(_) => (
-            Method::Flow,
-            feasibility.holds(scenario, 0.0, LIMIT_TOLERANCE),
-        ),
-        Details::Relax(_) => {
-            let tolerance = RelaxSettings::FEASIBLE;
-            (
-                Method::Relax,
-                feasibility.holds(scenario, tolerance, tolerance),
-            )
-        }
+    let feasibility = Feasibility::of(scenario, &curve)?;
+    let (method, tolerance) = match details {
+        Details::Flow(_) => (Method::Flow, LIMIT_TOLERANCE),
+        Details::Relax(_) => (Method::Relax, RelaxSettings::FEASIBLE),
+    };
+    let feasible = feasibility.holds(tolerance);
+    // A failed search with all that it violates; a flow that came to its end is judged by `success`.
+    let failure = match (method, feasibility.reason(tolerance)) {
+        (Method::Relax, Some(reason)) => Some(match failure {
+            Some(failure) => format!("{failure}; {reason}"),
+            None => reason,
+        }),
+        _ => failure,
     };
     let summary = Summary {
         scenario: scenario.name.clone(),

@@ -3,7 +3,7 @@
 use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
+    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
@@ -264,6 +264,15 @@ fn costs_by_their_values() {
         assert_close!(&ours[..1], &[slope], 1e-8);
         assert_close!(&torque.derivatives(1, u), &[0.0; 3], 0.0);
     }
+    // A passive joint is charged the square.
+    let passive = TorquePenalty {
+        limits: TorqueLimits(vec![Some(0.0)]),
+        penalty: torque.penalty,
+    };
+    for u in [-1.3, 0.4] {
+        assert_close!(&[ControlCost::value(&passive, 0, u)], &[2.0 * u * u], 1e-14);
+        assert_close!(&passive.derivatives(0, u), &[4.0 * u, 4.0, 0.0], 1e-13);
+    }
     assert!(!torque.is_zero());
     assert!(ControlCost::<f64>::is_zero(&()));
     let none = TorqueLimits::<f64>::of(&random_tree(3, 1).expect("three joints"));
@@ -334,4 +343,52 @@ fn the_flow_heeds_constraints() {
         let other = limited(limit, &settings.with_jacobian(kind));
         assert!((other.x() - slow.x()).amax() < 1e-3, "{name}");
     }
+}
+
+/// A penalty is one-sided, so an equality would be half of one.
+#[test]
+fn an_equality_in_the_state_is_refused() {
+    #[derive(Clone, Debug)]
+    struct Level(Bounds);
+    impl Constraint for Level {
+        fn dim(&self) -> usize {
+            self.0.dim()
+        }
+
+        fn value<S: AlgebraOver<f64>>(
+            &self,
+            at: &PlacedState<'_, f64, S>,
+            g: &mut [S],
+        ) -> aghf::Result<()> {
+            self.0.value(at, g)
+        }
+
+        fn is_equality(&self, row: usize) -> bool {
+            row == 1
+        }
+    }
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let problem = scenario.problem().expect("it is one");
+    let bound = |value| Bound {
+        entry: 0,
+        side: Side::Upper,
+        value,
+    };
+    let one = Penalty {
+        k_cons: 1.0,
+        c_cons: 1.0,
+    };
+    let level = Penalised {
+        constraints: Constraints {
+            state: vec![Level(Bounds(vec![bound(9.0), bound(1.0)]))],
+            torque: TorqueLimits(vec![]),
+        },
+        weights: PenaltyWeights {
+            state: one,
+            torque: one,
+        },
+    };
+    let settings = FlowSettings::new(9, 1e3, 1.0);
+    let refused = flow_constrained(&problem, &settings, &level, &mut |_| ());
+    assert_refused(refused, "row 1 of the constraint: it is an equality");
 }
