@@ -1,9 +1,7 @@
 //! What a motion keeps clear of, and which limits it breaks.
 
 use super::Scenario;
-use crate::constraint::{
-    AnyConstraint, Bounds, Constraint, Constraints, RowKind, RowLabel, TorqueLimits,
-};
+use crate::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::motion::{Violation, sample, violations};
@@ -36,7 +34,7 @@ pub struct LimitViolation {
     pub limit: Limit,
     /// The limit in words.
     pub name: String,
-    /// The amount by which the limit is exceeded at worst; see [`Violation::by`].
+    /// The amount by which the limit, or the share of it that is enforced, is exceeded at worst; see [`Violation::by`].
     pub by: f64,
     /// The unit of that: rad or m, rad/s or m/s, N m or N.
     pub unit: &'static str,
@@ -106,25 +104,15 @@ impl Feasibility {
             state: scenario.state_constraints()?,
             torque: scenario.torque_limits(),
         };
-        let kept = scenario.file.enforced_limits;
-        let mut others = Vec::new();
-        if !kept.position {
-            others.push(AnyConstraint::Bounds(Bounds::positions(model)));
-        }
-        if !kept.velocity {
-            others.push(AnyConstraint::Bounds(Bounds::velocities(model)));
-        }
-        let others = Constraints {
-            state: others,
-            torque: if kept.torque {
-                TorqueLimits(Vec::new())
-            } else {
-                TorqueLimits::of(model)
-            },
-        };
         let mut limit_violations = Vec::new();
         add(scenario, curve, &enforced, true, &mut limit_violations)?;
-        add(scenario, curve, &others, false, &mut limit_violations)?;
+        add(
+            scenario,
+            curve,
+            &scenario.other_limits(),
+            false,
+            &mut limit_violations,
+        )?;
         let samples = if scenario.environment.is_empty() {
             Vec::new()
         } else {

@@ -1,10 +1,10 @@
 //! Reading a scenario.
 
-use super::Environment;
 use super::builtin::builtin_scenario;
 use super::generate::generate;
+use super::json::read_json;
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use crate::constraint::{AnyConstraint, Bounds, TorqueLimits};
+use super::{EnforcedLimits, Environment};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -52,31 +52,6 @@ pub enum RobotShape {
 
 fn default_spacing() -> f64 {
     0.05
-}
-
-/// The limits of the joints that are constraints. All are reported when they are violated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct EnforcedLimits {
-    /// Those on positions.
-    pub position: bool,
-    /// Those on velocities.
-    pub velocity: bool,
-    /// Those on torques and forces.
-    pub torque: bool,
-}
-
-impl EnforcedLimits {
-    /// Tells whether there are any.
-    #[must_use]
-    pub fn any(self) -> bool {
-        self.position || self.velocity || self.torque
-    }
-
-    /// Whether there are none.
-    fn none(&self) -> bool {
-        !self.any()
-    }
 }
 
 /// The parameters of the flow that suit a scenario.
@@ -145,8 +120,8 @@ pub struct ScenarioFile {
     /// The parts of the robot that keep clear.
     #[serde(default)]
     pub robot_shape: RobotShape,
-    /// The limits of the joints that are constraints; none unless said.
-    #[serde(default, skip_serializing_if = "EnforcedLimits::none")]
+    /// Which limits of the joints are constraints; all unless said.
+    #[serde(default)]
     pub enforced_limits: EnforcedLimits,
     /// Parameters of the flow; the paper's for Kinova where there are none.
     #[serde(default)]
@@ -252,6 +227,7 @@ impl Scenario {
         Chebyshev::check_degree(file.flow.p)
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
         check_objective(&file, model.dof(), path)?;
+        file.enforced_limits.check(&model, path)?;
         let environment = Environment::new(&model, &file, path)?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
@@ -276,38 +252,6 @@ impl Scenario {
         )
     }
 
-    /// Tells whether there are no constraints.
-    #[must_use]
-    pub fn is_free(&self) -> bool {
-        self.environment.is_empty() && !self.file.enforced_limits.any()
-    }
-
-    /// The constraints on the state: clear of obstacles, within the limits that are enforced.
-    ///
-    /// # Errors
-    /// As [`Environment::constraints`].
-    pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
-        let mut constraints = self.environment.constraints()?;
-        let enforced = self.file.enforced_limits;
-        if enforced.position {
-            constraints.push(AnyConstraint::Bounds(Bounds::positions(&self.model)));
-        }
-        if enforced.velocity {
-            constraints.push(AnyConstraint::Bounds(Bounds::velocities(&self.model)));
-        }
-        Ok(constraints)
-    }
-
-    /// The limits on the control that are enforced.
-    #[must_use]
-    pub fn torque_limits(&self) -> TorqueLimits {
-        if self.file.enforced_limits.torque {
-            TorqueLimits::of(&self.model)
-        } else {
-            TorqueLimits(Vec::new())
-        }
-    }
-
     /// Boundary positions outside the limits of their joints, in words. The paper's Digit scenarios have some, so they are
     /// told rather than refused.
     #[must_use]
@@ -329,28 +273,4 @@ impl Scenario {
         }
         notes
     }
-}
-
-/// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
-pub(crate) fn read_json<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T> {
-    // Serde would take a list for the values of the keys in order.
-    if text.trim_start().starts_with('[') {
-        return Err(Error::input(
-            file,
-            "scenario",
-            "it is a list, not an object with keys",
-        ));
-    }
-    let reader = &mut serde_json::Deserializer::from_str(text);
-    let value = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
-        let key = match error.path().to_string().as_str() {
-            "." => "scenario".to_owned(),
-            path => path.to_owned(),
-        };
-        Error::input(file, key, error.into_inner().to_string())
-    })?;
-    reader
-        .end()
-        .map_err(|e| Error::input(file, "scenario", e.to_string()))?;
-    Ok(value)
 }

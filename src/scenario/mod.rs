@@ -5,6 +5,8 @@ mod environment;
 mod feasibility;
 mod file;
 mod generate;
+mod json;
+mod limits;
 mod objective;
 mod options;
 mod report;
@@ -14,10 +16,10 @@ pub use builtin::builtin_scenarios;
 pub use environment::Environment;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{
-    EnforcedLimits, FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile,
-    SphereObstacle,
+    FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile, SphereObstacle,
 };
 pub use generate::{FAMILIES, Family, generate, generated_scenarios};
+pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
 pub use report::{Record, SolveReport, solve};

@@ -1,7 +1,7 @@
 //! What a motion keeps clear of and which limits it breaks.
 
 use aghf::curve::{Chebyshev, Curve};
-use aghf::scenario::{EnforcedLimits, Feasibility, Limit, LimitViolation, Scenario};
+use aghf::scenario::{Enforced, EnforcedLimits, Feasibility, Limit, LimitViolation, Scenario};
 use nalgebra::DMatrix;
 
 /// A motion of 2 s that does not exist: Kinova upright, with these positions and velocities of joint 0 over time.
@@ -30,7 +30,7 @@ fn only(feasibility: &Feasibility) -> &LimitViolation {
 #[test]
 fn broken_limits_are_told_and_enforced_ones_matter() {
     let mut scenario = Scenario::load("kinova_free_01").expect("built in");
-    scenario.file.enforced_limits = EnforcedLimits::default();
+    scenario.file.enforced_limits = EnforcedLimits::NONE;
     let joint = scenario.model.joints()[0].clone();
     let limits = *joint.limits();
     // Upright the arm turns about the vertical, and nothing but this joint has anything to do.
@@ -70,7 +70,7 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
     let most = 1.5 * (limits.velocity + 0.0123) - limits.velocity;
     assert!((speed.by - most).abs() < 1e-12 && speed.at_s == 0.0);
     assert!(found.holds(0.0));
-    scenario.file.enforced_limits.velocity = true;
+    scenario.file.enforced_limits.velocity = Enforced::default();
     let check = |fast: &Curve| of(&scenario, fast);
     let found = check(&fast);
     assert!(!found.holds(0.0) && !found.holds(most - 1e-9) && found.holds(most + 1e-9));
@@ -107,8 +107,12 @@ fn a_torque_beyond_its_limit() {
     let effort = scenario.model.joints()[0].limits().effort;
     for enforced in [false, true] {
         scenario.file.enforced_limits = EnforcedLimits {
-            torque: enforced,
-            ..EnforcedLimits::default()
+            torque: if enforced {
+                Enforced::default()
+            } else {
+                Enforced::No
+            },
+            ..EnforcedLimits::NONE
         };
         // Hard enough whatever the inertia about the vertical is.
         let found = of(&scenario, &motion(|_| 0.0, |t| 1e3 * effort * (t - 1.0)));

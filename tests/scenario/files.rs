@@ -1,6 +1,6 @@
 //! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
 
-use aghf::scenario::{RobotShape, Scenario, SolveOptions};
+use aghf::scenario::{EnforcedLimits, RobotShape, Scenario, SolveOptions};
 use aghf::urdf::load_robot;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ fn what_a_file_says_is_what_is_solved() {
 }
 
 #[test]
-fn what_a_file_leaves_out_is_the_papers_choice_for_kinova() {
+fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let mut short = good();
     let about_obstacles = [
         "sphere_obstacles",
@@ -108,7 +108,8 @@ fn what_a_file_leaves_out_is_the_papers_choice_for_kinova() {
     assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
-    assert!(!file.enforced_limits.any() && file.sphere_obstacles.is_empty());
+    assert_eq!(file.enforced_limits, EnforcedLimits::default());
+    assert!(file.enforced_limits.any() && file.sphere_obstacles.is_empty());
     assert_eq!(
         (file.feedback.kp, file.feedback.kv, file.success_threshold),
         (10.0, 10.0, 0.05)

@@ -198,10 +198,10 @@ fn what_was_found_is_told() {
     assert!((details.cost.expect("with the time") - total).abs() < 2e-3 * total);
     assert!(total < effort + 300.0 * 1.5);
 
-    // All at once, and within limits.
+    // All at once, and above a floor: the robot has no limits.
     let all = json!({
         "free_final_velocity": true, "running_cost": { "velocity": 1.0 },
-        "free_horizon": bounds(300.0), "enforced_limits": { "velocity": true },
+        "free_horizon": bounds(300.0), "half_spaces": [{ "normal": [0.0, 0.0, 1.0], "offset_m": -1.9 }],
     });
     let (_, details) = solved("all", all);
     assert!(details.horizon_s < 1.5 && details.largest_violation.is_some());

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::ScenarioFile;
 use crate::scenario::builtin::builtin_scenario;
-use crate::scenario::file::read_json;
+use crate::scenario::json::read_json;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -165,7 +165,7 @@ impl Family {
                 radius_m: self.link_radius,
                 spacing_m: 0.05,
             },
-            enforced_limits: EnforcedLimits::default(),
+            enforced_limits: EnforcedLimits::NONE,
             flow: self.flow,
             feedback: self.feedback,
             success_threshold: 0.05,

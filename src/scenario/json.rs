@@ -1,0 +1,49 @@
+//! Reading JSON, with errors that name the key.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
+pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
+    let refuse = |key: &str, condition: String| Error::input(file, key, condition);
+    // Said first, as the first entry would be blamed.
+    if text.trim_start().starts_with('[') {
+        return Err(refuse("scenario", NO_OBJECT.to_owned()));
+    }
+    let reader = &mut serde_json::Deserializer::from_str(text);
+    let value: T = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
+        let path = error.path().to_string();
+        let key = if path == "." { "scenario" } else { &path };
+        refuse(key, error.inner().to_string())
+    })?;
+    let of_text = |e: serde_json::Error| refuse("scenario", e.to_string());
+    reader.end().map_err(of_text)?;
+    let given = serde_json::from_str(text).map_err(of_text)?;
+    let read = serde_json::to_value(&value).map_err(of_text)?;
+    match list_for_object(&given, &read) {
+        Some(path) => Err(refuse(path.trim_start_matches('.'), NO_OBJECT.to_owned())),
+        None => Ok(value),
+    }
+}
+
+const NO_OBJECT: &str = "it is a list, not an object with keys";
+
+/// Where `given` has a list that was read as something else: serde takes one for the values of the keys of an object in order.
+fn list_for_object(given: &Value, read: &Value) -> Option<String> {
+    match (given, read) {
+        (Value::Object(given), Value::Object(read)) => given.iter().find_map(|(key, given)| {
+            let path = list_for_object(given, read.get(key)?)?;
+            Some(format!(".{key}{path}"))
+        }),
+        (Value::Array(given), Value::Array(read)) => {
+            let mut both = given.iter().zip(read).enumerate();
+            both.find_map(|(i, (given, read))| {
+                Some(format!("[{i}]{}", list_for_object(given, read)?))
+            })
+        }
+        (Value::Array(_), _) => Some(String::new()),
+        _ => None,
+    }
+}

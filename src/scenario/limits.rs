@@ -1,0 +1,291 @@
+//! The limits of the joints that are constraints.
+
+use super::{Limit, Scenario};
+use crate::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
+use crate::error::{Error, Result};
+use crate::model::{JointKind, Model};
+use serde::{Deserialize, Serialize};
+
+/// The limits of the joints that are constraints: all that the robot has unless said otherwise. The others are reported when they
+/// are violated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EnforcedLimits {
+    /// Those on positions. A share of a range is about its middle; a range with one end stays as it is.
+    pub position: Enforced,
+    /// Those on velocities.
+    pub velocity: Enforced,
+    /// Those on torques and forces.
+    pub torque: Enforced,
+}
+
+/// The part of one kind of limit that is enforced.
+///
+/// In JSON `true`, `false`, a share, or an object with the keys `share` and `joints`, both optional.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Written", into = "Written")]
+pub enum Enforced {
+    /// Nothing.
+    No,
+    /// Limits of joints.
+    Share {
+        /// The part of a limit that may be used, above 0 and at most 1.
+        share: f64,
+        /// The names of the joints; all without any.
+        joints: Option<Vec<String>>,
+    },
+}
+
+impl Default for Enforced {
+    /// All limits as they are.
+    fn default() -> Self {
+        Self::Share {
+            share: whole(),
+            joints: None,
+        }
+    }
+}
+
+impl EnforcedLimits {
+    /// No limits.
+    pub const NONE: Self = Self {
+        position: Enforced::No,
+        velocity: Enforced::No,
+        torque: Enforced::No,
+    };
+
+    /// Tells whether limits of any kind are enforced, should the robot have some.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        *self != Self::NONE
+    }
+
+    /// The lower and the upper bound that are enforced on the position, velocity or torque of joint `joint` of `model`, in rad or m,
+    /// rad/s or m/s, N m or N; one of them may be infinite. `None` where nothing is enforced, and for a limit that is not of a joint.
+    #[must_use]
+    pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        let joint = model.joints().get(joint)?;
+        let share = self.of(limit)?.share(joint.name())?;
+        let limits = joint.limits();
+        let both = |most: f64| [-share * most, share * most];
+        let [lower, upper] = match limit {
+            Limit::Position => within([limits.lower, limits.upper], share),
+            Limit::Velocity => both(limits.velocity),
+            Limit::Torque => both(limits.effort),
+            Limit::Clearance | Limit::Other => return None,
+        };
+        (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
+    }
+
+    /// The part of a kind of limit that is enforced.
+    fn of(&self, limit: Limit) -> Option<&Enforced> {
+        match limit {
+            Limit::Position => Some(&self.position),
+            Limit::Velocity => Some(&self.velocity),
+            Limit::Torque => Some(&self.torque),
+            Limit::Clearance | Limit::Other => None,
+        }
+    }
+
+    /// Refuses shares and names of joints that make no sense for `model`. `path` names the scenario.
+    pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
+        for limit in Limit::OF_JOINTS {
+            let Some(Enforced::Share { share, joints }) = self.of(limit) else {
+                continue;
+            };
+            let key = format!("enforced_limits.{}", limit.name());
+            if !(*share > 0.0 && *share <= 1.0) {
+                let condition = format!("it is {share}, a share is above 0 and at most 1");
+                return Err(Error::input(path, key, condition));
+            }
+            let known = |name: &String| model.joints().iter().any(|joint| joint.name() == name);
+            if let Some(unknown) = joints.iter().flatten().find(|name| !known(name)) {
+                let condition = format!("the robot has no joint '{unknown}' that moves");
+                return Err(Error::input(path, format!("{key}.joints"), condition));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The part of a range that is this share of it, about its middle.
+fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
+    let cut = 0.5 * (1.0 - share) * (upper - lower);
+    if cut.is_finite() {
+        [lower + cut, upper - cut]
+    } else {
+        [lower, upper]
+    }
+}
+
+impl Enforced {
+    /// The share that is enforced for a joint.
+    fn share(&self, joint: &str) -> Option<f64> {
+        let Self::Share { share, joints } = self else {
+            return None;
+        };
+        let named = |joints: &Vec<String>| joints.iter().any(|name| name == joint);
+        joints.as_ref().is_none_or(named).then_some(*share)
+    }
+}
+
+impl Limit {
+    /// The kinds that are limits of a joint.
+    pub(super) const OF_JOINTS: [Self; 3] = [Self::Position, Self::Velocity, Self::Torque];
+
+    /// Its name, that of the key of a scenario.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Torque => "torque",
+            Self::Clearance => "clearance",
+            Self::Other => "other",
+        }
+    }
+
+    /// Its unit for a joint of this kind.
+    pub(super) fn unit(self, kind: JointKind) -> &'static str {
+        let slides = kind == JointKind::Prismatic;
+        match self {
+            Self::Position if slides => "m",
+            Self::Position => "rad",
+            Self::Velocity if slides => "m/s",
+            Self::Velocity => "rad/s",
+            Self::Torque if slides => "N",
+            Self::Torque => "N m",
+            Self::Clearance => "m",
+            Self::Other => "",
+        }
+    }
+}
+
+impl Scenario {
+    /// As [`EnforcedLimits::bound`], of this scenario.
+    #[must_use]
+    pub fn bound(&self, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        (self.file.enforced_limits).bound(&self.model, limit, joint)
+    }
+
+    /// Tells whether there are no constraints.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
+        self.environment.is_empty() && !Limit::OF_JOINTS.into_iter().any(bounded)
+    }
+
+    /// The constraints on the state: clear of obstacles, within the limits that are enforced.
+    ///
+    /// # Errors
+    /// As [`Environment::constraints`](super::Environment::constraints).
+    pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
+        let mut constraints = self.environment.constraints()?;
+        let bound = |limit, joint| self.bound(limit, joint);
+        constraints.extend(limits_of_state(self.model.dof(), bound));
+        Ok(constraints)
+    }
+
+    /// The limits on the control that are enforced; no entries where there are none.
+    #[must_use]
+    pub fn torque_limits(&self) -> TorqueLimits {
+        let bound = |limit, joint| self.bound(limit, joint);
+        limits_of_torque(self.model.dof(), bound)
+    }
+
+    /// The limits of the robot that are not enforced, not even a share of them.
+    pub(super) fn other_limits(&self) -> Constraints<Vec<AnyConstraint>> {
+        let all = EnforcedLimits::default();
+        let other = |limit, joint| match self.bound(limit, joint) {
+            Some(_) => None,
+            None => all.bound(&self.model, limit, joint),
+        };
+        let n = self.model.dof();
+        Constraints {
+            state: limits_of_state(n, other),
+            torque: limits_of_torque(n, other),
+        }
+    }
+}
+
+/// The bounds on the positions and velocities of `n` joints as constraints, none without rows.
+fn limits_of_state(
+    n: usize,
+    bound: impl Fn(Limit, usize) -> Option<[f64; 2]>,
+) -> Vec<AnyConstraint> {
+    let mut constraints = Vec::new();
+    for (limit, first) in [(Limit::Position, 0), (Limit::Velocity, n)] {
+        let bounds: Vec<Bound> = (0..n)
+            .filter_map(|i| Some((first + i, bound(limit, i)?)))
+            .flat_map(|(entry, bound)| {
+                let sides = [Side::Lower, Side::Upper].into_iter().zip(bound);
+                sides.map(move |(side, value)| Bound { entry, side, value })
+            })
+            .filter(|bound| bound.value.is_finite())
+            .collect();
+        if !bounds.is_empty() {
+            constraints.push(AnyConstraint::Bounds(Bounds(bounds)));
+        }
+    }
+    constraints
+}
+
+/// The bounds on the torques of `n` joints; no entries where there are none.
+fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> TorqueLimits {
+    let limits: Vec<Option<f64>> = (0..n)
+        .map(|i| bound(Limit::Torque, i).map(|[_, most]| most))
+        .collect();
+    let any = limits.iter().any(Option::is_some);
+    TorqueLimits(if any { limits } else { Vec::new() })
+}
+
+/// The form in which an [`Enforced`] is written.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "true, false, a share such as 0.8, or an object with the keys share and joints is needed"
+)]
+enum Written {
+    All(bool),
+    Share(f64),
+    Part(Part),
+}
+
+/// A part of limits, as an object.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    #[serde(default = "whole")]
+    share: f64,
+    #[serde(default)]
+    joints: Option<Vec<String>>,
+}
+
+fn whole() -> f64 {
+    1.0
+}
+
+impl From<Written> for Enforced {
+    fn from(written: Written) -> Self {
+        let (share, joints) = match written {
+            Written::All(false) => return Self::No,
+            Written::All(true) => (whole(), None),
+            Written::Share(share) => (share, None),
+            Written::Part(Part { share, joints }) => (share, joints),
+        };
+        Self::Share { share, joints }
+    }
+}
+
+impl From<Enforced> for Written {
+    fn from(enforced: Enforced) -> Self {
+        match enforced {
+            Enforced::No => Self::All(false),
+            all if all == Enforced::default() => Self::All(true),
+            Enforced::Share {
+                share,
+                joints: None,
+            } => Self::Share(share),
+            Enforced::Share { share, joints } => Self::Part(Part { share, joints }),
+        }
+    }
+}
