@@ -19,7 +19,7 @@
 //! | a [`Frame`], one for every link, in the order of the walk | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
 //! | the mass fixed to the base: left out | `inertias[0]` |
-//! | infinite limits where the file has none, or zeros | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
+//! | infinite limits where the file has none, zeros only, or a zero for velocity or effort | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
 //! | angular part first in spatial vectors, at the origin of the base | linear part first, at the frame that is asked for |
 
 mod build;

@@ -51,6 +51,13 @@ pub enum LoadNote {
         /// The joint.
         joint: String,
     },
+    /// The velocity or effort limit of the joint is zero, which exporters write where it is unknown, and counts as infinite.
+    ZeroLimit {
+        /// The joint.
+        joint: String,
+        /// The attribute of the limit element, `velocity` or `effort`.
+        attribute: &'static str,
+    },
     /// The joint is to follow another one, but moves by itself here, as [`Mimic::Independent`] asks for.
     Independent {
         /// The joint.
@@ -76,6 +83,10 @@ impl fmt::Display for LoadNote {
                 )
             }
             Self::Unlimited { joint } => write!(f, "joint '{joint}': no limits"),
+            Self::ZeroLimit { joint, attribute } => write!(
+                f,
+                "joint '{joint}': its {attribute} limit of 0 counts as unknown, no limit"
+            ),
             Self::Independent { joint, mimics } => {
                 write!(f, "joint '{joint}': mimics '{mimics}', independent here")
             }

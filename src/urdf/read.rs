@@ -28,7 +28,8 @@ pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadR
 
 /// Reads a robot from the text of a URDF file; `file` names it in errors.
 ///
-/// Fixed joints are merged into the body before them. Meshes, materials, transmissions and whatever else is not about
+/// Fixed joints are merged into the body before them. A velocity or effort limit of zero, and a limit element of zeros, stand for no
+/// limit, with a note. Meshes, materials, transmissions and whatever else is not about
 /// dynamics are not looked at.
 ///
 /// # Errors
@@ -248,7 +249,8 @@ impl Loader<'_> {
             }
             return Ok(Limits::NONE);
         };
-        let refuse = |why: String| Err(self.error(format!("joint '{}'", joint.name), why));
+        let file = self.file;
+        let refuse = |why: String| Err(Error::input(file, format!("joint '{}'", joint.name), why));
         let (velocity, effort) = (limit.velocity, limit.effort);
         if [limit.lower, limit.upper, velocity, effort]
             .iter()
@@ -261,6 +263,17 @@ impl Loader<'_> {
                 return refuse(format!("its {what} limit is negative: {most}"));
             }
         }
+        let mut known = |attribute, most: f64| {
+            if most > 0.0 {
+                return most;
+            }
+            self.report.push(LoadNote::ZeroLimit {
+                joint: joint.name.clone(),
+                attribute,
+            });
+            f64::INFINITY
+        };
+        let (velocity, effort) = (known("velocity", velocity), known("effort", effort));
         let (lower, upper) = match kind {
             JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
             JointKind::Revolute | JointKind::Prismatic => (limit.lower, limit.upper),

@@ -32,7 +32,7 @@ impl Model<f64> {
     ///
     /// # Errors
     /// The model has what no URDF can say: another gravity than $(0, 0, -9.81)$, limits on the position of a continuous
-    /// joint, limits that are all zero (these are read as none), a first moment without mass, a rotation that is none; or
+    /// joint, limits of velocity or effort of zero (these are read as none), a first moment without mass, a rotation that is none; or
     /// what [`parse_urdf`] refuses. The text is read back to see.
     pub fn to_urdf(&self) -> Result<String> {
         let fail = |what: String| Error::input(self.name(), "robot", what);

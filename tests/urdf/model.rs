@@ -3,7 +3,7 @@
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
 use aghf::model::{Limits, Model};
 use aghf::spatial::Placement;
-use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited};
+use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited, ZeroLimit};
 use aghf::urdf::{LoadNote, parse_urdf};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Unit, Vector3};
 
@@ -123,6 +123,51 @@ fn missing_limits_are_told_and_mean_none() {
         assert_eq!(*model.joints()[0].limits(), Limits::NONE, "{kind}");
     }
     assert!(unlimited("j").to_string().contains("joint 'j': no limits"));
+}
+
+/// Exporters write zero where they do not know a limit, with a range or without.
+#[test]
+fn velocity_and_effort_of_zero_are_told_and_mean_none() {
+    let zero = |attribute: &'static str| ZeroLimit {
+        joint: "body_joint".to_owned(),
+        attribute,
+    };
+    let endless = f64::INFINITY;
+    for (kind, velocity, effort) in [
+        ("revolute", "0", "4"),
+        ("revolute", "3", "0"),
+        ("prismatic", "0.0", "-0"),
+        ("continuous", "0", "4"),
+        ("continuous", "3", "0"),
+    ] {
+        let limit =
+            format!(r#"<limit lower="-1" upper="2" velocity="{velocity}" effort="{effort}"/>"#);
+        let (model, report) = one_joint(kind, &limit);
+        let ranged = kind != "continuous";
+        let [v, u] = [velocity, effort].map(|x| x.parse::<f64>().expect("a number"));
+        let kept = |x: f64| if x == 0.0 { endless } else { x };
+        let expected = Limits {
+            lower: if ranged { -1.0 } else { -endless },
+            upper: if ranged { 2.0 } else { endless },
+            velocity: kept(v),
+            effort: kept(u),
+        };
+        assert_eq!(*model.joints()[0].limits(), expected, "{kind}: {limit}");
+        let mut notes = vec![massless("base")];
+        notes.extend((v == 0.0).then(|| zero("velocity")));
+        notes.extend((u == 0.0).then(|| zero("effort")));
+        assert_eq!(report, notes, "{kind}: {limit}");
+    }
+    // A range of nothing is one all the same where something else is known.
+    let (model, report) = one_joint("revolute", r#"<limit velocity="0" effort="4"/>"#);
+    let limits = model.joints()[0].limits();
+    assert_eq!(
+        [limits.lower, limits.upper, limits.velocity],
+        [0.0, 0.0, endless]
+    );
+    assert_eq!(report, [massless("base"), zero("velocity")]);
+    let words = "joint 'body_joint': its effort limit of 0 counts as unknown";
+    assert!(zero("effort").to_string().starts_with(words));
 }
 
 #[test]

@@ -298,14 +298,21 @@ fn what_no_urdf_can_say_is_refused() {
         effort: 0.0,
     };
     let kind = JointKind::Revolute;
-    refused(
-        model_of(JointSpec {
-            limits: still,
-            kind,
-            ..spec()
-        }),
-        "a limit of it cannot be said",
-    );
+    let weak = Limits {
+        upper: 1.0,
+        velocity: 1.0,
+        ..still
+    };
+    for limits in [still, weak] {
+        refused(
+            model_of(JointSpec {
+                limits,
+                kind,
+                ..spec()
+            }),
+            "a limit of it cannot be said",
+        );
+    }
     let mut inertia = spec().inertia;
     inertia.mass = 0.0;
     inertia.first_moment.x = 0.5;
