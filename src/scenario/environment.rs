@@ -19,6 +19,16 @@ pub struct Environment {
     half_spaces: Vec<HalfSpace>,
 }
 
+/// A ball of the robot and an obstacle.
+pub(super) struct Overlap {
+    /// The obstacle, as in the file: `sphere_obstacles[2]`.
+    pub(super) obstacle: String,
+    /// The body that carries the ball.
+    pub(super) body: Option<usize>,
+    /// How deep the ball is in the obstacle, m; negative when it is clear.
+    pub(super) depth: f64,
+}
+
 impl Environment {
     /// Those of a scenario; `path` names it in errors.
     pub(super) fn new(model: &Model, file: &ScenarioFile, path: &str) -> Result<Self> {
@@ -76,11 +86,8 @@ impl Environment {
         self.spheres.is_empty() && self.half_spaces.is_empty()
     }
 
-    /// The constraints that keep the robot clear: each capsule is covered by balls.
-    ///
-    /// # Errors
-    /// As [`Capsule::balls`].
-    pub fn constraints(&self) -> Result<Vec<AnyConstraint>> {
+    /// The balls that cover the capsules.
+    fn balls(&self) -> Result<Vec<CollisionSphere>> {
         let mut balls: Vec<CollisionSphere> = Vec::new();
         for capsule in &self.capsules {
             // Capsules of one body share the ball at its joint.
@@ -93,6 +100,15 @@ impl Environment {
                 }
             }
         }
+        Ok(balls)
+    }
+
+    /// The constraints that keep the robot clear: each capsule is covered by balls.
+    ///
+    /// # Errors
+    /// As [`Capsule::balls`].
+    pub fn constraints(&self) -> Result<Vec<AnyConstraint>> {
+        let balls = self.balls()?;
         let mut constraints = Vec::new();
         if !self.spheres.is_empty() {
             constraints.push(AnyConstraint::Spheres(SphereClearance {
@@ -109,7 +125,36 @@ impl Environment {
         Ok(constraints)
     }
 
-    /// The exact distance from the robot to the nearest obstacle with its bodies at `placements`, in m; negative when it
+    /// The deepest overlap of a ball of the constraints and an obstacle with the bodies at `placements`; a negative one is the
+    /// smallest distance. `None` without obstacles.
+    pub(super) fn deepest(&self, placements: &[Placement<f64>]) -> Result<Option<Overlap>> {
+        if self.is_empty() {
+            return Ok(None);
+        }
+        let mut overlaps = Vec::new();
+        for ball in self.balls()?.into_iter().map(alone) {
+            let mut add = |obstacle: String, clearance: f64| {
+                overlaps.push(Overlap {
+                    obstacle,
+                    body: ball.body,
+                    depth: -clearance,
+                });
+            };
+            for (i, sphere) in self.spheres.iter().enumerate() {
+                let clearance = ball.clearance(placements, sphere)?;
+                add(format!("sphere_obstacles[{i}]"), clearance);
+            }
+            for (i, half_space) in self.half_spaces.iter().enumerate() {
+                let height = ball.height(placements, half_space)?;
+                add(format!("half_spaces[{i}]"), height);
+            }
+        }
+        Ok(overlaps
+            .into_iter()
+            .max_by(|a, b| a.depth.total_cmp(&b.depth)))
+    }
+
+    /// How far the robot is from the nearest obstacle with its bodies at `placements`, in m, exactly; negative when it
     /// collides, infinite without obstacles.
     ///
     /// # Errors
@@ -151,13 +196,15 @@ impl Environment {
 
 /// The origins of all joint frames: the paper's measure.
 fn points(model: &Model) -> Vec<Capsule> {
-    let point = |ball: CollisionSphere| Capsule {
+    let frames = CollisionSphere::joint_frames(model);
+    frames.into_iter().map(alone).collect()
+}
+
+/// A ball as a capsule of length zero.
+fn alone(ball: CollisionSphere) -> Capsule {
+    Capsule {
         body: ball.body,
         ends: [ball.centre; 2],
         radius: ball.radius,
-    };
-    CollisionSphere::joint_frames(model)
-        .into_iter()
-        .map(point)
-        .collect()
+    }
 }

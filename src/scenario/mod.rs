@@ -9,6 +9,7 @@ mod json;
 mod limits;
 mod objective;
 mod options;
+mod preflight;
 mod report;
 mod summary;
 
@@ -22,5 +23,6 @@ pub use generate::{FAMILIES, Family, generate, generated_scenarios};
 pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
+pub use preflight::least_horizon;
 pub use report::{Record, SolveReport, solve};
 pub use summary::{Details, FlowDetails, RelaxDetails, Summary};

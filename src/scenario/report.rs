@@ -44,13 +44,14 @@ pub struct SolveReport {
 /// Solves `scenario` and tests the result by forward simulation. `observe` is called as the solve proceeds.
 ///
 /// # Errors
-/// Bad input. A solve that fails is an outcome whose summary says so.
+/// Bad input, such as a scenario that [has no solution for a plain reason](Scenario::check_feasible). A solve that fails is an outcome whose summary says so.
 pub fn solve(
     scenario: &Scenario,
     options: &SolveOptions,
     observe: &mut dyn FnMut(Record),
 ) -> Result<SolveReport> {
     options.check()?;
+    scenario.check_feasible()?;
     match options.method {
         Method::Flow => {
             scenario.check_for_flow()?;

@@ -8,6 +8,7 @@ mod files;
 mod generate;
 mod limits;
 mod objective;
+mod preflight;
 mod reproduce;
 mod solve;
 mod sweep;

@@ -2,7 +2,7 @@
 
 use aghf::scenario::Scenario;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// `scenario` with some keys more, or others.
 pub fn with(mut scenario: Value, keys: Value) -> Value {
@@ -12,11 +12,19 @@ pub fn with(mut scenario: Value, keys: Value) -> Value {
     scenario
 }
 
+/// The folder of the test that runs, which has a thread of its own.
+pub fn folder() -> PathBuf {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("main").replace("::", "_");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenario_written");
+    let folder = folder.join(test);
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    folder
+}
+
 /// Writes a scenario file and loads it; the error is without the path of the file, which is there.
 pub fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenario_written");
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    let path = folder.join(format!("{name}.json"));
+    let path = folder().join(format!("{name}.json"));
     std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
     let path = path.to_str().expect("it is text");
     Scenario::load(path).map_err(|e| {
