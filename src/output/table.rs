@@ -67,6 +67,9 @@ pub fn summary_table(summary: &Summary) -> String {
     if let Some(failure) = &s.failure {
         table.add_row(["failure", failure]);
     }
+    for note in &s.notes {
+        table.add_row(["note", note]);
+    }
     for note in &s.outside_limits {
         table.add_row(["outside limits", note]);
     }

@@ -1,6 +1,6 @@
 //! The keys of a scenario that say what the relaxation is to find, beside a motion of least effort from state to state.
 
-use super::{Scenario, ScenarioFile};
+use super::{Method, Scenario, ScenarioFile};
 use crate::error::{Error, Result};
 use crate::relax::{FreeHorizon, WeightedSquares};
 use serde::{Deserialize, Serialize};
@@ -105,12 +105,21 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// Refuses what only the relaxation can be asked for.
+    /// What of this scenario a method does not look at, in words.
+    pub(super) fn notes(&self, method: Method) -> Vec<String> {
+        let mut notes = Vec::new();
+        if method == Method::Flow && self.file.running_cost.is_some() {
+            let note = "running_cost: the method 'flow' minimises the control effort alone";
+            notes.push(note.to_owned());
+        }
+        notes
+    }
+
+    /// Refuses what only the relaxation can be asked for and what makes another problem of it.
     pub(super) fn check_for_flow(&self) -> Result<()> {
         let file = &self.file;
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
-            ("running_cost", file.running_cost.is_some()),
             ("free_horizon", file.free_horizon.is_some()),
         ];
         match keys.iter().find(|(_, given)| *given) {

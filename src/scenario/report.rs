@@ -293,6 +293,7 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         failure,
         feasibility,
         outside_limits: scenario.outside_limits(),
+        notes: scenario.notes(method),
     };
     Ok(SolveReport {
         summary,

@@ -47,6 +47,8 @@ pub struct Summary {
     pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.
     pub outside_limits: Vec<String>,
+    /// What of the scenario the method did not look at.
+    pub notes: Vec<String>,
 }
 
 /// The part of a summary that only one method has.

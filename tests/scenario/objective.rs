@@ -158,7 +158,6 @@ fn the_flow_refuses_what_it_does_not_know() {
     };
     for keys in [
         json!({ "free_final_velocity": true }),
-        json!({ "running_cost": { "velocity": 1.0 } }),
         json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0, "weight": 1.0 } }),
     ] {
         let key = keys.as_object().expect("it is one").keys().next();
@@ -168,6 +167,34 @@ fn the_flow_refuses_what_it_does_not_know() {
         let words = format!("flow: {key}: the method 'flow' does not know it");
         assert!(error.to_string().starts_with(&words), "{error}");
     }
+}
+
+/// It finds the motion that it finds without, and says so.
+#[test]
+fn the_flow_minimises_the_effort_alone_with_a_note() {
+    let weights = json!({ "running_cost": { "acceleration": 1.0 } });
+    let [alone, weighted] =
+        [("effort", plain()), ("weighted", with(weights))].map(|(name, file)| {
+            let flow = SolveOptions {
+                method: Method::Flow,
+                k: Some(1e5),
+                s_max: Some(10.0),
+                ..Default::default()
+            };
+            let scenario = load(name, &file).expect("it is good");
+            solve(&scenario, &flow, &mut |_| {}).expect("it is good")
+        });
+    assert_eq!(weighted.curve.x(), alone.curve.x());
+    assert_eq!(alone.summary.notes, [""; 0]);
+    let note = "running_cost: the method 'flow' minimises the control effort alone";
+    assert_eq!(weighted.summary.notes, [note]);
+    let table = aghf::output::summary_table(&weighted.summary);
+    assert!(table.contains(note), "{table}");
+    let (relaxed, _) = solved(
+        "relaxed",
+        json!({ "running_cost": { "acceleration": 1.0 } }),
+    );
+    assert_eq!(relaxed.summary.notes, [""; 0], "the relaxation knows it");
 }
 
 /// The summary tells what was minimised and what was found.
