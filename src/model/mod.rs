@@ -24,10 +24,12 @@
 
 mod build;
 mod joint;
+mod lock;
 mod random;
 
 pub use build::{JointSpec, pendulum};
 pub use joint::{Joint, JointKind, Limits};
+pub(crate) use lock::Reduced;
 pub use random::{random_chain, random_tree};
 
 use crate::error::{Result, check_length};

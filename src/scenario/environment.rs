@@ -80,7 +80,20 @@ impl Environment {
         })
     }
 
-    /// Tells whether there is nothing to keep clear of.
+    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is in that.
+    pub(super) fn reduced(mut self, bodies: &[(Option<usize>, Placement<f64>)]) -> Self {
+        for capsule in &mut self.capsules {
+            let Some((body, placement)) = capsule.body.map(|b| bodies[b]) else {
+                continue;
+            };
+            capsule.body = body;
+            capsule.ends =
+                (capsule.ends).map(|end| placement.rotation * end + placement.translation);
+        }
+        self
+    }
+
+    /// Whether there is nothing to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.half_spaces.is_empty()
@@ -103,12 +116,13 @@ impl Environment {
         Ok(balls)
     }
 
-    /// The constraints that keep the robot clear: each capsule is covered by balls.
+    /// The constraints that keep the robot clear: each capsule is covered by balls. Those fixed to the base are none, nothing moves them.
     ///
     /// # Errors
     /// As [`Capsule::balls`].
     pub fn constraints(&self) -> Result<Vec<AnyConstraint>> {
-        let balls = self.balls()?;
+        let mut balls = self.balls()?;
+        balls.retain(|ball| ball.body.is_some());
         let mut constraints = Vec::new();
         if !self.spheres.is_empty() {
             constraints.push(AnyConstraint::Spheres(SphereClearance {

@@ -2,15 +2,16 @@
 
 use super::builtin::builtin_scenario;
 use super::generate::generate;
-use super::json::read_json;
+use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use super::{EnforcedLimits, Environment};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Model, Reduced};
 use crate::motion::{Feedback, Guess, Problem};
 use crate::urdf::load_robot;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A sphere to keep clear of.
@@ -92,6 +93,13 @@ impl Default for FlowParameters {
 pub struct ScenarioFile {
     /// A robot that is built in, or the path of a URDF file, relative to the scenario file.
     pub robot: String,
+    /// The joints that do not move, with their positions; they are none of the `N` joints of what follows.
+    #[serde(
+        default,
+        deserialize_with = "numbers_by_name",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub locked_joints: BTreeMap<String, f64>,
     /// `T`.
     pub horizon_s: f64,
     /// Configuration at the start, `N` entries.
@@ -105,7 +113,7 @@ pub struct ScenarioFile {
     /// Of the relaxation: whether the velocity at the end is whatever costs least; `v_goal` is then no more than the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
-    /// Of the relaxation: what is minimised instead of the control effort.
+    /// Of the relaxation: what is minimised instead of the control effort. The flow minimises that alone and says so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub running_cost: Option<RunningCostWeights>,
     /// Of the relaxation: between what bounds and at what price the horizon is found; `horizon_s` is then where the search begins.
@@ -149,7 +157,7 @@ pub struct Scenario {
     pub name: String,
     /// The contents of the file.
     pub file: ScenarioFile,
-    /// The robot.
+    /// The robot, without the joints that are locked.
     pub model: Model,
     /// The obstacles that it has to keep clear of.
     pub environment: Environment,
@@ -187,8 +195,10 @@ impl Scenario {
     /// A scenario of what a file says. `path` names it in errors; robots are looked for in `folder`.
     fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
-        let (model, _) = load_robot(&file.robot, folder)
+        let (robot, _) = load_robot(&file.robot, folder)
             .map_err(|e| Error::input(path, "robot", e.to_string()))?;
+        let environment = Environment::new(&robot, &file, path)?;
+        let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -198,8 +208,13 @@ impl Scenario {
         for (key, state) in states {
             if state.len() != model.dof() {
                 let (expected, found) = (model.dof(), state.len());
+                let left = if file.locked_joints.is_empty() {
+                    ""
+                } else {
+                    " that are not locked"
+                };
                 let joints =
-                    format!("the robot has {expected} joints, but {found} values are given");
+                    format!("the robot has {expected} joints{left}, but {found} values are given");
                 return refuse(key, joints);
             }
         }
@@ -228,7 +243,6 @@ impl Scenario {
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
         check_objective(&file, model.dof(), path)?;
         file.enforced_limits.check(&model, path)?;
-        let environment = Environment::new(&model, &file, path)?;
         let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
@@ -273,4 +287,37 @@ impl Scenario {
         }
         notes
     }
+}
+
+/// The robot with these joints locked, and its shape. `path` names the scenario in errors.
+fn lock(
+    robot: Model,
+    environment: Environment,
+    joints: &BTreeMap<String, f64>,
+    path: &str,
+) -> Result<(Model, Environment)> {
+    if joints.is_empty() {
+        return Ok((robot, environment));
+    }
+    let mut locked = Vec::with_capacity(joints.len());
+    for (name, position) in joints {
+        let Some(i) = robot.joints().iter().position(|j| j.name() == name) else {
+            let condition = "the robot has no such joint that moves";
+            return Err(Error::input(
+                path,
+                format!("locked_joints.{name}"),
+                condition,
+            ));
+        };
+        locked.push((i, *position));
+    }
+    let named = |error: Error| match error {
+        Error::Input {
+            element, condition, ..
+        } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
+        other => other,
+    };
+    let Reduced { model, bodies } = robot.reduced(&locked).map_err(named)?;
+    model.check_regular(path).map_err(named)?;
+    Ok((model, environment.reduced(&bodies)))
 }

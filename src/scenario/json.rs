@@ -1,9 +1,11 @@
 //! Reading JSON, with errors that name the key.
 
 use crate::error::{Error, Result};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
+use serde::{Deserializer, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt;
 
 /// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
 pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
@@ -46,4 +48,33 @@ fn list_for_object(given: &Value, read: &Value) -> Option<String> {
         (Value::Array(_), _) => Some(String::new()),
         _ => None,
     }
+}
+
+/// Reads an object of numbers; serde would take the last of a key that is repeated.
+pub(super) fn numbers_by_name<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
+    struct Numbers;
+    impl<'de> Visitor<'de> for Numbers {
+        type Value = BTreeMap<String, f64>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("an object of numbers")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(
+            self,
+            mut map: A,
+        ) -> std::result::Result<Self::Value, A::Error> {
+            let mut numbers = BTreeMap::new();
+            while let Some((name, number)) = map.next_entry::<String, f64>()? {
+                if numbers.contains_key(&name) {
+                    return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                }
+                numbers.insert(name, number);
+            }
+            Ok(numbers)
+        }
+    }
+    deserializer.deserialize_map(Numbers)
 }

@@ -145,10 +145,14 @@ impl Scenario {
         else {
             return Ok(());
         };
-        // The first frame of a body is that of the link which its joint carries.
+        // The first frame of a body is that of the link which its joint carries; to the base many may be locked.
         let mut frames = self.model.frames().iter();
-        let link = frames.find(|f| f.body == body).map_or("base", |f| &f.name);
-        let mut condition = format!("link '{link}' is {depth:.3e} m inside {obstacle}");
+        let link = frames.find(|f| f.body == body && body.is_some());
+        let link = link.map_or_else(
+            || "a link that is locked to the base".to_owned(),
+            |f| format!("link '{}'", f.name),
+        );
+        let mut condition = format!("{link} is {depth:.3e} m inside {obstacle}");
         let clear = self.environment.clearance(&placements)?;
         if clear >= 0.0 {
             condition += &format!(

@@ -8,6 +8,7 @@ mod allocation;
 mod derivatives;
 mod fast_paths;
 mod identities;
+mod locked;
 mod prime_field;
 mod rnea_weighted;
 mod scalar;

@@ -7,6 +7,7 @@ mod feasibility;
 mod files;
 mod generate;
 mod limits;
+mod locked;
 mod objective;
 mod preflight;
 mod reproduce;

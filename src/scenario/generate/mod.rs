@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 use paths::Paths;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
 
 /// How often a family tries to place obstacles before it gives a seed up.
 const ATTEMPTS: usize = 5000;
@@ -151,6 +152,7 @@ impl Family {
         let [v_start, v_goal] = rates;
         ScenarioFile {
             robot: self.robot.to_owned(),
+            locked_joints: BTreeMap::new(),
             horizon_s: 2.0,
             q_start: start,
             v_start,

@@ -1,0 +1,97 @@
+//! Models with fewer joints.
+
+use super::{Frame, JointSpec, Model};
+use crate::error::{Error, Result};
+use crate::spatial::Placement;
+
+/// A model some of whose joints are locked.
+pub(crate) struct Reduced {
+    /// The model of the joints that are left.
+    pub(crate) model: Model,
+    /// Of each body of the full model: the body that it is part of now, and where it is in that one; without a body it is part of the
+    /// base.
+    pub(crate) bodies: Vec<(Option<usize>, Placement<f64>)>,
+}
+
+impl Model<f64> {
+    /// The model in which some joints, by their indices, are locked at the given positions, in rad or m, as Pinocchio's
+    /// `buildReducedModel`. A body whose joint is locked becomes part of the body before it, or of the base, whose mass does not count;
+    /// the other joints keep their order, and all frames are kept. Cost O(N).
+    ///
+    /// # Errors
+    /// There is no such joint, it is locked twice or it cannot be at that position, or no joint is left. See also
+    /// [`Model::check_regular`].
+    pub fn with_locked_joints(&self, locked: &[(usize, f64)]) -> Result<Self> {
+        Ok(self.reduced(locked)?.model)
+    }
+
+    /// As [`Model::with_locked_joints`], and where the bodies are in the new model.
+    pub(crate) fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
+        let mut positions = vec![None; self.dof()];
+        for (i, q) in locked {
+            let Some(joint) = self.joints.get(*i) else {
+                let condition = format!("there is no such joint, there are {}", self.dof());
+                return Err(Error::input(&self.name, format!("joint {i}"), condition));
+            };
+            let refuse = |condition: String| {
+                let element = format!("joint '{}'", joint.name());
+                Err(Error::input(&self.name, element, condition))
+            };
+            let (lower, upper) = (joint.limits().lower, joint.limits().upper);
+            if !(q.is_finite() && (lower..=upper).contains(q)) {
+                return refuse(format!("locked at {q}, outside [{lower}, {upper}]"));
+            }
+            if positions[*i].replace(*q).is_some() {
+                return refuse("it is locked twice".to_owned());
+            }
+        }
+        if positions.iter().all(Option::is_some) {
+            let condition = "all joints are locked, nothing is left to move";
+            return Err(Error::input(&self.name, "robot", condition));
+        }
+
+        let mut specs: Vec<JointSpec<f64>> = Vec::new();
+        let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
+        for ((joint, inertia), q) in self.joints.iter().zip(&self.inertias).zip(positions) {
+            let (parent, within) = match joint.parent() {
+                Some(parent) => bodies[parent],
+                None => (None, Placement::identity()),
+            };
+            let Some(q) = q else {
+                bodies.push((Some(specs.len()), Placement::identity()));
+                specs.push(JointSpec {
+                    name: joint.name().to_owned(),
+                    kind: joint.kind(),
+                    parent,
+                    origin: within.compose(joint.origin()),
+                    axis: *joint.axis(),
+                    inertia: *inertia,
+                    limits: *joint.limits(),
+                });
+                continue;
+            };
+            let placement = within.compose(&joint.placement(q));
+            if let Some(parent) = parent {
+                specs[parent].inertia += inertia.placed(&placement);
+            }
+            bodies.push((parent, placement));
+        }
+        let frame = |frame: &Frame<f64>| {
+            let (body, within) = match frame.body {
+                Some(body) => bodies[body],
+                None => (None, Placement::identity()),
+            };
+            Frame {
+                name: frame.name.clone(),
+                body,
+                placement: within.compose(&frame.placement),
+                carrier: frame.carrier.clone(),
+            }
+        };
+        let frames = self.frames.iter().map(frame).collect();
+        let model = Model::from_joints(&self.name, specs)?
+            .with_gravity(self.gravity)
+            .with_frames(frames);
+        Ok(Reduced { model, bodies })
+    }
+}
