@@ -27,7 +27,7 @@ impl JointKind {
     }
 }
 
-/// What a joint may do, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit; of a URDF also where the limit of
+/// The limits of a joint, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit; of a URDF also where the limit of
 /// velocity or effort is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {

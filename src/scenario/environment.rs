@@ -25,7 +25,7 @@ pub(super) struct Overlap {
     pub(super) obstacle: String,
     /// The body that carries the ball.
     pub(super) body: Option<usize>,
-    /// How deep the ball is in the obstacle, m; negative when it is clear.
+    /// The depth of the ball in the obstacle, m; negative when it is clear.
     pub(super) depth: f64,
 }
 
@@ -93,7 +93,7 @@ impl Environment {
         self
     }
 
-    /// Whether there is nothing to keep clear of.
+    /// Tells whether there is nothing to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.half_spaces.is_empty()
@@ -168,7 +168,7 @@ impl Environment {
             .max_by(|a, b| a.depth.total_cmp(&b.depth)))
     }
 
-    /// How far the robot is from the nearest obstacle with its bodies at `placements`, in m, exactly; negative when it
+    /// The exact distance from the robot to the nearest obstacle with its bodies at `placements`, in m; negative when it
     /// collides, infinite without obstacles.
     ///
     /// # Errors

@@ -128,7 +128,7 @@ pub struct ScenarioFile {
     /// The parts of the robot that keep clear.
     #[serde(default)]
     pub robot_shape: RobotShape,
-    /// Which limits of the joints are constraints; all unless said.
+    /// The limits of the joints that are constraints; all unless said.
     #[serde(default)]
     pub enforced_limits: EnforcedLimits,
     /// Parameters of the flow; the paper's for Kinova where there are none.

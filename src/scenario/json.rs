@@ -32,7 +32,7 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
 
 const NO_OBJECT: &str = "it is a list, not an object with keys";
 
-/// Where `given` has a list that was read as something else: serde takes one for the values of the keys of an object in order.
+/// The path at which `given` has a list that was read as something else: serde takes one for the values of the keys of an object in order.
 fn list_for_object(given: &Value, read: &Value) -> Option<String> {
     match (given, read) {
         (Value::Object(given), Value::Object(read)) => given.iter().find_map(|(key, given)| {

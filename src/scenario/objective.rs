@@ -105,7 +105,7 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// What of this scenario a method does not look at, in words.
+    /// The keys of this scenario that a method does not look at, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let mut notes = Vec::new();
         if method == Method::Flow && self.file.running_cost.is_some() {

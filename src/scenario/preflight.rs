@@ -1,4 +1,4 @@
-//! What no motion can do, seen before any search.
+//! Checks of a scenario before any search, for what no motion can do.
 
 use super::environment::Overlap;
 use super::{HorizonBounds, Limit, Scenario};
@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::relax::RelaxSettings;
 use crate::spatial::Placement;
 
-/// By how much a constraint may be violated, in its own unit: as in the search.
+/// The largest violation of a constraint that is accepted, in its own unit: as in the search.
 const TOLERANCE: f64 = RelaxSettings::FEASIBLE;
 
 /// The joint that takes longest from `start` to `goal`, each with `N` entries, at the velocity limits of `model`, and how long it takes, s:

@@ -47,7 +47,7 @@ pub struct Summary {
     pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.
     pub outside_limits: Vec<String>,
-    /// What of the scenario the method did not look at.
+    /// The keys of the scenario that the method did not look at, in words.
     pub notes: Vec<String>,
 }
 
