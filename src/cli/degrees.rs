@@ -1,9 +1,8 @@
 //! `aghf degrees`.
 
-use super::print;
+use super::{RobotArgs, print};
 use crate::error::{Error, Result};
 use crate::experiments::{Size, by_size, size_table, write_sizes};
-use crate::scenario::Scenario;
 use clap::Args;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
@@ -16,6 +15,8 @@ use std::process::ExitCode;
 pub(super) struct Degrees {
     /// A scenario that is built in, or the path of a JSON file.
     scenario: String,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Pieces and their degree.
     #[arg(default_values = ["1x9", "1x16", "1x24", "1x32", "2x7", "2x9", "4x7", "4x9", "8x7", "8x9"])]
     sizes: Vec<String>,
@@ -29,7 +30,7 @@ pub(super) struct Degrees {
 
 impl Degrees {
     pub(super) fn run(self) -> Result<ExitCode> {
-        let scenario = Scenario::load(&self.scenario)?;
+        let scenario = self.robot.scenario(&self.scenario)?;
         let sizes = self.sizes.iter().map(|size| size.parse());
         let sizes = sizes.collect::<Result<Vec<Size>>>()?;
         let progress = ProgressBar::new(sizes.len() as u64);

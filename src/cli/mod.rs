@@ -13,6 +13,7 @@ mod sweep;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::scenario::Scenario;
 use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
@@ -65,6 +66,24 @@ impl UrdfArgs {
     fn load(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
         let options = UrdfOptions { mimic: self.mimic };
         load_robot_with(robot, Path::new(""), options)
+    }
+}
+
+/// Of which robot a scenario is.
+#[derive(Debug, Default, Args)]
+struct RobotArgs {
+    /// Of a generated scenario for any robot: a robot that is built in, or the path of a URDF file [default: kinova_gen3].
+    #[arg(long)]
+    robot: Option<String>,
+    /// What to do with the mimic joints of the robot: refuse it, or let them move by themselves [default: what the scenario says, or else refuse].
+    #[arg(long, value_parser = choice::<Mimic>())]
+    mimic: Option<Mimic>,
+}
+
+impl RobotArgs {
+    /// The scenario that is built in or generated under this name, or else the one in this file.
+    fn scenario(&self, scenario: &str) -> Result<Scenario, Error> {
+        Scenario::load_for(scenario, self.robot.as_deref(), self.mimic)
     }
 }
 

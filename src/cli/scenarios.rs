@@ -1,9 +1,8 @@
 //! `aghf scenarios`.
 
-use super::{print, print_json};
+use super::{RobotArgs, print, print_json};
 use crate::error::Result;
 use crate::output::scenario_table;
-use crate::scenario::Scenario;
 use clap::Args;
 use std::process::ExitCode;
 
@@ -14,12 +13,14 @@ use std::process::ExitCode;
 pub(super) struct Scenarios {
     /// A scenario that is built in or generated, or the path of a JSON file [default: list all].
     scenario: Option<String>,
+    #[command(flatten)]
+    robot: RobotArgs,
 }
 
 impl Scenarios {
     pub(super) fn run(self) -> Result<ExitCode> {
         match &self.scenario {
-            Some(name) => print_json(&Scenario::load(name)?.file)?,
+            Some(name) => print_json(&self.robot.scenario(name)?.file)?,
             None => print(&scenario_table()?)?,
         }
         Ok(ExitCode::SUCCESS)

@@ -1,14 +1,14 @@
 //! `aghf solve`.
 
 use super::choice::choice;
-use super::{FAILED, print, print_json};
+use super::{FAILED, RobotArgs, print, print_json};
 use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::output::{summary_table, write_report};
 use crate::relax::Iteration;
-use crate::scenario::{Method, Record, Scenario, SolveOptions, solve};
+use crate::scenario::{Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ pub(super) struct Solve {
     /// A scenario that is built in, or the path of a JSON file.
     #[arg(default_value = "kinova_free_01")]
     scenario: String,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// How to solve it.
     #[arg(long, value_parser = choice::<Method>(), default_value_t)]
     method: Method,
@@ -74,6 +76,7 @@ impl Default for Solve {
     fn default() -> Self {
         Self {
             scenario: "kinova_free_01".to_owned(),
+            robot: RobotArgs::default(),
             method: Method::default(),
             degree: None,
             segments: None,
@@ -95,7 +98,7 @@ impl Default for Solve {
 
 impl Solve {
     pub(super) fn run(self) -> Result<ExitCode> {
-        let scenario = Scenario::load(&self.scenario)?;
+        let scenario = self.robot.scenario(&self.scenario)?;
         let options = SolveOptions {
             method: self.method,
             degree: self.degree,

@@ -1,7 +1,7 @@
 //! Reading a scenario.
 
 use super::builtin::builtin_scenario;
-use super::generate::generate;
+use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use super::{EnforcedLimits, Environment};
@@ -9,7 +9,7 @@ use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::model::{Model, Reduced};
 use crate::motion::{Feedback, Guess, Problem};
-use crate::urdf::load_robot;
+use crate::urdf::{Mimic, UrdfOptions, load_robot_with};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -93,6 +93,9 @@ impl Default for FlowParameters {
 pub struct ScenarioFile {
     /// A robot that is built in, or the path of a URDF file, relative to the scenario file.
     pub robot: String,
+    /// What to do with its mimic joints.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub mimic: Mimic,
     /// The joints that do not move, with their positions; they are none of the `N` joints of what follows.
     #[serde(
         default,
@@ -142,6 +145,10 @@ pub struct ScenarioFile {
     pub success_threshold: f64,
 }
 
+fn is_default(mimic: &Mimic) -> bool {
+    *mimic == Mimic::default()
+}
+
 fn kinova_gains() -> Feedback {
     Feedback { kp: 10.0, kv: 10.0 }
 }
@@ -169,33 +176,42 @@ impl Scenario {
     /// # Errors
     /// Names the file, the key and what is wrong with it.
     pub fn load(name_or_path: &str) -> Result<Self> {
-        if let Some(text) = builtin_scenario(name_or_path) {
-            return Self::parse(text, name_or_path, Path::new(""));
-        }
-        if let Some(generated) = generate(name_or_path) {
-            return Self::new(generated?, name_or_path, Path::new(""));
-        }
-        let path = Path::new(name_or_path);
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            if e.kind() == std::io::ErrorKind::NotFound {
-                let condition = "there is neither a file nor a built-in scenario of this name";
-                Error::input(name_or_path, "scenario", condition)
-            } else {
-                Error::io(path, e)
-            }
-        })?;
-        Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
+        Self::load_for(name_or_path, None, None)
     }
 
-    /// A scenario from its text. `path` names it in errors; robots are looked for in `folder`.
-    fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
-        Self::new(read_json(text, path)?, path, folder)
+    /// As [`load`](Self::load), for another robot where a family of generated scenarios is for any, or with another choice for mimic
+    /// joints than that of the scenario.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and if a robot is given for a scenario that names its own.
+    pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
+        if let Some(generated) = generate_for(name_or_path, robot, mimic.unwrap_or_default()) {
+            return Self::new(generated?, name_or_path, Path::new(""));
+        }
+        if robot.is_some() {
+            let condition = "the scenario names its robot; only generated ones can be for another";
+            return Err(Error::input(name_or_path, "robot", condition));
+        }
+        let path = Path::new(name_or_path);
+        let (mut file, folder) = match builtin_scenario(name_or_path) {
+            Some(text) => (
+                read_json::<ScenarioFile>(text, name_or_path)?,
+                Path::new(""),
+            ),
+            None => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                (read_json(&read_text(path)?, name_or_path)?, folder)
+            }
+        };
+        file.mimic = mimic.unwrap_or(file.mimic);
+        Self::new(file, name_or_path, folder)
     }
 
     /// A scenario of what a file says. `path` names it in errors; robots are looked for in `folder`.
     fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
-        let (robot, _) = load_robot(&file.robot, folder)
+        let options = UrdfOptions { mimic: file.mimic };
+        let (robot, _) = load_robot_with(&file.robot, folder, options)
             .map_err(|e| Error::input(path, "robot", e.to_string()))?;
         let environment = Environment::new(&robot, &file, path)?;
         let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
@@ -287,6 +303,18 @@ impl Scenario {
         }
         notes
     }
+}
+
+/// The text of the scenario in the file at this path.
+fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|e| {
+        if e.kind() == std::io::ErrorKind::NotFound {
+            let condition = "there is neither a file nor a built-in scenario of this name";
+            Error::input(path.display().to_string(), "scenario", condition)
+        } else {
+            Error::io(path, e)
+        }
+    })
 }
 
 /// The robot with these joints locked, and its shape. `path` names the scenario in errors.

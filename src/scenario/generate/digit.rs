@@ -1,8 +1,8 @@
 //! Obstacles for Digit.
 
-use super::kinova::rounded;
 use super::paths::Paths;
-use super::{Candidate, DIGIT_LINK_RADIUS, HIT};
+use super::witness::Witness;
+use super::{CLEAR, Candidate, HIT, rounded};
 use crate::constraint::Capsule;
 use crate::error::Result;
 use crate::model::Model;
@@ -15,6 +15,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// The step whose boundary states are taken.
 const STEP: &str = "digit_free_step";
+
+/// The links are taken for capsules of this radius, m.
+const LINK_RADIUS: f64 = 0.03;
 
 /// A box of spheres on the ground where the line of the step drags the right foot.
 pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
@@ -49,8 +52,13 @@ pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
             }
         })
         .collect();
-    let mut paths = Paths::new(model, ends, &bend, DIGIT_LINK_RADIUS)?;
-    paths.rates = [step.v_start, step.v_goal];
+    let witness = Witness {
+        model,
+        ends,
+        bend,
+        horizon: step.horizon_s,
+    };
+    let paths = Paths::new(witness, LINK_RADIUS)?;
 
     let capsules = paths.line.capsules();
     let foot = |c: &Capsule| {
@@ -70,14 +78,12 @@ pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
             let along = (f64::from(i) - 0.5 * f64::from(columns - 1)) * size;
             let across = (f64::from(j) - 0.5 * f64::from(rows - 1)) * size;
             let centre = Vector3::new(sole.x + along, sole.y + across, sole.z).map(rounded);
-            free = free && paths.free(centre, size)?;
+            free = free && paths.free(centre, size, CLEAR)?;
             hit = hit || paths.line.clearance(centre, size)? < -HIT;
             spheres.push((centre, size));
         }
     }
-    Ok((free && hit).then_some(Candidate {
-        paths,
-        spheres,
-        half_spaces: Vec::new(),
-    }))
+    let mut made = Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres);
+    made.rates = [step.v_start, step.v_goal];
+    Ok((free && hit).then_some(made))
 }

@@ -1,24 +1,25 @@
 //! Obstacles for the Kinova arm.
 
+use super::limits::near_line;
 use super::paths::Paths;
-use super::{CLEAR, Candidate, HIT, KINOVA};
+use super::witness::{HORIZON_RATIO, Witness, least_horizon};
+use super::{CLEAR, Candidate, HIT, direction, round_down, round_up, round_vector, rounded};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::HalfSpaceObstacle;
-use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Numbers in a file are rounded to this many parts of a metre or radian.
-const ROUND: f64 = 1000.0;
+/// The links are taken for capsules of this radius, m.
+const LINK_RADIUS: f64 = 0.05;
+/// The least duration, that of the paper's scenarios, s.
+const LEAST_HORIZON: f64 = 2.0;
+/// The share of the torque limits that the bent path takes at most.
+const TORQUE_SHARE: f64 = 0.9;
 
-pub(super) fn rounded(x: f64) -> f64 {
-    (x * ROUND).round() / ROUND
-}
-
-/// A random motion at rest at both ends within the limits, and a random bend.
-fn motion(model: &Model, rng: &mut ChaCha8Rng) -> Result<Paths> {
-    let (mut start, mut goal, mut bend) = (Vec::new(), Vec::new(), Vec::new());
+/// A random motion at rest at both ends, within the limits on the line and on the bent path beside it.
+fn motion<'a>(model: &'a Model, rng: &mut ChaCha8Rng) -> Result<Option<Paths<'a>>> {
+    let (mut start, mut goal, mut wish) = (Vec::new(), Vec::new(), Vec::new());
     for joint in model.joints() {
         // Joints that turn more than once are taken to start within half a turn.
         let reach = 0.85 * joint.limits().upper.min(std::f64::consts::PI);
@@ -27,66 +28,49 @@ fn motion(model: &Model, rng: &mut ChaCha8Rng) -> Result<Paths> {
         let to = (from + rng.random_range(-1.6..1.6)).clamp(-far, far);
         start.push(rounded(from));
         goal.push(rounded(to));
-        bend.push(rng.random_range(-0.9..0.9));
+        wish.push(rng.random_range(-0.9..0.9));
     }
-    Paths::new(model, [start, goal], &bend, KINOVA.link_radius)
-}
-
-fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
-    loop {
-        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
-        if v.norm() > 0.1 {
-            return v.normalize();
-        }
+    let ends = [start, goal];
+    let horizon = round_up(HORIZON_RATIO * least_horizon(model, &ends)).max(LEAST_HORIZON);
+    let witness = Witness::bent(model, ends, &wish, horizon);
+    if !witness.keeps_limits(TORQUE_SHARE)? {
+        return Ok(None);
     }
-}
-
-fn round_vector(v: Vector3<f64>) -> Vector3<f64> {
-    v.map(rounded)
+    Paths::new(witness, LINK_RADIUS).map(Some)
 }
 
 /// Five spheres, at least two of which the line hits.
 pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
-    let paths = motion(model, rng)?;
+    let Some(paths) = motion(model, rng)? else {
+        return Ok(None);
+    };
     let (mut spheres, mut hits) = (Vec::new(), 0);
     for _ in 0..60 {
-        let (centre, radius) = near_line(&paths, rng);
+        let (centre, radius) = near_line(&paths, 0.15, 0.06..0.12, rng);
         let hit = paths.line.clearance(centre, radius)? < -HIT;
         let wanted = if hit {
             hits < 3
         } else {
             spheres.len() - hits < 3
         };
-        if wanted && paths.free(centre, radius)? {
+        if wanted && paths.free(centre, radius, CLEAR)? {
             spheres.push((centre, radius));
             hits += usize::from(hit);
         }
         if spheres.len() == 5 && hits >= 2 {
-            return Ok(Some(Candidate {
-                paths,
-                spheres,
-                half_spaces: Vec::new(),
-            }));
+            return Ok(Some(
+                Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres),
+            ));
         }
     }
     Ok(None)
 }
 
-/// A sphere somewhere about a link on its way along the line.
-fn near_line(paths: &Paths, rng: &mut ChaCha8Rng) -> (Vector3<f64>, f64) {
-    let capsule = rng.random_range(2..paths.line.capsules().len());
-    let [from, to] = paths.line.segment(capsule, rng.random_range(0.25..0.75));
-    let on_link = from + (to - from) * rng.random_range(0.0..1.0);
-    let off = direction(rng) * rng.random_range(0.0..0.15);
-    (
-        round_vector(on_link + off),
-        rounded(rng.random_range(0.06..0.12)),
-    )
-}
-
 /// Two spheres on either side of a link of the bent path, so that it has little room, and the line hits one of them.
 pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
-    let paths = motion(model, rng)?;
+    let Some(paths) = motion(model, rng)? else {
+        return Ok(None);
+    };
     let capsules = paths.bent.capsules().len();
     for _ in 0..40 {
         let capsule = rng.random_range(capsules / 2..capsules);
@@ -95,19 +79,17 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidat
         let middle = from + (to - from) * rng.random_range(0.0..1.0);
         let across = direction(rng);
         let radius = rounded(rng.random_range(0.08..0.12));
-        let apart = radius + KINOVA.link_radius + CLEAR + rng.random_range(0.0..0.015);
+        let apart = radius + LINK_RADIUS + CLEAR + rng.random_range(0.0..0.015);
         let spheres = [1.0, -1.0].map(|s| (round_vector(middle + across * (s * apart)), radius));
         let (mut free, mut hit) = (true, false);
         for (centre, radius) in spheres {
-            free = free && paths.free(centre, radius)?;
+            free = free && paths.free(centre, radius, CLEAR)?;
             hit = hit || paths.line.clearance(centre, radius)? < -HIT;
         }
         if free && hit {
-            return Ok(Some(Candidate {
-                paths,
-                spheres: spheres.to_vec(),
-                half_spaces: Vec::new(),
-            }));
+            return Ok(Some(
+                Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres.to_vec()),
+            ));
         }
     }
     Ok(None)
@@ -115,19 +97,19 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidat
 
 /// A floor below the bent path that the line dips into.
 pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
-    let paths = motion(model, rng)?;
-    let height = ((paths.bent.lowest()? - CLEAR) * ROUND).floor() / ROUND;
+    let Some(paths) = motion(model, rng)? else {
+        return Ok(None);
+    };
+    let height = round_down(paths.bent.lowest()? - CLEAR);
     // Not above the base, nor so low that it is no floor of this arm.
     let sensible = (-0.5..=0.05).contains(&height);
     if !sensible || paths.line.lowest()? > height - 2.0 * HIT {
         return Ok(None);
     }
-    Ok(Some(Candidate {
-        paths,
-        spheres: Vec::new(),
-        half_spaces: vec![HalfSpaceObstacle {
-            normal: [0.0, 0.0, 1.0],
-            offset_m: height,
-        }],
-    }))
+    let mut made = Candidate::new(paths.witness, LINK_RADIUS);
+    made.half_spaces.push(HalfSpaceObstacle {
+        normal: [0.0, 0.0, 1.0],
+        offset_m: height,
+    });
+    Ok(Some(made))
 }

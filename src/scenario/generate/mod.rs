@@ -1,24 +1,31 @@
-//! Scenarios with obstacles that stand in the way, made from a seed.
+//! Scenarios made from a seed: obstacles that stand in the way, and motions that are hard for the limits of a robot.
 //!
 //! The paper's scenarios with obstacles are clear along the straight line already. Here the line hits something, and a bent path that is
-//! known when the obstacles are placed does not, so each scenario can be solved. `NAME_NN` is made from seed `NN`.
+//! known when the obstacles are placed does not. Where limits are enforced that path is a motion within them ([`witness`]), so each
+//! scenario can be solved. `NAME_NN` is made from seed `NN`.
 
 mod digit;
 mod kinova;
+mod limits;
 mod paths;
+mod witness;
 
-use super::{EnforcedLimits, FlowParameters, RobotShape, ScenarioFile, SphereObstacle};
+use super::{
+    EnforcedLimits, FlowParameters, HalfSpaceObstacle, PerJoint, RobotShape, RunningCostWeights,
+    ScenarioFile, SphereObstacle,
+};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::Feedback;
-use crate::urdf::builtin_robot;
+use crate::urdf::{Mimic, UrdfOptions, load_robot_with};
 use nalgebra::Vector3;
-use paths::Paths;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
+use std::path::Path;
+use witness::Witness;
 
-/// How often a family tries to place obstacles before it gives a seed up.
+/// How often a family draws a motion and obstacles before it gives a seed up.
 const ATTEMPTS: usize = 5000;
 /// How many scenarios of a family are listed.
 const LISTED: u64 = 10;
@@ -26,9 +33,12 @@ const LISTED: u64 = 10;
 const CLEAR: f64 = 0.03;
 /// The line goes at least this deep into an obstacle, m.
 const HIT: f64 = 0.02;
+/// Numbers in a file are rounded to this many parts of a metre, radian or second.
+const ROUND: f64 = 1000.0;
 
-/// The links of Digit are taken for capsules of this radius, m.
-const DIGIT_LINK_RADIUS: f64 = 0.03;
+/// The weight of squared accelerations beside squared torques. Motions of least effort alone swing to and fro on a way many times as
+/// long as the straight one, since a light link accelerates at next to no cost; this little makes them go there directly.
+const SMALL_ACCELERATION: f64 = 0.1;
 
 /// Scenarios of one kind.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +47,11 @@ pub struct Family {
     pub name: &'static str,
     /// A description of them.
     pub about: &'static str,
+    /// The robot, where no other is asked for.
     robot: &'static str,
-    link_radius: f64,
+    /// Whether another one may be.
+    any_robot: bool,
+    within_limits: bool,
     flow: FlowParameters,
     feedback: Feedback,
     /// Boundary states, obstacles and half-spaces, if the random choices go together.
@@ -47,16 +60,69 @@ pub struct Family {
 
 /// What a family chooses.
 struct Candidate {
-    paths: Paths,
+    ends: [Vec<f64>; 2],
+    /// The velocities at start and goal.
+    rates: [Vec<f64>; 2],
+    horizon: f64,
+    shape: RobotShape,
     spheres: Vec<(Vector3<f64>, f64)>,
-    half_spaces: Vec<super::HalfSpaceObstacle>,
+    half_spaces: Vec<HalfSpaceObstacle>,
+}
+
+impl Candidate {
+    /// What `witness` solves, with links of this radius and no obstacle yet.
+    fn new(witness: Witness, link_radius: f64) -> Self {
+        let rest = vec![0.0; witness.model.dof()];
+        Self {
+            ends: witness.ends,
+            rates: [rest.clone(), rest],
+            horizon: witness.horizon,
+            shape: RobotShape::SweptLinks {
+                radius_m: link_radius,
+                spacing_m: 0.05,
+            },
+            spheres: Vec::new(),
+            half_spaces: Vec::new(),
+        }
+    }
+
+    fn with_spheres(self, spheres: Vec<(Vector3<f64>, f64)>) -> Self {
+        Self { spheres, ..self }
+    }
+}
+
+fn rounded(x: f64) -> f64 {
+    (x * ROUND).round() / ROUND
+}
+
+fn round_up(x: f64) -> f64 {
+    (x * ROUND).ceil() / ROUND
+}
+
+fn round_down(x: f64) -> f64 {
+    (x * ROUND).floor() / ROUND
+}
+
+fn round_vector(v: Vector3<f64>) -> Vector3<f64> {
+    v.map(rounded)
+}
+
+/// A random direction.
+fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    loop {
+        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+        if v.norm() > 0.1 {
+            return v.normalize();
+        }
+    }
 }
 
 const KINOVA: Family = Family {
     name: "",
     about: "",
     robot: "kinova_gen3",
-    link_radius: 0.05,
+    any_robot: false,
+    within_limits: true,
     flow: FlowParameters {
         p: 12,
         k: 1e8,
@@ -70,7 +136,7 @@ const KINOVA: Family = Family {
 };
 
 /// The families of generated scenarios, ten of each are listed.
-pub const FAMILIES: [Family; 4] = [
+pub const FAMILIES: [Family; 6] = [
     Family {
         name: "kinova_cross",
         about: "spheres that the links of the line sweep through",
@@ -92,7 +158,7 @@ pub const FAMILIES: [Family; 4] = [
         name: "digit_box",
         about: "a step over a box of spheres in the way of the swinging foot",
         robot: "digit_v3_pinned",
-        link_radius: DIGIT_LINK_RADIUS,
+        within_limits: false,
         flow: FlowParameters {
             p: 6,
             k: 1e8,
@@ -106,6 +172,21 @@ pub const FAMILIES: [Family; 4] = [
             kv: 100.0,
         },
         attempt: digit::step_over_box,
+        ..KINOVA
+    },
+    Family {
+        name: "limits",
+        about: "random pairs close to the velocity limits, of any robot (--robot)",
+        any_robot: true,
+        attempt: limits::without_obstacle,
+        ..KINOVA
+    },
+    Family {
+        name: "limits_obstacle",
+        about: "the same with a sphere that the line hits",
+        any_robot: true,
+        attempt: limits::with_obstacle,
+        ..KINOVA
     },
 ];
 
@@ -119,55 +200,78 @@ pub fn generated_scenarios() -> impl Iterator<Item = String> {
 /// The scenario that is generated under this name, such as `kinova_gap_03`; `None` if no family has such names. Any seed will do.
 ///
 /// # Errors
-/// No way was found to place obstacles with this seed.
+/// No motion with such obstacles was found for this seed.
 pub fn generate(name: &str) -> Option<Result<ScenarioFile>> {
+    generate_for(name, None, Mimic::default())
+}
+
+/// As [`generate`], for another robot where the family is for any: one that is built in, or the path of a URDF file, with what becomes of
+/// its mimic joints.
+///
+/// # Errors
+/// The robot cannot be loaded, the family has its own, or no such motion was found for this seed.
+pub fn generate_for(name: &str, robot: Option<&str>, mimic: Mimic) -> Option<Result<ScenarioFile>> {
     let (family, seed) = name.rsplit_once('_')?;
     let family = FAMILIES.iter().find(|f| f.name == family)?;
     let seed = seed.parse().ok()?;
-    Some(family.scenario(name, seed))
+    Some(family.scenario(name, seed, robot, mimic))
 }
 
 impl Family {
-    fn scenario(&self, name: &str, seed: u64) -> Result<ScenarioFile> {
-        let unknown = || Err(Error::input(name, "robot", "it is not built in"));
-        let (model, _) = builtin_robot(self.robot).unwrap_or_else(unknown)?;
+    fn scenario(
+        &self,
+        name: &str,
+        seed: u64,
+        robot: Option<&str>,
+        mimic: Mimic,
+    ) -> Result<ScenarioFile> {
+        if robot.is_some() && !self.any_robot {
+            let condition = format!("scenarios '{}' are for {} alone", self.name, self.robot);
+            return Err(Error::input(name, "robot", condition));
+        }
+        let robot = robot.unwrap_or(self.robot);
+        let (model, _) = load_robot_with(robot, Path::new(""), UrdfOptions { mimic })
+            .map_err(|e| Error::input(name, "robot", e.to_string()))?;
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..ATTEMPTS {
             if let Some(made) = (self.attempt)(&model, rng)? {
-                return Ok(self.file(made));
+                return Ok(self.file(robot, mimic, made));
             }
         }
-        let condition = format!("no free place for the obstacles of seed {seed} was found");
+        let condition = format!("none was found in {ATTEMPTS} draws for seed {seed} and {robot}");
         Err(Error::input(name, "scenario", condition))
     }
 
-    fn file(&self, made: Candidate) -> ScenarioFile {
-        let Paths {
-            start, goal, rates, ..
-        } = made.paths;
+    fn file(&self, robot: &str, mimic: Mimic, made: Candidate) -> ScenarioFile {
         let sphere = |(centre, radius): (Vector3<f64>, f64)| SphereObstacle {
             center_m: centre.into(),
             radius_m: radius,
         };
-        let [v_start, v_goal] = rates;
+        let [q_start, q_goal] = made.ends;
+        let [v_start, v_goal] = made.rates;
         ScenarioFile {
-            robot: self.robot.to_owned(),
+            robot: robot.to_owned(),
+            mimic,
             locked_joints: BTreeMap::new(),
-            horizon_s: 2.0,
-            q_start: start,
+            horizon_s: made.horizon,
+            q_start,
             v_start,
-            q_goal: goal,
+            q_goal,
             v_goal,
             free_final_velocity: false,
-            running_cost: None,
+            running_cost: Some(RunningCostWeights {
+                acceleration: PerJoint::Same(SMALL_ACCELERATION),
+                ..RunningCostWeights::default()
+            }),
             free_horizon: None,
             sphere_obstacles: made.spheres.into_iter().map(sphere).collect(),
             half_spaces: made.half_spaces,
-            robot_shape: RobotShape::SweptLinks {
-                radius_m: self.link_radius,
-                spacing_m: 0.05,
+            robot_shape: made.shape,
+            enforced_limits: if self.within_limits {
+                EnforcedLimits::default()
+            } else {
+                EnforcedLimits::NONE
             },
-            enforced_limits: EnforcedLimits::NONE,
             flow: self.flow,
             feedback: self.feedback,
             success_threshold: 0.05,

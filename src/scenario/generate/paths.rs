@@ -1,15 +1,14 @@
-//! The line between two configurations and a bent path beside it.
+//! What the links of a robot sweep on the line between two configurations and on a bent path beside it.
 
-use super::CLEAR;
+use super::witness::Witness;
 use crate::constraint::{Capsule, HalfSpace, Sphere};
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
-use crate::model::Model;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 
 /// At how many places the paths are looked at.
-const PLACES: usize = 41;
+const PLACES: usize = 61;
 
 /// Where the bodies are along a path, and the shape they have.
 pub(super) struct Swept {
@@ -18,57 +17,53 @@ pub(super) struct Swept {
 }
 
 /// Two paths with the same ends.
-pub(super) struct Paths {
-    pub start: Vec<f64>,
-    pub goal: Vec<f64>,
-    /// The velocities at start and goal.
-    pub rates: [Vec<f64>; 2],
+pub(super) struct Paths<'a> {
+    /// The motion on the bent path.
+    pub witness: Witness<'a>,
     /// Straight in the configuration.
     pub line: Swept,
     /// The path that is to be free.
     pub bent: Swept,
 }
 
-impl Paths {
-    /// The line from `start` to `goal`, and the same with `bend` added in the middle. The shape has links of this radius.
-    pub(super) fn new(
-        model: &Model,
-        [start, goal]: [Vec<f64>; 2],
-        bend: &[f64],
-        radius: f64,
-    ) -> Result<Self> {
-        let sweep = |scale: f64| -> Result<Swept> {
-            let places = (0..PLACES).map(|i| {
-                let t = i as f64 / (PLACES - 1) as f64;
-                let bump = scale * 16.0 * (t * (1.0 - t)).powi(2);
-                let q: Vec<f64> = (0..model.dof())
-                    .map(|j| start[j] + (goal[j] - start[j]) * t + bend[j] * bump)
-                    .collect();
-                let mut placements = vec![Placement::identity(); model.dof()];
-                forward_kinematics(model, &q, &mut placements)?;
-                Ok(placements)
-            });
-            Ok(Swept {
-                places: places.collect::<Result<_>>()?,
-                capsules: Capsule::along_links(model, radius),
-            })
-        };
+impl<'a> Paths<'a> {
+    /// The line between the ends of `witness`, and its own path. The shape has links of this radius.
+    pub(super) fn new(mut witness: Witness<'a>, radius: f64) -> Result<Self> {
+        let bent = Swept::new(&witness, radius)?;
+        let straight = vec![0.0; witness.bend.len()];
+        let bend = std::mem::replace(&mut witness.bend, straight);
+        let line = Swept::new(&witness, radius)?;
+        witness.bend = bend;
         Ok(Self {
-            line: sweep(0.0)?,
-            bent: sweep(1.0)?,
-            rates: [vec![0.0; model.dof()], vec![0.0; model.dof()]],
-            start,
-            goal,
+            witness,
+            line,
+            bent,
         })
     }
 
-    /// Whether the bent path stays clear of a sphere.
-    pub(super) fn free(&self, centre: Vector3<f64>, radius: f64) -> Result<bool> {
-        Ok(self.bent.clearance(centre, radius)? >= CLEAR)
+    /// Whether the bent path stays `margin` clear of a sphere, m.
+    pub(super) fn free(&self, centre: Vector3<f64>, radius: f64, margin: f64) -> Result<bool> {
+        Ok(self.bent.clearance(centre, radius)? >= margin)
     }
 }
 
 impl Swept {
+    /// What a robot with links of this radius sweeps.
+    fn new(witness: &Witness, radius: f64) -> Result<Self> {
+        let model = witness.model;
+        let places = (0..PLACES).map(|k| {
+            let tau = k as f64 / (PLACES - 1) as f64;
+            let q: Vec<f64> = (0..model.dof()).map(|i| witness.joint(i, tau)[0]).collect();
+            let mut placements = vec![Placement::identity(); model.dof()];
+            forward_kinematics(model, &q, &mut placements)?;
+            Ok(placements)
+        });
+        Ok(Self {
+            places: places.collect::<Result<_>>()?,
+            capsules: Capsule::along_links(model, radius),
+        })
+    }
+
     /// How far the sphere is from all that is swept, m.
     pub(super) fn clearance(&self, centre: Vector3<f64>, radius: f64) -> Result<f64> {
         let sphere = Sphere { centre, radius };

@@ -1,0 +1,132 @@
+//! Motions that are hard for the limits of a robot, whichever it is.
+
+use super::paths::Paths;
+use super::witness::{HORIZON_RATIO, Witness, least_horizon};
+use super::{CLEAR, Candidate, HIT, direction, round_up, round_vector, rounded};
+use crate::error::Result;
+use crate::model::{Joint, Model};
+use crate::scenario::RobotShape;
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// The least duration, s. Shorter ones, of robots with high velocity limits, ask for too much torque.
+const LEAST_HORIZON: f64 = 0.5;
+/// The part of the range of a joint from which its ends are drawn, about the middle.
+const RANGE: f64 = 0.9;
+/// The share of the torque limits that the known motion takes at most without obstacle, and with one.
+const TORQUE_SHARES: [f64; 2] = [0.9, 0.95];
+/// How far the path around an obstacle leaves the line at most, rad or m.
+const BEND: f64 = 0.9;
+/// The radius of the links as a part of the reach of the robot, and the largest, m.
+const LINK_RADIUS: [f64; 2] = [0.05, 0.05];
+/// How many places are tried for the obstacle of one motion.
+const PLACES: usize = 30;
+
+/// Where the ends of a joint are drawn from: most of its range, of at most one turn.
+fn range(joint: &Joint<f64>) -> [f64; 2] {
+    let limits = joint.limits();
+    let (lower, upper) = match (limits.lower.max(-PI), limits.upper.min(PI)) {
+        (lower, upper) if lower < upper => (lower, upper),
+        // A range that lies beyond half a turn on one side.
+        (lower, _) if lower == limits.lower => (lower, limits.upper.min(lower + 2.0 * PI)),
+        (_, upper) => (limits.lower.max(upper - 2.0 * PI), upper),
+    };
+    let (middle, half) = (0.5 * (lower + upper), 0.5 * RANGE * (upper - lower));
+    [middle - half, middle + half]
+}
+
+/// Random ends within the limits, and the duration that they get.
+fn pair(model: &Model, rng: &mut ChaCha8Rng) -> ([Vec<f64>; 2], f64) {
+    let mut configuration = || -> Vec<f64> {
+        let draw = |joint: &Joint<f64>| {
+            let [lower, upper] = range(joint);
+            rounded(lower + (upper - lower) * rng.random_range(0.0..1.0))
+        };
+        model.joints().iter().map(draw).collect()
+    };
+    let ends = [configuration(), configuration()];
+    let least = least_horizon(model, &ends);
+    (ends, round_up(HORIZON_RATIO * least).max(LEAST_HORIZON))
+}
+
+/// A random pair, rest to rest, for which a polynomial on the straight line keeps all limits.
+pub(super) fn without_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
+    let (ends, horizon) = pair(model, rng);
+    let witness = Witness {
+        model,
+        ends,
+        bend: vec![0.0; model.dof()],
+        horizon,
+    };
+    let good = witness.keeps_limits(TORQUE_SHARES[0])?;
+    Ok(good.then(|| Candidate {
+        shape: RobotShape::default(),
+        ..Candidate::new(witness, 0.0)
+    }))
+}
+
+/// The length of the longest chain of links, m.
+fn reach(model: &Model) -> f64 {
+    let mut reaches: Vec<f64> = Vec::new();
+    for joint in model.joints() {
+        let before = joint.parent().map_or(0.0, |p| reaches[p]);
+        // What lies before the first joint is no link that moves.
+        let link = joint
+            .parent()
+            .map_or(0.0, |_| joint.origin().translation.norm());
+        reaches.push(before + link);
+    }
+    let frames = model.frames().iter();
+    let tips = frames.filter_map(|f| Some(reaches[f.body?] + f.placement.translation.norm()));
+    tips.chain(reaches.iter().copied()).fold(0.0, f64::max)
+}
+
+/// A random pair and a sphere that the links hit on the straight line, while a polynomial beside it keeps clear and within all limits.
+pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
+    let (ends, horizon) = pair(model, rng);
+    let wish: Vec<f64> = (0..model.dof())
+        .map(|_| rng.random_range(-BEND..BEND))
+        .collect();
+    let witness = Witness::bent(model, ends, &wish, horizon);
+    if !witness.keeps_limits(TORQUE_SHARES[1])? {
+        return Ok(None);
+    }
+    let reach = reach(model);
+    let radius = rounded((LINK_RADIUS[0] * reach).min(LINK_RADIUS[1]));
+    // Small robots get small obstacles.
+    let scale = reach.min(1.0);
+    let paths = Paths::new(witness, radius)?;
+    for _ in 0..PLACES {
+        let sizes = 0.04 * scale..0.12 * scale;
+        let (centre, size) = near_line(&paths, 0.1 * scale, sizes, rng);
+        if paths.line.clearance(centre, size)? < -HIT * scale
+            && paths.free(centre, size, CLEAR * scale)?
+        {
+            let made = Candidate::new(paths.witness, radius);
+            return Ok(Some(made.with_spheres(vec![(centre, size)])));
+        }
+    }
+    Ok(None)
+}
+
+/// A sphere whose centre is at most `off` from a link on its way along the line.
+pub(super) fn near_line(
+    paths: &Paths,
+    off: f64,
+    radii: Range<f64>,
+    rng: &mut ChaCha8Rng,
+) -> (Vector3<f64>, f64) {
+    // The first links hardly move.
+    let capsules = paths.line.capsules().len();
+    let capsule = rng.random_range(2.min(capsules - 1)..capsules);
+    let [from, to] = paths.line.segment(capsule, rng.random_range(0.25..0.75));
+    let on_link = from + (to - from) * rng.random_range(0.0..1.0);
+    let off = direction(rng) * rng.random_range(0.0..off);
+    (
+        round_vector(on_link + off),
+        rounded(rng.random_range(radii)),
+    )
+}

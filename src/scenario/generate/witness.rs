@@ -1,0 +1,122 @@
+//! A motion that is known, and shows that a scenario has a solution.
+
+use crate::dynamics::{Data, rnea};
+use crate::error::Result;
+use crate::model::Model;
+
+/// The peak of the velocity of [`progress`] over its mean.
+const PEAK: f64 = 1.25;
+/// The largest slope of [`bump`], $16 / (3 \sqrt 3)$.
+const STEEPEST: f64 = 3.0792;
+/// The share of the velocity limits that a known motion takes at most.
+const VELOCITY_SHARE: f64 = 0.98;
+/// By how much the horizon of a generated scenario exceeds the least one of the velocity limits. [`PEAK`] is below it.
+pub(super) const HORIZON_RATIO: f64 = 1.3;
+/// At how many times the limits are looked at.
+const TIMES: usize = 241;
+/// Every so many times first, where most motions that break a limit do so already.
+const STRIDE: usize = 24;
+
+/// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\, h(t / T)$, a polynomial of degree 5 in every joint, so that the
+/// relaxation has it among its motions.
+pub(super) struct Witness<'a> {
+    pub model: &'a Model,
+    /// Where it starts and ends.
+    pub ends: [Vec<f64>; 2],
+    /// How far each joint leaves the line in the middle.
+    pub bend: Vec<f64>,
+    /// Its duration, s.
+    pub horizon: f64,
+}
+
+/// $s$, $s'$, $s''$: from 0 to 1 at the velocity $\tfrac54 (1 - x^4)$, $x = 2 \tau - 1$, which is nearly constant.
+fn progress(tau: f64) -> [f64; 3] {
+    let x = 2.0 * tau - 1.0;
+    [
+        0.5 + PEAK * (0.5 * x - 0.1 * x.powi(5)),
+        PEAK * (1.0 - x.powi(4)),
+        -8.0 * PEAK * x.powi(3),
+    ]
+}
+
+/// $h$, $h'$, $h''$ of $h = 16 \tau^2 (1 - \tau)^2$: one in the middle, at rest at both ends.
+fn bump(tau: f64) -> [f64; 3] {
+    let rest = 1.0 - tau;
+    [
+        16.0 * (tau * rest).powi(2),
+        32.0 * tau * rest * (rest - tau),
+        32.0 * (1.0 - 6.0 * tau * rest),
+    ]
+}
+
+/// The least horizon of the velocity limits: a joint with limit $v$ needs $|\Delta q| / v$ at least.
+pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64 {
+    let joints = model.joints().iter().zip(start.iter().zip(goal));
+    joints
+        .map(|(joint, (start, goal))| (goal - start).abs() / joint.limits().velocity)
+        .fold(0.0, f64::max)
+}
+
+impl<'a> Witness<'a> {
+    /// That with the bend nearest to `wish` for which the velocity limits are kept for sure.
+    pub(super) fn bent(model: &'a Model, ends: [Vec<f64>; 2], wish: &[f64], horizon: f64) -> Self {
+        let room = |i: usize| {
+            let within = VELOCITY_SHARE * model.joints()[i].limits().velocity * horizon;
+            ((within - PEAK * (ends[1][i] - ends[0][i]).abs()) / STEEPEST).max(0.0)
+        };
+        let bend = wish.iter().enumerate();
+        let bend = bend
+            .map(|(i, wish)| wish.clamp(-room(i), room(i)))
+            .collect();
+        Self {
+            model,
+            ends,
+            bend,
+            horizon,
+        }
+    }
+
+    /// Position, velocity and acceleration of a joint at the part `tau` of the horizon.
+    pub(super) fn joint(&self, i: usize, tau: f64) -> [f64; 3] {
+        let (s, h) = (progress(tau), bump(tau));
+        let [start, goal] = [self.ends[0][i], self.ends[1][i]];
+        let along = |k: usize| (goal - start) * s[k] + self.bend[i] * h[k];
+        let rate = self.horizon.recip();
+        [start + along(0), along(1) * rate, along(2) * rate * rate]
+    }
+
+    /// Whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
+    pub(super) fn keeps_limits(&self, torque: f64) -> Result<bool> {
+        let mut data = Data::new(self.model);
+        let n = self.model.dof();
+        let rest = vec![0.0; n];
+        let mut tau = vec![0.0; n];
+        let mut strong = |q: &[f64], v: &[f64], a: &[f64]| -> Result<bool> {
+            rnea(self.model, &mut data, q, v, a, &mut tau)?;
+            let mut joints = self.model.joints().iter().zip(&tau);
+            Ok(joints.all(|(joint, tau)| tau.abs() <= torque * joint.limits().effort))
+        };
+        for end in &self.ends {
+            if !strong(end, &rest, &rest)? {
+                return Ok(false);
+            }
+        }
+        let [mut q, mut v, mut a] = [rest.clone(), rest.clone(), rest];
+        for stride in [STRIDE, 1] {
+            for k in (0..TIMES).step_by(stride) {
+                for (i, joint) in self.model.joints().iter().enumerate() {
+                    [q[i], v[i], a[i]] = self.joint(i, k as f64 / (TIMES - 1) as f64);
+                    let limits = joint.limits();
+                    let slow = v[i].abs() <= VELOCITY_SHARE * limits.velocity;
+                    if !(slow && (limits.lower..=limits.upper).contains(&q[i])) {
+                        return Ok(false);
+                    }
+                }
+                if !strong(&q, &v, &a)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+}
