@@ -1,6 +1,6 @@
 //! Obstacles for the Kinova arm.
 
-use super::limits::near_line;
+use super::limits::{moving_capsule, near_line};
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
 use super::{CLEAR, Candidate, HIT, direction, round_down, round_up, round_vector, rounded};
@@ -32,7 +32,7 @@ fn motion<'a>(model: &'a Model, rng: &mut ChaCha8Rng) -> Result<Option<Paths<'a>
     }
     let ends = [start, goal];
     let horizon = round_up(HORIZON_RATIO * least_horizon(model, &ends)).max(LEAST_HORIZON);
-    let witness = Witness::bent(model, ends, &wish, horizon);
+    let witness = Witness::bent(model, ends, wish, horizon);
     if !witness.keeps_limits(TORQUE_SHARE)? {
         return Ok(None);
     }
@@ -46,7 +46,8 @@ pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
     };
     let (mut spheres, mut hits) = (Vec::new(), 0);
     for _ in 0..60 {
-        let (centre, radius) = near_line(&paths, 0.15, 0.06..0.12, rng);
+        let capsule = moving_capsule(paths.line.capsules().len(), rng);
+        let (centre, radius) = near_line(&paths, capsule, 0.15, 0.06..0.12, rng);
         let hit = paths.line.clearance(centre, radius)? < -HIT;
         let wanted = if hit {
             hits < 3

@@ -3,6 +3,7 @@
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
 use super::{CLEAR, Candidate, HIT, direction, round_up, round_vector, rounded};
+use crate::constraint::Capsule;
 use crate::error::Result;
 use crate::model::{Joint, Model};
 use crate::scenario::RobotShape;
@@ -22,8 +23,10 @@ const TORQUE_SHARES: [f64; 2] = [0.9, 0.95];
 const BEND: f64 = 0.9;
 /// The radius of the links as a part of the reach of the robot, and the largest, m.
 const LINK_RADIUS: [f64; 2] = [0.05, 0.05];
-/// How many places are tried for the obstacle of one motion.
-const PLACES: usize = 30;
+/// How many bent paths are tried for a pair.
+const BENDS: usize = 8;
+/// How many places are tried for the obstacle of one path.
+const PLACES: usize = 20;
 
 /// Where the ends of a joint are drawn from: most of its range, of at most one turn.
 fn range(joint: &Joint<f64>) -> [f64; 2] {
@@ -87,41 +90,56 @@ fn reach(model: &Model) -> f64 {
 /// A random pair and a sphere that the links hit on the straight line, while a polynomial beside it keeps clear and within all limits.
 pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let (ends, horizon) = pair(model, rng);
-    let wish: Vec<f64> = (0..model.dof())
-        .map(|_| rng.random_range(-BEND..BEND))
-        .collect();
-    let witness = Witness::bent(model, ends, &wish, horizon);
-    if !witness.keeps_limits(TORQUE_SHARES[1])? {
+    let straight = Witness::bent(model, ends, vec![0.0; model.dof()], horizon);
+    if !straight.keeps_limits(TORQUE_SHARES[1])? {
         return Ok(None);
     }
     let reach = reach(model);
     let radius = rounded((LINK_RADIUS[0] * reach).min(LINK_RADIUS[1]));
     // Small robots get small obstacles.
     let scale = reach.min(1.0);
-    let paths = Paths::new(witness, radius)?;
-    for _ in 0..PLACES {
-        let sizes = 0.04 * scale..0.12 * scale;
-        let (centre, size) = near_line(&paths, 0.1 * scale, sizes, rng);
-        if paths.line.clearance(centre, size)? < -HIT * scale
-            && paths.free(centre, size, CLEAR * scale)?
-        {
-            let made = Candidate::new(paths.witness, radius);
-            return Ok(Some(made.with_spheres(vec![(centre, size)])));
+    for _ in 0..BENDS {
+        let capsules = Capsule::along_links(model, radius);
+        let capsule = moving_capsule(capsules.len(), rng);
+        // Only what moves this link is bent.
+        let mut wish = vec![0.0; model.dof()];
+        let mut body = capsules[capsule].body;
+        while let Some(joint) = body {
+            wish[joint] = rng.random_range(-BEND..BEND);
+            body = model.joints()[joint].parent();
+        }
+        let witness = Witness::bent(model, straight.ends.clone(), wish, horizon);
+        if !witness.keeps_limits(TORQUE_SHARES[1])? {
+            continue;
+        }
+        let paths = Paths::new(witness, radius)?;
+        for _ in 0..PLACES {
+            let sizes = 0.04 * scale..0.12 * scale;
+            let (centre, size) = near_line(&paths, capsule, 0.1 * scale, sizes, rng);
+            if paths.line.clearance(centre, size)? < -HIT * scale
+                && paths.free(centre, size, CLEAR * scale)?
+            {
+                let made = Candidate::new(paths.witness, radius);
+                return Ok(Some(made.with_spheres(vec![(centre, size)])));
+            }
         }
     }
     Ok(None)
 }
 
+/// A random one of the capsules but for the first ones, which hardly move.
+pub(super) fn moving_capsule(capsules: usize, rng: &mut ChaCha8Rng) -> usize {
+    rng.random_range(2.min(capsules - 1)..capsules)
+}
+
 /// A sphere whose centre is at most `off` from a link on its way along the line.
 pub(super) fn near_line(
     paths: &Paths,
+    capsule: usize,
     off: f64,
     radii: Range<f64>,
     rng: &mut ChaCha8Rng,
 ) -> (Vector3<f64>, f64) {
-    // The first links hardly move.
-    let capsules = paths.line.capsules().len();
-    let capsule = rng.random_range(2.min(capsules - 1)..capsules);
     let [from, to] = paths.line.segment(capsule, rng.random_range(0.25..0.75));
     let on_link = from + (to - from) * rng.random_range(0.0..1.0);
     let off = direction(rng) * rng.random_range(0.0..off);

@@ -238,7 +238,9 @@ impl Family {
                 return Ok(self.file(robot, mimic, made));
             }
         }
-        let condition = format!("none was found in {ATTEMPTS} draws for seed {seed} and {robot}");
+        let condition = format!(
+            "no motion within all limits was found in {ATTEMPTS} draws for seed {seed} and {robot}, whose torques may not even hold it at rest"
+        );
         Err(Error::input(name, "scenario", condition))
     }
 

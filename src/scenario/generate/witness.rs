@@ -6,14 +6,14 @@ use crate::model::Model;
 
 /// The peak of the velocity of [`progress`] over its mean.
 const PEAK: f64 = 1.25;
-/// The largest slope of [`bump`], $16 / (3 \sqrt 3)$.
-const STEEPEST: f64 = 3.0792;
 /// The share of the velocity limits that a known motion takes at most.
 const VELOCITY_SHARE: f64 = 0.98;
 /// By how much the horizon of a generated scenario exceeds the least one of the velocity limits. [`PEAK`] is below it.
 pub(super) const HORIZON_RATIO: f64 = 1.3;
 /// At how many times the limits are looked at.
 const TIMES: usize = 241;
+/// The parts of a bend that are tried until one breaks no limit; the line is the last resort.
+const PARTS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.08, 0.0];
 /// Every so many times first, where most motions that break a limit do so already.
 const STRIDE: usize = 24;
 
@@ -58,22 +58,29 @@ pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64
 }
 
 impl<'a> Witness<'a> {
-    /// That with the bend nearest to `wish` for which the velocity limits are kept for sure.
-    pub(super) fn bent(model: &'a Model, ends: [Vec<f64>; 2], wish: &[f64], horizon: f64) -> Self {
-        let room = |i: usize| {
-            let within = VELOCITY_SHARE * model.joints()[i].limits().velocity * horizon;
-            ((within - PEAK * (ends[1][i] - ends[0][i]).abs()) / STEEPEST).max(0.0)
-        };
-        let bend = wish.iter().enumerate();
-        let bend = bend
-            .map(|(i, wish)| wish.clamp(-room(i), room(i)))
-            .collect();
-        Self {
+    /// That with each joint bent by as much of `wish` as its limits of position and velocity leave room for.
+    pub(super) fn bent(
+        model: &'a Model,
+        ends: [Vec<f64>; 2],
+        wish: Vec<f64>,
+        horizon: f64,
+    ) -> Self {
+        let mut witness = Self {
             model,
             ends,
-            bend,
+            bend: wish,
             horizon,
+        };
+        for i in 0..model.dof() {
+            let wish = witness.bend[i];
+            for part in PARTS {
+                witness.bend[i] = part * wish;
+                if (0..TIMES).all(|k| witness.joint_keeps(i, k)) {
+                    break;
+                }
+            }
         }
+        witness
     }
 
     /// Position, velocity and acceleration of a joint at the part `tau` of the horizon.
@@ -83,6 +90,13 @@ impl<'a> Witness<'a> {
         let along = |k: usize| (goal - start) * s[k] + self.bend[i] * h[k];
         let rate = self.horizon.recip();
         [start + along(0), along(1) * rate, along(2) * rate * rate]
+    }
+
+    /// Whether a joint keeps its limits of position and velocity at the time `k` of [`TIMES`].
+    fn joint_keeps(&self, i: usize, k: usize) -> bool {
+        let [q, v, _] = self.joint(i, k as f64 / (TIMES - 1) as f64);
+        let limits = self.model.joints()[i].limits();
+        v.abs() <= VELOCITY_SHARE * limits.velocity && (limits.lower..=limits.upper).contains(&q)
     }
 
     /// Whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
@@ -104,13 +118,11 @@ impl<'a> Witness<'a> {
         let [mut q, mut v, mut a] = [rest.clone(), rest.clone(), rest];
         for stride in [STRIDE, 1] {
             for k in (0..TIMES).step_by(stride) {
-                for (i, joint) in self.model.joints().iter().enumerate() {
+                for i in 0..n {
                     [q[i], v[i], a[i]] = self.joint(i, k as f64 / (TIMES - 1) as f64);
-                    let limits = joint.limits();
-                    let slow = v[i].abs() <= VELOCITY_SHARE * limits.velocity;
-                    if !(slow && (limits.lower..=limits.upper).contains(&q[i])) {
-                        return Ok(false);
-                    }
+                }
+                if !(0..n).all(|i| self.joint_keeps(i, k)) {
+                    return Ok(false);
                 }
                 if !strong(&q, &v, &a)? {
                     return Ok(false);
