@@ -15,7 +15,11 @@ fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
 #[test]
 fn every_line_hits_something_between_free_ends() {
     let mut names = 0;
-    for name in generated_scenarios() {
+    let without = |name: &String| {
+        let number = name.strip_prefix("limits_");
+        number.is_some_and(|n| n.parse::<u64>().is_ok())
+    };
+    for name in generated_scenarios().filter(|name| !without(name)) {
         let scenario = Scenario::load(&name).expect("it can be generated");
         let ScenarioFile {
             q_start, q_goal, ..
@@ -39,7 +43,8 @@ fn every_line_hits_something_between_free_ends() {
         assert_eq!(scenario.outside_limits(), Vec::<String>::new(), "{name}");
         names += 1;
     }
-    assert_eq!(names, 10 * FAMILIES.len());
+    // One family has no obstacles.
+    assert_eq!(names, 10 * (FAMILIES.len() - 1));
 }
 
 /// Capsules that share a ball leave the larger one.
@@ -48,7 +53,7 @@ fn the_balls_of_a_scenario_cover_its_links() {
     for name in ["kinova_cross_01", "digit_box_01"] {
         let scenario = Scenario::load(name).expect("it can be generated");
         let constraints = scenario.state_constraints().expect("good");
-        let [AnyConstraint::Spheres(SphereClearance { balls, .. })] = &constraints[..] else {
+        let [AnyConstraint::Spheres(SphereClearance { balls, .. }), ..] = &constraints[..] else {
             panic!("{name}: {constraints:?}");
         };
         let RobotShape::SweptLinks {

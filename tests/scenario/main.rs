@@ -6,6 +6,7 @@ mod command;
 mod feasibility;
 mod files;
 mod generate;
+mod generated_limits;
 mod limits;
 mod locked;
 mod objective;

@@ -10,6 +10,8 @@ const PEAK: f64 = 1.25;
 const VELOCITY_SHARE: f64 = 0.98;
 /// By how much the horizon of a generated scenario exceeds the least one of the velocity limits. [`PEAK`] is below it.
 pub(super) const HORIZON_RATIO: f64 = 1.3;
+/// How fast a joint without velocity limit is taken to be, rad/s or m/s.
+const NOMINAL_SPEED: f64 = 3.0;
 /// At how many times the limits are looked at.
 const TIMES: usize = 241;
 /// The parts of a bend that are tried until one breaks no limit; the line is the last resort.
@@ -49,11 +51,15 @@ fn bump(tau: f64) -> [f64; 3] {
     ]
 }
 
-/// The least horizon of the velocity limits: a joint with limit $v$ needs $|\Delta q| / v$ at least.
+/// The least horizon of the velocity limits: a joint with limit $v$ needs $|\Delta q| / v$ at least. One without counts as having
+/// [`NOMINAL_SPEED`].
 pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64 {
     let joints = model.joints().iter().zip(start.iter().zip(goal));
     joints
-        .map(|(joint, (start, goal))| (goal - start).abs() / joint.limits().velocity)
+        .map(|(joint, (start, goal))| {
+            let speed = Some(joint.limits().velocity).filter(|v| v.is_finite());
+            (goal - start).abs() / speed.unwrap_or(NOMINAL_SPEED)
+        })
         .fold(0.0, f64::max)
 }
 
@@ -101,6 +107,10 @@ impl<'a> Witness<'a> {
 
     /// Whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
     pub(super) fn keeps_limits(&self, torque: f64) -> Result<bool> {
+        // A joint that may not move at all takes for ever.
+        if !self.horizon.is_finite() {
+            return Ok(false);
+        }
         let mut data = Data::new(self.model);
         let n = self.model.dof();
         let rest = vec![0.0; n];
