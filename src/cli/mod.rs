@@ -73,10 +73,10 @@ impl UrdfArgs {
 #[derive(Debug, Default, Args)]
 struct RobotArgs {
     /// Of a generated scenario for any robot: a robot that is built in, or the path of a URDF file [default: kinova_gen3].
-    #[arg(long)]
+    #[arg(long, requires = "scenario")]
     robot: Option<String>,
     /// What to do with the mimic joints of the robot: refuse it, or let them move by themselves [default: what the scenario says, or else refuse].
-    #[arg(long, value_parser = choice::<Mimic>())]
+    #[arg(long, value_parser = choice::<Mimic>(), requires = "scenario")]
     mimic: Option<Mimic>,
 }
 

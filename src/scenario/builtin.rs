@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 19] = scenarios!(
+const SCENARIOS: [(&str, &str); 23] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -27,7 +27,11 @@ const SCENARIOS: [(&str, &str); 19] = scenarios!(
     "kinova_gen3" / "kinova_obstacles_04",
     "kinova_gen3" / "kinova_obstacles_05",
     "digit_v3_pinned" / "digit_obstacles_2",
-    "digit_v3_pinned" / "digit_obstacles_4"
+    "digit_v3_pinned" / "digit_obstacles_4",
+    "kinova_gen3_2arms" / "two_arms_01",
+    "kinova_gen3_2arms" / "two_arms_02",
+    "kinova_gen3_3arms" / "three_arms_01",
+    "kinova_gen3_3arms" / "three_arms_02"
 );
 
 /// The names of the scenarios that are built in.

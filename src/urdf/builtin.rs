@@ -12,7 +12,7 @@ macro_rules! robots {
 }
 
 /// The robots, in the order in which they are listed.
-const ROBOTS: [(&str, &str); 8] = robots!(
+const ROBOTS: [(&str, &str); 10] = robots!(
     "pendulum_1",
     "pendulum_2",
     "pendulum_3",
@@ -20,6 +20,8 @@ const ROBOTS: [(&str, &str); 8] = robots!(
     "pendulum_5",
     "pendulum_6",
     "kinova_gen3",
+    "kinova_gen3_2arms",
+    "kinova_gen3_3arms",
     "digit_v3_pinned"
 );
 

@@ -1,6 +1,6 @@
 //! What the `aghf` binary says about bad input to `solve`: exit code 2, a message that names file and key, no files.
 
-use crate::command::{assert_bad_input, empty_folder, files};
+use crate::command::{aghf, assert_bad_input, empty_folder, files, parsed};
 use serde_json::json;
 
 #[test]
@@ -36,6 +36,31 @@ fn bad_scenarios_exit_with_2() {
     );
     assert_bad_input(&folder, &["dance"], "dance");
     assert_eq!(files(&folder).len(), 3, "nothing is written");
+}
+
+#[test]
+fn a_robot_is_chosen_for_generated_scenarios_alone() {
+    let folder = empty_folder("chosen_robot");
+    let run = aghf(
+        &folder,
+        &["scenarios", "limits_02", "--robot", "pendulum_3"],
+    );
+    assert_eq!(parsed(&run)["robot"], "pendulum_3");
+    std::fs::write(folder.join("some.json"), run.stdout).expect("writable");
+    for command in ["solve", "degrees", "scenarios"] {
+        for (scenario, words) in [
+            ("some.json", "some.json: robot: ; names its robot"),
+            ("kinova_free_01", "kinova_free_01: robot: ; names its robot"),
+            ("kinova_gap_01", "kinova_gap_01: robot: ; kinova_gen3 alone"),
+        ] {
+            let arguments = [command, scenario, "--robot", "pendulum_2"];
+            assert_bad_input(&folder, &arguments, words);
+        }
+        let arguments = [command, "limits_01", "--mimic", "maybe"];
+        assert_bad_input(&folder, &arguments, "--mimic; 'maybe'; independent");
+    }
+    assert_bad_input(&folder, &["scenarios", "--robot", "pendulum_2"], "SCENARIO");
+    assert_eq!(files(&folder).len(), 1, "nothing is written");
 }
 
 #[test]

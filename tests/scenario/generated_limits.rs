@@ -201,6 +201,67 @@ fn a_seed_and_a_robot_decide() {
     assert_eq!(pendulum.sphere_obstacles.len(), 1);
 }
 
+/// The scenarios of several arms are of this family.
+#[test]
+fn scenarios_of_several_arms_are_what_is_generated() {
+    for (name, of) in [("two_arms", "2arms"), ("three_arms", "3arms")] {
+        for seed in ["01", "02"] {
+            let built_in = Scenario::load(&format!("{name}_{seed}")).expect("it is good");
+            let robot = format!("kinova_gen3_{of}");
+            let made = generate_for(&format!("limits_{seed}"), Some(&robot), Mimic::Refuse);
+            let made = made.expect("there is such a family").expect("it can be");
+            assert_eq!(built_in.file, made);
+        }
+    }
+}
+
+/// A crank and a rocker that mimics it.
+const MIMIC: &str = r#"<robot name="crank"><link name="base"/>
+    <link name="a"><inertial><mass value="1"/><origin xyz="0.1 0 0"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <link name="b"><inertial><mass value="1"/><origin xyz="0.1 0 0"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="crank" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" velocity="2" effort="50"/></joint>
+    <joint name="rocker" type="revolute"><parent link="base"/><child link="b"/><axis xyz="0 0 1"/>
+        <limit lower="4" upper="11" velocity="3" effort="50"/><mimic joint="crank"/></joint></robot>"#;
+
+#[test]
+fn mimic_joints_move_by_themselves_where_a_scenario_says_so() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let urdf = folder.join("crank.urdf");
+    std::fs::write(&urdf, MIMIC).expect("the folder is writable");
+    let urdf = urdf.to_str().expect("it is text");
+    let made =
+        |mimic| generate_for("limits_02", Some(urdf), mimic).expect("there is such a family");
+    let refused = made(Mimic::Refuse).expect_err("a joint mimics another");
+    assert!(refused.to_string().contains("mimics joint 'crank'"));
+    let file = made(Mimic::Independent).expect("it can be generated");
+    // Ranges beyond half a turn are used as well, but for one turn alone.
+    let [start, goal] = [file.q_start[1], file.q_goal[1]];
+    assert!((4.0..4.0 + 6.3).contains(&start) && (4.0..4.0 + 6.3).contains(&goal));
+
+    let path = folder.join("crank.json");
+    let path = path.to_str().expect("it is text");
+    let write = |value: &serde_json::Value| {
+        std::fs::write(path, value.to_string()).expect("the folder is writable");
+    };
+    let mut json = serde_json::to_value(&file).expect("it is JSON");
+    assert_eq!(json["mimic"], "independent");
+    write(&json);
+    assert_eq!(Scenario::load(path).expect("it is good").file, file);
+    json["mimic"] = "refuse".into();
+    write(&json);
+    let error = Scenario::load(path).expect_err("it is refused");
+    assert!(error.to_string().contains("mimics joint 'crank'"));
+    let forced = Scenario::load_for(path, None, Some(Mimic::Independent));
+    assert_eq!(forced.expect("it is asked for").file, file);
+    json["mimic"] = "sometimes".into();
+    write(&json);
+    let error = Scenario::load(path).expect_err("there is no such choice");
+    assert!(error.to_string().contains("mimic"), "{error}");
+}
+
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let error = |name: &str, robot: &str| {

@@ -7,4 +7,5 @@ mod common;
 mod errors;
 mod model;
 mod robots;
+mod several_arms;
 mod write;
