@@ -6,6 +6,7 @@ mod compare;
 mod constraints;
 mod corpus;
 mod flow;
+mod limits;
 
 mod python;
 mod random;

@@ -51,6 +51,7 @@ pub struct Family {
     robot: &'static str,
     /// Whether another one may be.
     any_robot: bool,
+    /// Whether the limits of the robot are enforced; what is known to be a solution keeps them then.
     within_limits: bool,
     flow: FlowParameters,
     feedback: Feedback,
