@@ -215,6 +215,29 @@ fn scenarios_of_several_arms_are_what_is_generated() {
     }
 }
 
+/// A lever that its torque holds in a part of its range alone, and hardly swings.
+const LEVER: &str = r#"<robot name="lever"><link name="base"/>
+    <link name="a"><inertial><mass value="1"/><origin xyz="0.5 0 0"/>
+        <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="swing" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/>
+        <limit lower="-3" upper="3" velocity="2" effort="4.5"/></joint></robot>"#;
+
+#[test]
+fn scarce_torques_suffice_on_the_line_and_at_its_ends() {
+    let urdf = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("lever.urdf");
+    std::fs::write(&urdf, LEVER).expect("the folder is writable");
+    let mut most = 0.0_f64;
+    for seed in 1..=50 {
+        let scenario = Scenario::load_for(&format!("limits_{seed}"), urdf.to_str(), None);
+        let scenario = scenario.expect("it can be generated");
+        let [_, torque] = shares(&scenario.model, &motion(&scenario, &[0.0]));
+        let [_, held] = shares(&scenario.model, &ends(&scenario));
+        assert!(torque.max(held) < 0.901, "{seed}: {torque} {held}");
+        most = most.max(torque.min(held));
+    }
+    assert!(most > 0.8, "the torques are not scarce: {most}");
+}
+
 /// A crank and a rocker that mimics it.
 const MIMIC: &str = r#"<robot name="crank"><link name="base"/>
     <link name="a"><inertial><mass value="1"/><origin xyz="0.1 0 0"/>
