@@ -235,6 +235,12 @@ fn scarce_torques_suffice_on_the_line_and_at_its_ends() {
         assert!(torque.max(held) < 0.901, "{seed}: {torque} {held}");
         most = most.max(torque.min(held));
     }
+    // It has no frame but that of its joint.
+    let short = generate_for("limits_obstacle_01", urdf.to_str(), Mimic::Refuse);
+    let short = short
+        .expect("there is such a family")
+        .expect_err("it has no link");
+    assert!(short.to_string().contains("no link reach"), "{short}");
     assert!(most > 0.8, "the torques are not scarce: {most}");
 }
 

@@ -21,8 +21,14 @@ const RANGE: f64 = 0.9;
 const TORQUE_SHARES: [f64; 2] = [0.9, 0.95];
 /// How far the path around an obstacle leaves the line at most, rad or m.
 const BEND: f64 = 0.9;
-/// The radius of the links as a part of the reach of the robot, and the largest, m.
-const LINK_RADIUS: [f64; 2] = [0.05, 0.05];
+/// The radius of the links of a robot that reaches 1 m or more, m; links, obstacles and margins of others are smaller by their reach.
+const LINK_RADIUS: f64 = 0.05;
+/// The radii of its obstacles, m.
+const RADII: Range<f64> = 0.04..0.12;
+/// How far their centres are from the links at most, m.
+const OFF: f64 = 0.1;
+/// The reach below which a robot has no links to speak of, m.
+const LEAST_REACH: f64 = 0.05;
 /// How many bent paths are tried for a pair.
 const BENDS: usize = 8;
 /// How many places are tried for the obstacle of one path.
@@ -89,15 +95,16 @@ fn reach(model: &Model) -> f64 {
 
 /// A random pair and a sphere that the links hit on the straight line, while a polynomial beside it keeps clear and within all limits.
 pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
+    let scale = reach(model).min(1.0);
+    if scale < LEAST_REACH {
+        return Ok(None);
+    }
     let (ends, horizon) = pair(model, rng);
     let straight = Witness::bent(model, ends, vec![0.0; model.dof()], horizon);
     if !straight.keeps_limits(TORQUE_SHARES[1])? {
         return Ok(None);
     }
-    let reach = reach(model);
-    let radius = rounded((LINK_RADIUS[0] * reach).min(LINK_RADIUS[1]));
-    // Small robots get small obstacles.
-    let scale = reach.min(1.0);
+    let radius = rounded(LINK_RADIUS * scale);
     for _ in 0..BENDS {
         let capsules = Capsule::along_links(model, radius);
         let capsule = moving_capsule(capsules.len(), rng);
@@ -114,8 +121,8 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
         }
         let paths = Paths::new(witness, radius)?;
         for _ in 0..PLACES {
-            let sizes = 0.04 * scale..0.12 * scale;
-            let (centre, size) = near_line(&paths, capsule, 0.1 * scale, sizes, rng);
+            let radii = RADII.start * scale..RADII.end * scale;
+            let (centre, size) = near_line(&paths, capsule, OFF * scale, radii, rng);
             if paths.line.clearance(centre, size)? < -HIT * scale
                 && paths.free(centre, size, CLEAR * scale)?
             {

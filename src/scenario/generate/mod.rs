@@ -242,7 +242,7 @@ impl Family {
             }
         }
         let condition = format!(
-            "no motion within all limits was found in {ATTEMPTS} draws for seed {seed} and {robot}, whose torques may not even hold it at rest"
+            "none with a solution was found in {ATTEMPTS} draws for seed {seed} and {robot}; its torques may not hold it at rest, or no link reach an obstacle"
         );
         Err(Error::input(name, "scenario", condition))
     }
