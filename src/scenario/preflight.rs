@@ -24,7 +24,11 @@ pub fn least_horizon(model: &Model, start: &[f64], goal: &[f64]) -> Result<Optio
 }
 
 /// The joint that takes longest at these speeds, and how long.
-fn slowest(start: &[f64], goal: &[f64], speed: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
+pub(super) fn slowest(
+    start: &[f64],
+    goal: &[f64],
+    speed: impl Fn(usize) -> f64,
+) -> Option<(usize, f64)> {
     let ways = start
         .iter()
         .zip(goal)

@@ -6,7 +6,7 @@ use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, effort_of, flow};
 use aghf::model::{Model, pendulum};
 use aghf::motion::{Feedback, Guess, Problem, sample, simulate};
-use aghf::scenario::{Method, Scenario, SolveOptions, builtin_scenarios};
+use aghf::scenario::{Limit, Method, Scenario, SolveOptions, builtin_scenarios};
 use nalgebra::DMatrix;
 
 fn run(problem: &Problem<'_>, settings: &FlowSettings) -> FlowSolution {
@@ -291,14 +291,14 @@ fn bad_problems_and_settings_are_errors() {
     );
 }
 
-/// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that minimise something else.
+/// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action is finite.
+const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
+
+/// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told above.
 #[test]
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).expect("built in");
-        if scenario.file.running_cost.is_some() {
-            continue;
-        }
         let options = SolveOptions {
             method: Method::Flow,
             ..SolveOptions::default()
@@ -309,7 +309,15 @@ fn every_built_in_scenario_succeeds() {
             "{name}: {:?} {:?}",
             summary.final_error_inf, summary.open_loop_error_inf
         );
-        assert!(summary.success, "{name}: {summary:?}");
+        let beyond = BEYOND_TORQUE_LIMITS.contains(&name);
+        assert_eq!(summary.success, !beyond, "{name}: {summary:?}");
+        if beyond {
+            let error = summary.final_error_inf.expect("it was simulated");
+            assert!(error < summary.success_threshold, "{name}: {error}");
+            let violations = summary.feasibility.limit_violations;
+            let torque = violations.iter().all(|v| v.limit == Limit::Torque);
+            assert!(torque, "{name}: {violations:?}");
+        }
     }
 }
 

@@ -199,6 +199,11 @@ fn a_seed_and_a_robot_decide() {
         ("pendulum_3", 3)
     );
     assert_eq!(pendulum.sphere_obstacles.len(), 1);
+    // Without velocity limits, joints are taken to do 3 rad/s.
+    let ways = pendulum.q_start.iter().zip(&pendulum.q_goal);
+    let farthest = ways.map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);
+    let longer = pendulum.horizon_s - (1.3 * farthest / 3.0).max(0.5);
+    assert!((-1e-12..=1e-3).contains(&longer), "{longer}");
 }
 
 /// The scenarios of several arms are of this family.

@@ -159,7 +159,7 @@ pub const FAMILIES: [Family; 6] = [
         name: "digit_box",
         about: "a step over a box of spheres in the way of the swinging foot",
         robot: "digit_v3_pinned",
-        // The efforts in the file are those of the motors before their gears and zero for the passive tarsi: they hold it nowhere.
+        // The efforts in the file are those of the motors before their gears: they hold it nowhere.
         // Nor is the known path one in time, for the step starts and ends in motion.
         within_limits: false,
         flow: FlowParameters {

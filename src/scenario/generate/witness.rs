@@ -3,6 +3,7 @@
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
+use crate::scenario::preflight::slowest;
 
 /// The peak of the velocity of [`progress`] over its mean.
 const PEAK: f64 = 1.25;
@@ -51,16 +52,17 @@ fn bump(tau: f64) -> [f64; 3] {
     ]
 }
 
-/// The least horizon of the velocity limits: a joint with limit $v$ needs $|\Delta q| / v$ at least. One without counts as having
-/// [`NOMINAL_SPEED`].
+/// The least horizon at the velocity limits; a joint without one has [`NOMINAL_SPEED`].
 pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64 {
-    let joints = model.joints().iter().zip(start.iter().zip(goal));
-    joints
-        .map(|(joint, (start, goal))| {
-            let speed = Some(joint.limits().velocity).filter(|v| v.is_finite());
-            (goal - start).abs() / speed.unwrap_or(NOMINAL_SPEED)
-        })
-        .fold(0.0, f64::max)
+    let speed = |i: usize| {
+        let limit = model.joints()[i].limits().velocity;
+        if limit.is_finite() {
+            limit
+        } else {
+            NOMINAL_SPEED
+        }
+    };
+    slowest(start, goal, speed).map_or(0.0, |(_, time)| time)
 }
 
 impl<'a> Witness<'a> {
@@ -107,10 +109,6 @@ impl<'a> Witness<'a> {
 
     /// Whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
     pub(super) fn keeps_limits(&self, torque: f64) -> Result<bool> {
-        // A joint that may not move at all takes for ever.
-        if !self.horizon.is_finite() {
-            return Ok(false);
-        }
         let mut data = Data::new(self.model);
         let n = self.model.dof();
         let rest = vec![0.0; n];
