@@ -5,6 +5,7 @@
 mod common;
 
 mod errors;
+mod limits;
 mod model;
 mod robots;
 mod several_arms;

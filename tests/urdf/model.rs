@@ -1,9 +1,9 @@
 //! Reading robots from URDFs: what is read is what was meant, and what was odd is told.
 
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
-use aghf::model::{Limits, Model};
+use aghf::model::Model;
 use aghf::spatial::Placement;
-use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited, ZeroLimit};
+use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited};
 use aghf::urdf::{LoadNote, parse_urdf};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Unit, Vector3};
 
@@ -30,7 +30,7 @@ fn load(elements: &[String]) -> (Model, Vec<LoadNote>) {
 }
 
 /// A robot with one joint, which moves [`BODY`].
-fn one_joint(kind: &str, more: &str) -> (Model, Vec<LoadNote>) {
+pub fn one_joint(kind: &str, more: &str) -> (Model, Vec<LoadNote>) {
     let links = [link("base", ""), link("body", BODY)];
     load(&[links.concat(), joint(kind, "base", "body", more)])
 }
@@ -91,13 +91,13 @@ fn steiner(mass: f64, d: Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass
 }
 
-fn unlimited(joint: &str) -> LoadNote {
+pub fn unlimited(joint: &str) -> LoadNote {
     Unlimited {
         joint: joint.to_owned(),
     }
 }
 
-fn massless(link: &str) -> LoadNote {
+pub fn massless(link: &str) -> LoadNote {
     Massless {
         link: link.to_owned(),
     }
@@ -108,90 +108,6 @@ fn merged(link: &str, into: Option<&str>) -> LoadNote {
         link: link.to_owned(),
         joint: format!("{link}_joint"),
         into: into.map(str::to_owned),
-    }
-}
-
-#[test]
-fn missing_limits_are_told_and_mean_none() {
-    for (kind, notes) in [
-        ("revolute", vec![massless("base"), unlimited("body_joint")]),
-        ("prismatic", vec![massless("base"), unlimited("body_joint")]),
-        ("continuous", vec![massless("base")]),
-    ] {
-        let (model, report) = one_joint(kind, "");
-        assert_eq!(report, notes, "{kind}");
-        assert_eq!(*model.joints()[0].limits(), Limits::NONE, "{kind}");
-    }
-    assert!(unlimited("j").to_string().contains("joint 'j': no limits"));
-}
-
-/// Exporters write zero where they do not know a limit, with a range or without.
-#[test]
-fn velocity_and_effort_of_zero_are_told_and_mean_none() {
-    let zero = |attribute: &'static str| ZeroLimit {
-        joint: "body_joint".to_owned(),
-        attribute,
-    };
-    let endless = f64::INFINITY;
-    for (kind, velocity, effort) in [
-        ("revolute", "0", "4"),
-        ("revolute", "3", "0"),
-        ("prismatic", "0.0", "-0"),
-        ("continuous", "0", "4"),
-        ("continuous", "3", "0"),
-    ] {
-        let limit =
-            format!(r#"<limit lower="-1" upper="2" velocity="{velocity}" effort="{effort}"/>"#);
-        let (model, report) = one_joint(kind, &limit);
-        let ranged = kind != "continuous";
-        let [v, u] = [velocity, effort].map(|x| x.parse::<f64>().expect("a number"));
-        let kept = |x: f64| if x == 0.0 { endless } else { x };
-        let expected = Limits {
-            lower: if ranged { -1.0 } else { -endless },
-            upper: if ranged { 2.0 } else { endless },
-            velocity: kept(v),
-            effort: kept(u),
-        };
-        assert_eq!(*model.joints()[0].limits(), expected, "{kind}: {limit}");
-        let mut notes = vec![massless("base")];
-        notes.extend((v == 0.0).then(|| zero("velocity")));
-        notes.extend((u == 0.0).then(|| zero("effort")));
-        assert_eq!(report, notes, "{kind}: {limit}");
-    }
-    // A range of nothing is one all the same where something else is known.
-    let (model, report) = one_joint("revolute", r#"<limit velocity="0" effort="4"/>"#);
-    let limits = model.joints()[0].limits();
-    assert_eq!(
-        [limits.lower, limits.upper, limits.velocity],
-        [0.0, 0.0, endless]
-    );
-    assert_eq!(report, [massless("base"), zero("velocity")]);
-    let words = "joint 'body_joint': its effort limit of 0 counts as unknown";
-    assert!(zero("effort").to_string().starts_with(words));
-}
-
-#[test]
-fn limits_are_kept_and_continuous_joints_have_none_on_position() {
-    let limit = r#"<limit lower="-1" upper="2" velocity="3" effort="4"/>"#;
-    let kept = Limits {
-        lower: -1.0,
-        upper: 2.0,
-        velocity: 3.0,
-        effort: 4.0,
-    };
-    let endless = Limits {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        ..kept
-    };
-    for (kind, expected) in [
-        ("revolute", kept),
-        ("prismatic", kept),
-        ("continuous", endless),
-    ] {
-        let (model, report) = one_joint(kind, limit);
-        assert_eq!(*model.joints()[0].limits(), expected, "{kind}");
-        assert_eq!(report, [massless("base")], "{kind}");
     }
 }
 
