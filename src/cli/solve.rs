@@ -2,7 +2,7 @@
 
 use super::choice::choice;
 use super::{FAILED, RobotArgs, print, print_json};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
@@ -13,6 +13,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Solve a scenario and write the trajectory that was found.
 ///
@@ -39,9 +40,15 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax: how many starts to try [default: 8].
+    /// Of relax: how many starts to try [default: 16, within constraints 1 and more until one ends within them].
     #[arg(long)]
     starts: Option<usize>,
+    /// Of relax: try starts for so long, s, and keep the best. Of flow: stop after that, as a failure.
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Of relax: how many threads work on starts, with the same result [default: all cores].
+    #[arg(long)]
+    threads: Option<usize>,
     /// Of flow: how to compute the Jacobian [default: control-form].
     #[arg(long, value_parser = choice::<JacobianKind>())]
     jacobian: Option<JacobianKind>,
@@ -83,6 +90,8 @@ impl Default for Solve {
             degree_tolerance: None,
             tolerance: None,
             starts: None,
+            seconds: None,
+            threads: None,
             jacobian: None,
             integrator: None,
             k: None,
@@ -99,6 +108,13 @@ impl Default for Solve {
 impl Solve {
     pub(super) fn run(self) -> Result<ExitCode> {
         let scenario = self.robot.scenario(&self.scenario)?;
+        let duration = |seconds| {
+            Duration::try_from_secs_f64(seconds).map_err(|_| {
+                let condition = format!("it is {seconds}, a time that is not negative is needed");
+                Error::input("options", "seconds", condition)
+            })
+        };
+        let time_limit = self.seconds.map(duration).transpose()?;
         let options = SolveOptions {
             method: self.method,
             degree: self.degree,
@@ -113,7 +129,8 @@ impl Solve {
             guess: self.guess,
             k_cons: self.k_cons,
             c_cons: self.c_cons,
-            time_limit: None,
+            threads: self.threads,
+            time_limit,
         };
         let progress = if self.json {
             ProgressBar::hidden()

@@ -28,7 +28,7 @@ impl<C: Scalar> TorqueLimits<C> {
     }
 
     /// The joint and the limit of each row and the side of the torque that it bounds: both where the joint is passive.
-    fn rows(&self) -> impl Iterator<Item = (usize, C, Option<Side>)> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, C, Option<Side>)> {
         let limited = self.0.iter().enumerate();
         let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
         limited.flat_map(|(i, limit)| {

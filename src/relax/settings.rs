@@ -1,9 +1,12 @@
 //! What can be asked of the relaxation, and what it says.
 
-use super::{DegreeRefinement, FreeHorizon, Iteration};
+use super::interior_point::Stage;
+use super::tuning::{CONSTRAINED_STEPS, LAST_BARRIER, LOWEST_DEGREE};
+use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result};
 use crate::motion::Problem;
+use std::time::Duration;
 
 /// How the relaxation is done.
 #[derive(Clone, Debug)]
@@ -24,6 +27,10 @@ pub struct RelaxSettings {
     pub quadrature_tolerance: f64,
     /// How many starts there are: the line, and bent ones.
     pub num_starts: usize,
+    /// The time after which no further starts are tried.
+    pub time_limit: Option<Duration>,
+    /// How many threads work on starts; the result does not depend on it.
+    pub threads: usize,
     /// How far the bent ones are bent, rad or m.
     pub start_amplitude: f64,
     /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
@@ -43,8 +50,10 @@ impl Default for RelaxSettings {
             tolerance: 1e-8,
             iterations: 500,
             quadrature_tolerance: 1e-3,
-            num_starts: 8,
-            start_amplitude: 1.5,
+            num_starts: 16,
+            time_limit: None,
+            threads: 1,
+            start_amplitude: 2.5,
             start: None,
             free_final_velocity: false,
             free_horizon: None,
@@ -65,23 +74,77 @@ impl RelaxSettings {
     pub fn constrained() -> Self {
         Self {
             tolerance: 1e-6,
+            num_starts: 1,
             ..Self::default()
         }
     }
 
-    /// The rungs of the ladder that are climbed before the last, at least one: single polynomials of those of the degrees 6, 9, 16,
-    /// 24, 32, 48, ... that are below the degree, then the degree on fewer segments, of which each rung has all breakpoints of the one before.
-    pub(super) fn lower_rungs(&self) -> Vec<Basis> {
+    /// What is asked at the degree and the segments of the settings.
+    pub(super) fn highest(&self, constrained: bool) -> Stage {
+        Stage {
+            tolerance: self.tolerance,
+            iterations: if constrained {
+                self.iterations.min(CONSTRAINED_STEPS)
+            } else {
+                self.iterations
+            },
+            fresh: if constrained { 10 } else { 60 },
+            quadrature_tolerance: self.quadrature_tolerance,
+            last_barrier: LAST_BARRIER,
+            // Whoever looks at the motion by other means finds it within the tolerance as well.
+            feasible: 0.5 * Self::FEASIBLE,
+            slope: self.free_horizon.is_some(),
+            last: true,
+        }
+    }
+
+    /// The rungs of the ladder: single polynomials of those of the degrees 6, 9, 16, 24, 32, 48, ... that are below the degree, then the
+    /// degree on fewer segments, of which each rung has all breakpoints of the one before, then the whole motion.
+    pub(super) fn rungs(&self, constrained: bool) -> Vec<Rung> {
+        let lower = Stage {
+            tolerance: 0.1,
+            iterations: if constrained { 30 } else { 15 },
+            fresh: if constrained { 5 } else { 1 },
+            quadrature_tolerance: if constrained { 0.05 } else { 0.02 },
+            last_barrier: 1e-2,
+            feasible: 1e-2,
+            slope: false,
+            last: false,
+        };
+        let fewer_segments = Stage {
+            iterations: 60,
+            ..lower
+        };
         let below = degrees().take_while(|degree| *degree < self.degree);
-        let degrees = std::iter::once(self.degree.min(6)).chain(below);
+        let first = LOWEST_DEGREE[usize::from(constrained)];
+        let above = below.filter(|degree| *degree > first);
+        let degrees = std::iter::once(self.degree.min(first)).chain(above);
         let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
-        let mut rungs: Vec<_> = degrees.map(|p| new(1, p)).collect();
+        let mut rungs: Vec<_> = degrees
+            .map(|p| Rung {
+                basis: new(1, p),
+                stage: lower,
+            })
+            .collect();
         let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
         let mut segments: Vec<_> = std::iter::successors(fewer(&self.segments), fewer).collect();
         segments.reverse();
-        rungs.extend(segments.into_iter().map(|n| new(n, self.degree)));
+        rungs.extend(segments.into_iter().map(|n| Rung {
+            basis: new(n, self.degree),
+            stage: fewer_segments,
+        }));
+        rungs.push(Rung {
+            basis: self.basis(),
+            stage: self.highest(constrained),
+        });
         // A low degree on one segment is the first rung already.
-        rungs.dedup();
+        rungs.dedup_by(|b, a| {
+            let same = a.basis == b.basis;
+            if same {
+                a.stage = b.stage;
+            }
+            same
+        });
         rungs
     }
 
@@ -159,10 +222,37 @@ impl RelaxSettings {
     }
 }
 
+/// One step up the ladder of bases.
+#[derive(Clone, Debug)]
+pub(super) struct Rung {
+    pub basis: Basis,
+    pub stage: Stage,
+}
+
 /// The degrees of the ladder after its first rung: 9, 16, 24, 32, 48, 64, ...
 fn degrees() -> impl Iterator<Item = usize> {
     let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
     std::iter::once(9).chain(doubling)
+}
+
+/// One iteration of the minimiser.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iteration {
+    /// The degree of the segments.
+    pub degree: usize,
+    /// How many points of quadrature each segment has.
+    pub points: usize,
+    /// The cost $J$ before the step.
+    pub cost: f64,
+    /// $\sqrt{g^T G^{-1} g / J}$ with the gradient $g$ and the metric $G$ of Gauss and Newton. The cost of a problem that is
+    /// linear in the curve would be above its minimum by half the square of this, relatively.
+    pub gradient_norm: f64,
+    /// The multiple $\lambda$ of the norm of the trust region that was added to the Hessian.
+    pub damping: f64,
+    /// The length of the step in that norm, roughly radians; zero where there was none.
+    pub step: f64,
+    /// How often a matrix was factorised.
+    pub factorisations: usize,
 }
 
 /// What came of a relaxation.
@@ -192,6 +282,10 @@ pub struct RelaxSolution {
     pub unknowns: usize,
     /// The costs at the lowest degree, from all starts, ascending.
     pub start_costs: Vec<f64>,
+    /// The weight of the barriers at the end relative to the cost: so much, relative, the cost is above that with exact complementarity.
+    pub complementarity: f64,
+    /// The minima that the starts led to, by cost; empty without starts.
+    pub minima: Vec<LocalMinimum>,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
 }

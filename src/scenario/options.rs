@@ -34,6 +34,8 @@ pub struct SolveOptions {
     pub tolerance: Option<f64>,
     /// Of the relaxation: how many starts there are.
     pub num_starts: Option<usize>,
+    /// Of the relaxation: the number of threads that work on starts; all cores where there is none. The result is the same with any.
+    pub threads: Option<usize>,
     /// Of the flow: how the Jacobian is computed.
     pub jacobian: Option<JacobianKind>,
     /// Of the flow: what integrates it.
@@ -48,7 +50,7 @@ pub struct SolveOptions {
     pub k_cons: Option<f64>,
     /// Of the flow: sharpness of their activation in (A3).
     pub c_cons: Option<f64>,
-    /// Of the flow: the wall time after which it stops, as a failure.
+    /// The wall time after which a flow stops, as a failure, and a relaxation begins no further starts, which it does until then.
     pub time_limit: Option<Duration>,
 }
 
@@ -92,6 +94,8 @@ impl SolveOptions {
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             num_starts: self.num_starts.unwrap_or(default.num_starts),
+            time_limit: self.time_limit,
+            threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,
             free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
@@ -106,6 +110,7 @@ impl SolveOptions {
                     ("segments", self.segments.is_some()),
                     ("degree_tolerance", self.degree_tolerance.is_some()),
                     ("num_starts", self.num_starts.is_some()),
+                    ("threads", self.threads.is_some()),
                 ];
                 ("flow", foreign.to_vec())
             }
@@ -118,7 +123,6 @@ impl SolveOptions {
                     ("guess", self.guess.is_some()),
                     ("k_cons", self.k_cons.is_some()),
                     ("c_cons", self.c_cons.is_some()),
-                    ("time_limit", self.time_limit.is_some()),
                 ];
                 ("relax", foreign.to_vec())
             }
@@ -131,4 +135,9 @@ impl SolveOptions {
             None => Ok(()),
         }
     }
+}
+
+/// The number of cores.
+fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }

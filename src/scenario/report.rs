@@ -10,10 +10,7 @@ use crate::flow::{
     flow, flow_constrained,
 };
 use crate::motion::{Feedback, replay_error, simulate};
-use crate::relax::{
-    CostThroughDynamics, Iteration, RelaxSettings, RelaxSolution, relax, relax_constrained,
-    relax_constrained_with, relax_with,
-};
+use crate::relax::{ControlEffort, Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
 /// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
@@ -155,18 +152,16 @@ fn solve_by_relaxation(
     };
     let observe = &mut |iteration: &Iteration| observe(Record::Relax(*iteration));
     let (model, kept) = (&scenario.model, &constraints);
-    let solution = match &scenario.file.running_cost {
-        None if scenario.is_free() => relax(&problem, settings, observe)?,
-        None => relax_constrained(&problem, settings, kept, observe)?,
-        Some(weights) => {
-            let cost = CostThroughDynamics::of(model, weights.weighted(model.dof())?);
-            if scenario.is_free() {
-                relax_with(&problem, settings, &cost, observe)?
-            } else {
-                relax_constrained_with(&problem, settings, kept, &cost, observe)?
-            }
-        }
+    let cost = match &scenario.file.running_cost {
+        None => ControlEffort::new(model),
+        Some(weights) => ControlEffort::weighted(model, &weights.weighted(model.dof())?)?,
     };
+    let solution = Relaxation::new(&problem)
+        .cost(cost)
+        .constraints(kept)
+        .settings(settings.clone())
+        .observe(observe)
+        .solve()?;
     let solve_seconds = started.elapsed().as_secs_f64();
     let failure = failure_of(&solution, settings);
     let RelaxSolution {
@@ -188,6 +183,8 @@ fn solve_by_relaxation(
         adapted: solution.adapted,
         quadrature_points: solution.points,
         efforts_of_starts: solution.start_costs,
+        complementarity: (!scenario.is_free()).then_some(solution.complementarity),
+        minima: solution.minima,
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
@@ -213,11 +210,13 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         quadrature_error,
         smallest_curvature,
         largest_violation,
+        start_costs,
         ..
     } = solution;
     if *largest_violation > RelaxSettings::FEASIBLE {
+        let starts = start_costs.len().max(1);
         return Some(format!(
-            "no start led to a motion within the constraints: the largest violation is {largest_violation:.1e}"
+            "none of {starts} starts led to a motion within the constraints, which is the end of the search and no proof that there is none"
         ));
     }
     if !converged {
@@ -275,13 +274,24 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         }),
         _ => failure,
     };
+    // The simulation is what a flow is judged by. A motion of the relaxation is what it is: the simulation tests how sensitive it is.
+    let success = failure.is_none() && feasible && (reached || method == Method::Relax);
+    let mut notes = scenario.notes(method);
+    if success && !reached {
+        notes.push(match final_error_inf {
+            Some(error) => format!(
+                "the forward simulation with feedback ends {error:.2e} from the goal, beyond {success_threshold}: the motion needs a better controller"
+            ),
+            None => "the forward simulation with feedback stopped before its end: the motion needs a better controller".to_owned(),
+        });
+    }
     let summary = Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
         method,
         p: curve.chebyshev().degree(),
         pieces: curve.segments(),
-        success: failure.is_none() && reached && feasible,
+        success,
         success_threshold,
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
@@ -293,7 +303,7 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         failure,
         feasibility,
         outside_limits: scenario.outside_limits(),
-        notes: scenario.notes(method),
+        notes,
     };
     Ok(SolveReport {
         summary,

@@ -4,7 +4,7 @@ use super::{Feasibility, Method};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Feedback, Guess};
 use crate::ode::IntegratorKind;
-use crate::relax::DegreeRefinement;
+use crate::relax::{DegreeRefinement, LocalMinimum};
 use serde::Serialize;
 
 /// The result of a solve, in numbers. `None` where a simulation could not be carried to its end.
@@ -135,6 +135,10 @@ pub struct RelaxDetails {
     pub quadrature_points: usize,
     /// The efforts, or integrals of another running cost, that the starts came to at the lowest degree, ascending.
     pub efforts_of_starts: Vec<f64>,
+    /// The minima that the starts led to, by cost.
+    pub minima: Vec<LocalMinimum>,
+    /// How far the cost may be above that of the same motion with exact complementarity, relative; `None` without constraints.
+    pub complementarity: Option<f64>,
     /// Iterations of Newton's method, of all starts and degrees.
     pub iterations: usize,
     /// Cholesky factorisations.

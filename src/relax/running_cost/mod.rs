@@ -3,15 +3,16 @@
 mod autodiff;
 mod chain_rule;
 mod weighted_squares;
-mod with_control;
 
 pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
 pub use num_dual::HyperDual64;
 pub use weighted_squares::WeightedSquares;
-pub use with_control::{ControlTerm, CostWithControl};
 
-use super::{Point, PointCost, PointDerivatives, Points, PointsDerivatives};
+use super::{
+    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
+};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -80,8 +81,7 @@ pub trait RunningCost {
     }
 }
 
-/// A running cost $l(t, q, v, a, u)$ of a user's own along motions of a robot, ready for [`relax_with`](super::relax_with) and
-/// [`relax_constrained_with`](super::relax_constrained_with).
+/// A running cost $l(t, q, v, a, u)$ of a user's own along motions of a robot, ready for [`Relaxation::cost`](super::Relaxation::cost).
 ///
 /// What the relaxation needs are derivatives in $z = [q; v; a]$ with $u = ID(z)$; [`ChainRule`] makes them of those in $[z; u]$. The
 /// metric is that of Gauss and Newton: the Hessian without the second derivatives of $ID$ and with the negative eigenvalues of
@@ -94,6 +94,7 @@ pub struct CostThroughDynamics<'m, R> {
     running: R,
     rule: ChainRule<'m, f64, f64>,
     by_y: StageDerivatives<f64>,
+    by_term: ControlDerivatives<f64>,
     positive: DMatrix<f64>,
 }
 
@@ -116,6 +117,7 @@ impl<'m, R: RunningCost> CostThroughDynamics<'m, R> {
             running,
             rule: ChainRule::new(model),
             by_y: StageDerivatives::new(n),
+            by_term: ControlDerivatives::new(n),
             positive: DMatrix::zeros(4 * n, 4 * n),
         }
     }
@@ -132,7 +134,7 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
     ) -> Result<f64> {
-        self.with_term(point, out, &mut |_, _, _, _| false)
+        self.with_term(point, out, &mut |_, _, _| false)
     }
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
@@ -141,22 +143,31 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
     }
 }
 
-impl<R: RunningCost + Clone> CostWithControl for CostThroughDynamics<'_, R> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        let control = self.rule.control(point)?;
-        u.copy_from_slice(control);
-        self.running.value(&moment(point, control))
+impl<R: RunningCost + Clone + Send + Sync> CostWithControl for CostThroughDynamics<'_, R> {
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        for (g, cost) in costs.iter_mut().enumerate() {
+            let point = points.point(g);
+            let u = self.rule.control(point)?;
+            controls.column_mut(g).copy_from_slice(u);
+            *cost = self.running.value(&moment(point, u))?;
+        }
+        Ok(())
     }
 
     fn derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
-        charge: &mut impl ControlTerm<f64>,
+        term: &mut impl ControlTerm<f64>,
     ) -> Result<()> {
         let mut single = PointDerivatives::new(points.states.nrows());
         for g in 0..points.count() {
-            let cost = self.with_term(points.point(g), &mut single, charge)?;
+            let cost = self.with_term(points.point(g), &mut single, term)?;
             out.set(g, cost, &single);
         }
         Ok(())
@@ -168,7 +179,7 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
         &mut self,
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
-        charge: &mut impl ControlTerm<f64>,
+        term: &mut impl ControlTerm<f64>,
     ) -> Result<f64> {
         let n = point.q.len();
         let u = self.rule.linearise(point)?;
@@ -177,21 +188,31 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
         by_y.hessian.fill(0.0);
         let value = self.running.derivatives(&moment(point, u), by_y)?;
         let convex = positive_part(&by_y.hessian, &mut self.positive);
-        let mut stiffness = vec![0.0; n];
-        let first = &mut by_y.gradient.as_mut_slice()[3 * n..];
-        let stiff = charge(point.index, u, first, &mut stiffness);
+        self.by_term.clear();
+        let stiff = term(point.index, u, &mut self.by_term);
         self.rule.pull_back(&self.positive, &mut out.metric);
         if convex && !stiff {
             out.hessian.copy_from(&out.metric);
         } else {
-            for (i, c) in stiffness.into_iter().enumerate() {
+            for (i, c) in self.by_term.hessian.iter().enumerate() {
                 by_y.hessian[(3 * n + i, 3 * n + i)] += c;
             }
             self.rule.pull_back(&by_y.hessian, &mut out.hessian);
         }
+        for (to, own) in self
+            .by_term
+            .curvature_weights
+            .iter_mut()
+            .zip(by_y.gradient.iter().skip(3 * n))
+        {
+            *to += own;
+        }
+        for (i, own) in self.by_term.gradient.iter().enumerate() {
+            by_y.gradient[3 * n + i] += own;
+        }
         self.rule.gradient(&by_y.gradient, &mut out.gradient);
-        let by_u = &by_y.gradient.as_slice()[3 * n..];
-        self.rule.add_curvature(point, by_u, &mut out.hessian)?;
+        let weights = &self.by_term.curvature_weights;
+        self.rule.add_curvature(point, weights, &mut out.hessian)?;
         Ok(value)
     }
 }
@@ -243,7 +264,7 @@ fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool {
 
 /// Refuses a negative integral: gradients are measured relative to it.
 pub(super) fn check_integral(cost: f64) -> Result<()> {
-    if cost < -super::newton::SMALLEST_COST {
+    if cost < -super::tuning::SMALLEST_COST {
         let condition = format!(
             "it is {cost:.3e} on a curve that was tried, and must not be negative: add a constant to the cost"
         );

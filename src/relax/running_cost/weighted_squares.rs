@@ -50,6 +50,24 @@ impl WeightedSquares {
 }
 
 impl WeightedSquares {
+    /// $w^u$, `N` entries.
+    #[must_use]
+    pub fn torque(&self) -> &[f64] {
+        &self.torque
+    }
+
+    /// $w^v$.
+    #[must_use]
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// $w^a$.
+    #[must_use]
+    pub fn acceleration(&self) -> &[f64] {
+        &self.acceleration
+    }
+
     /// Weights and values in the order of $y$ from the velocities on.
     fn terms<'a>(&'a self, at: &'a StageInput<'_, f64>) -> impl Iterator<Item = (f64, f64)> + 'a {
         let weights = [&self.velocity, &self.acceleration, &self.torque];

@@ -39,7 +39,7 @@ impl Default for Region {
 
 impl Region {
     /// The minimum of the quadratic model in the region, to within a third of its radius: the solution of
-    /// $(B + \lambda D) d = g$ with a multiplier $\lambda \ge 0$ that makes the matrix positive definite, and either $\lambda = 0$ and
+    /// $(B + \lambda D) d = -g$ with a multiplier $\lambda \ge 0$ that makes the matrix positive definite, and either $\lambda = 0$ and
     /// $|d|_D$ at most the radius or $|d|_D$ about the radius (Conn, Gould and Toint, *Trust-Region Methods*, chapter 7).
     /// `None` if there is no such multiplier among floating-point numbers.
     pub fn step(
@@ -56,7 +56,7 @@ impl Region {
             *factorisations += 1;
             factor.set_sum(hessian, self.damping, norm);
             let next = if factor.factorise() {
-                let mut step = gradient.clone();
+                let mut step = -gradient;
                 factor.solve(&mut step);
                 let image = norm.product(&step);
                 let length = step.dot(&image).sqrt();

@@ -1,15 +1,13 @@
 //! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
 
-use super::augmented::Rows;
-use super::objective::{place, points};
-use super::{CostWithControl, Grid, Points};
+use super::{CostWithControl, Points, Rows, place};
 use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
 use nalgebra::DMatrix;
 
 /// A basis tabulated at equally spaced times.
-pub(super) struct Scan {
+pub(in crate::relax) struct Scan {
     basis: Basis,
     horizon: f64,
     /// Value, first and second derivative in time at each time of a segment.
@@ -19,7 +17,7 @@ pub(super) struct Scan {
 
 /// A largest value of a row over time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Peak {
+pub(in crate::relax) struct Peak {
     pub row: usize,
     pub segment: usize,
     pub time: f64,
@@ -45,7 +43,7 @@ impl Scan {
         }
     }
 
-    /// The local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola.
+    /// The local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola. Equalities have none.
     pub fn peaks<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
@@ -86,7 +84,7 @@ impl Scan {
                 }
                 for row in 0..count {
                     let (a, b, c) = (before[row], here[row], next[row]);
-                    if k == 0 || b <= floor || a > b || c >= b {
+                    if k == 0 || b <= floor || a > b || c >= b || rows.equalities[row] {
                         continue;
                     }
                     let (mut shift, mut height) = (0.0, b);
@@ -108,29 +106,4 @@ impl Scan {
         }
         Ok(found)
     }
-}
-
-/// All rows at all points of a grid, row by row for each point, and the integral of the running cost.
-pub(super) fn rows_on<K: Constraint, P: CostWithControl>(
-    grid: &Grid<f64>,
-    rows: &mut Rows<'_, K, P>,
-    coefficients: &DMatrix<f64>,
-    h: &mut [f64],
-) -> Result<f64> {
-    let (n, count) = (coefficients.nrows(), rows.count());
-    let mut states = DMatrix::zeros(n, grid.table.ncols());
-    let (mut effort, mut costs) = (0.0, vec![0.0; grid.points()]);
-    for e in 0..grid.segments {
-        place(coefficients, grid.first(e), &grid.table, &mut states);
-        let here = points(grid, &states, e);
-        let own = here.first * count..(here.first + grid.points()) * count;
-        rows.at(here, &mut h[own], &mut costs)?;
-        effort += grid
-            .weights
-            .iter()
-            .zip(&costs)
-            .map(|(w, l)| w * l)
-            .sum::<f64>();
-    }
-    Ok(effort)
 }

@@ -22,12 +22,12 @@ pub struct Point<'a, S> {
 
 impl<'a, S: Scalar> Point<'a, S> {
     /// $[q, v, a]$, `N` by 3.
-    pub(super) fn states(&self) -> DMatrix<S> {
+    pub(in crate::relax) fn states(&self) -> DMatrix<S> {
         DMatrix::from_fn(self.q.len(), 3, |i, x| [self.q, self.v, self.a][x][i])
     }
 
     /// The point alone, with `states` those of itself.
-    pub(super) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
+    pub(in crate::relax) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
         Points {
             first: self.index,
             times: std::slice::from_ref(&self.time),
@@ -76,7 +76,7 @@ pub(super) type Wide<S> = Lanes<S, LANES>;
 
 impl<S: Scalar> Points<'_, S> {
     /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; says how many there are.
-    pub(super) fn gather(&self, start: usize, state: &mut [Wide<S>]) -> usize {
+    pub(in crate::relax) fn gather(&self, start: usize, state: &mut [Wide<S>]) -> usize {
         let (size, count) = (state.len(), LANES.min(self.count() - start));
         for lane in 0..LANES {
             let point = start + lane.min(count - 1);
@@ -235,3 +235,68 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
         (**self).all_derivatives(points, out)
     }
 }
+
+/// A running cost that knows the control, so that limits of the control can be kept as well.
+pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
+    /// The costs at all points, and the controls there into the columns of `controls`, `N` by `M`.
+    ///
+    /// # Errors
+    /// The points are for another robot.
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()>;
+
+    /// All of `out`, of the cost and of another `term` in the control alone; costs and metrics are those of the cost.
+    ///
+    /// # Errors
+    /// The points are for another robot.
+    fn derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<()>;
+}
+
+/// What a term in the control alone adds to the derivatives of a cost at a point.
+#[derive(Clone, Debug)]
+pub struct ControlDerivatives<S> {
+    /// The gradient in `u`, `N` entries.
+    pub gradient: Vec<S>,
+    /// The weights of the second derivatives of $u$ in the motion: at a primal-dual iterate these are multipliers and not the gradient.
+    pub curvature_weights: Vec<S>,
+    /// The diagonal of the Hessian in `u`, which has nothing else.
+    pub hessian: Vec<S>,
+}
+
+impl<S: Scalar> ControlDerivatives<S> {
+    /// Zeros for `n` joints.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        let zeros = vec![S::zero(); n];
+        Self {
+            gradient: zeros.clone(),
+            curvature_weights: zeros.clone(),
+            hessian: zeros,
+        }
+    }
+
+    /// Zeros again.
+    pub fn clear(&mut self) {
+        for part in [
+            &mut self.gradient,
+            &mut self.curvature_weights,
+            &mut self.hessian,
+        ] {
+            part.fill(S::zero());
+        }
+    }
+}
+
+/// A term in the control: it is handed the index of a point and `u`, and adds its derivatives to zeros. It says whether its Hessian is not
+/// zero.
+pub trait ControlTerm<S>: FnMut(usize, &[S], &mut ControlDerivatives<S>) -> bool {}
+impl<S, F: FnMut(usize, &[S], &mut ControlDerivatives<S>) -> bool> ControlTerm<S> for F {}

@@ -1,14 +1,12 @@
 //! The functions of a basis at the points of a quadrature.
 
-use super::blocks::products;
-use super::scan::Scan;
+use super::Scan;
+use super::packed_hessian::products;
 use crate::curve::{Basis, gauss_legendre};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
-use std::cell::RefCell;
 use std::ops::Range;
-use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each segment.
 ///
@@ -16,61 +14,61 @@ use std::sync::OnceLock;
 #[derive(Clone, Debug)]
 pub struct Grid<S: Scalar> {
     /// How many segments there are.
-    pub(super) segments: usize,
+    pub(in crate::relax) segments: usize,
     /// The functions whose coefficients are unknown.
-    pub(super) free: Range<usize>,
+    pub(in crate::relax) free: Range<usize>,
     /// Times of the points, s, segment by segment.
-    pub(super) times: Vec<S>,
+    pub(in crate::relax) times: Vec<S>,
     /// Weights of the points of a segment.
-    pub(super) weights: Vec<S>,
+    pub(in crate::relax) weights: Vec<S>,
     /// Value, first and second derivative in time at each point of a segment: the functions of a segment by three a point.
-    pub(super) table: DMatrix<S>,
+    pub(in crate::relax) table: DMatrix<S>,
     /// Its transpose.
-    pub(super) transposed: DMatrix<S>,
+    pub(in crate::relax) transposed: DMatrix<S>,
     /// Pairs of functions of a segment, the first not before the second, in the order of the rows of the products.
-    pub(super) pairs: Vec<(usize, usize)>,
+    pub(in crate::relax) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
 }
 
 /// Tables that several searches have in common.
 #[derive(Default)]
-pub(super) struct Grids {
-    grids: RefCell<Vec<Made<Grid<f64>>>>,
-    scans: RefCell<Vec<Made<Scan>>>,
+pub(in crate::relax) struct Grids {
+    grids: Mutex<Vec<Made<Grid<f64>>>>,
+    scans: Mutex<Vec<Made<Scan>>>,
 }
 
 /// A table and what it was made of.
-type Made<T> = (Basis, usize, f64, Rc<T>);
+type Made<T> = (Basis, usize, f64, Arc<T>);
 
 impl Grids {
     /// As [`Grid::new`].
-    pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Rc<Grid<f64>> {
+    pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.grids, basis, points, horizon, Grid::new)
     }
 
     /// As [`Scan::new`].
-    pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Rc<Scan> {
+    pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Arc<Scan> {
         get(&self.scans, basis, intervals, horizon, Scan::new)
     }
 }
 
 /// What is there already, or else a `new` one.
 fn get<T>(
-    made: &RefCell<Vec<Made<T>>>,
+    made: &Mutex<Vec<Made<T>>>,
     basis: &Basis,
     count: usize,
     horizon: f64,
     new: impl Fn(&Basis, usize, f64) -> T,
-) -> Rc<T> {
-    let mut made = made.borrow_mut();
+) -> Arc<T> {
+    let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
     let known = made
         .iter()
         .find(|(b, c, t, _)| (b, *c, *t) == (basis, count, horizon));
     if let Some((.., table)) = known {
         return table.clone();
     }
-    let table = Rc::new(new(basis, count, horizon));
+    let table = Arc::new(new(basis, count, horizon));
     made.push((basis.clone(), count, horizon, table.clone()));
     table
 }
@@ -144,9 +142,14 @@ impl<S: Scalar> Grid<S> {
     }
 
     /// Weighted products of the functions of each pair, for [`PackedHessian`](super::PackedHessian).
-    pub(super) fn products(&self) -> &[DMatrix<S>; 2] {
+    pub(in crate::relax) fn products(&self) -> &[DMatrix<S>; 2] {
         let new = || products(&self.table, &self.weights, &self.pairs);
         self.products.get_or_init(new)
+    }
+
+    /// How many functions each segment has for itself.
+    pub(in crate::relax) fn bubbles(&self) -> usize {
+        self.table.nrows() - 4
     }
 
     /// How many points each segment has.
@@ -162,12 +165,12 @@ impl<S: Scalar> Grid<S> {
     }
 
     /// The first function of segment `e`.
-    pub(super) fn first(&self, e: usize) -> usize {
+    pub(in crate::relax) fn first(&self, e: usize) -> usize {
         e * (self.table.nrows() - 2)
     }
 
     /// The unknown functions that segment `e` owns alone or shares with the next: a block of the Hessian.
-    pub(super) fn block(&self, e: usize) -> Range<usize> {
+    pub(in crate::relax) fn block(&self, e: usize) -> Range<usize> {
         self.first(e) + 2..(self.first(e + 1) + 2).min(self.free.end)
     }
 }

@@ -259,7 +259,7 @@ fn put_block<S: Scalar>(
 }
 
 /// The curve of the functions from `first` on, where `table` has them.
-pub(super) fn place<S: Scalar>(
+pub(in crate::relax) fn place<S: Scalar>(
     coefficients: &DMatrix<S>,
     first: usize,
     table: &DMatrix<S>,
@@ -270,7 +270,7 @@ pub(super) fn place<S: Scalar>(
 }
 
 /// What the running cost reads at the points of segment `e`.
-pub(super) fn points<'a, S: Scalar>(
+pub(in crate::relax) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     states: &'a DMatrix<S>,
     e: usize,

@@ -1,10 +1,9 @@
 //! A degree that is as high as it has to be.
 
-use super::RelaxSettings;
-use super::held::Held;
-use super::ladder::{Path, Settled};
 use crate::curve::Basis;
 use crate::error::Result;
+use crate::relax::RelaxSettings;
+use crate::relax::interior_point::Candidate;
 use serde::Serialize;
 
 /// How a relaxation came to its degree.
@@ -27,68 +26,33 @@ pub struct DegreeRefinement {
     pub converged: bool,
 }
 
-/// What one degree came to.
-pub(super) trait Rung {
-    fn path(&self) -> &Path;
-    fn cost(&self) -> f64;
-    fn converged(&self) -> bool;
-}
-
-impl Rung for Settled {
-    fn path(&self) -> &Path {
-        &self.path
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn converged(&self) -> bool {
-        self.converged
-    }
-}
-
-impl Rung for Held {
-    fn path(&self) -> &Path {
-        &self.path
-    }
-
-    fn cost(&self) -> f64 {
-        self.effort
-    }
-
-    fn converged(&self) -> bool {
-        self.converged
-    }
-}
-
 /// Goes on from `found` to higher degrees, each from where the one before ended, if the settings ask for it.
-pub(super) fn climb<R: Rung>(
+pub(in crate::relax) fn refine(
     settings: &RelaxSettings,
-    mut found: R,
-    mut next: impl FnMut(&R, Basis) -> Result<R>,
-) -> Result<(R, Option<DegreeRefinement>)> {
+    mut found: Candidate,
+    mut next: impl FnMut(&Candidate, Basis) -> Result<Candidate>,
+) -> Result<(Candidate, Option<DegreeRefinement>)> {
     let Some(tolerance) = settings.degree_tolerance else {
         return Ok((found, None));
     };
     let mut adapted = DegreeRefinement {
         tolerance,
-        degrees: vec![found.path().basis.degree()],
-        costs: vec![found.cost()],
+        degrees: vec![found.path.basis.degree()],
+        costs: vec![found.cost],
         converged: false,
     };
     for degree in settings.higher_degrees() {
-        if !found.converged() || adapted.converged {
+        if !found.converged || adapted.converged {
             break;
         }
         let higher = next(&found, settings.basis_of(degree))?;
         adapted.degrees.push(degree);
-        adapted.costs.push(higher.cost());
-        if !higher.converged() {
+        adapted.costs.push(higher.cost);
+        if !higher.converged {
             break;
         }
-        let change = (higher.cost() - found.cost()).abs();
-        adapted.converged = change <= tolerance * higher.cost().abs();
+        let change = (higher.cost - found.cost).abs();
+        adapted.converged = change <= tolerance * higher.cost.abs();
         found = higher;
     }
     Ok((found, Some(adapted)))

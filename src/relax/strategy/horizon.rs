@@ -1,20 +1,12 @@
 //! A horizon that is found with the motion.
 
-use super::ladder::Path;
-use super::newton::SMALLEST_COST;
-use super::objective::{place, points};
-use super::{Grid, PointCost, PointDerivatives};
 use crate::error::{Error, Result};
-use crate::motion::Problem;
+use crate::relax::interior_point::Candidate;
+use crate::relax::transcription::{place, points};
+use crate::relax::tuning::{HORIZON_SLOPE, POSSIBLE, REACH, SAME_HORIZON, SMALLEST_COST, TRIES};
+use crate::relax::{Grid, PointCost, PointDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
-
-/// The first step to another horizon, in its logarithm.
-const REACH: f64 = 0.25;
-/// How many horizons are tried.
-const TRIES: usize = 60;
-/// How exactly, relative, the shortest horizon is found on which there is a motion: what is tried in vain below it takes long.
-const POSSIBLE: f64 = 1e-3;
 
 /// A horizon that is to be found: $\int l\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,61 +107,36 @@ pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
     Ok(slope)
 }
 
-impl Path {
-    /// The rates at which the coefficients change with the horizon: the slopes that the boundary velocities fix.
-    pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
-        let (n, count) = self.coefficients.shape();
-        let mut rates = DMatrix::zeros(n, count);
-        rates.column_mut(0).copy_from_slice(&problem.start()[n..]);
-        if !self.basis.free_final_velocity() {
-            let last = count - 2;
-            rates.column_mut(last).copy_from_slice(&problem.goal()[n..]);
-        }
-        rates
-    }
-
-    /// The same shape between the ends of a problem, on its horizon.
-    pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
-        let (n, last) = self.coefficients.shape();
-        let slopes = self.rates(problem) * problem.horizon();
-        let fixed = 1 + usize::from(!self.basis.free_final_velocity());
-        for column in [0, last - 2].into_iter().take(fixed) {
-            self.coefficients.set_column(column, &slopes.column(column));
-        }
-        for (column, state) in [(1, problem.start()), (last - 1, problem.goal())] {
-            let mut q = self.coefficients.column_mut(column);
-            q.copy_from_slice(&state[..n]);
-        }
-        self
-    }
-}
-
-/// How exactly a horizon is found.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Exactness {
-    /// The slope of the cost in the logarithm of the horizon, relative to the cost.
-    pub slope: f64,
-    /// Horizons that differ by less than this, relative, are one.
-    pub horizon: f64,
-}
-
 /// What was found on one horizon.
 #[derive(Clone, Debug)]
-pub(super) struct Tried<T> {
+pub(in crate::relax) struct Tried {
     pub horizon: f64,
-    pub found: T,
+    pub found: Candidate,
     /// Of motion and time.
-    pub cost: f64,
+    cost: f64,
     /// Its derivative in the logarithm of the horizon.
-    pub slope: f64,
-    /// Whether it is worth anything: where it is not the horizon is taken to be too short.
-    pub sound: bool,
+    slope: f64,
 }
 
-impl<T> Tried<T> {
+impl Tried {
+    /// A minimum on a horizon, whose cost is known with its slope.
+    pub fn new(free: FreeHorizon, horizon: f64, found: Candidate) -> Self {
+        Self {
+            horizon,
+            cost: found.cost + free.weight * horizon,
+            slope: horizon * (found.horizon_slope + free.weight),
+            found,
+        }
+    }
+
+    /// Whether it is worth anything: where it is not the horizon is taken to be too short.
+    fn sound(&self) -> bool {
+        self.found.converged
+    }
+
     /// The slope, or one that asks for more time.
     fn push(&self) -> f64 {
-        if self.sound {
+        if self.sound() {
             self.slope
         } else {
             -self.cost.abs().max(SMALLEST_COST)
@@ -179,14 +146,16 @@ impl<T> Tried<T> {
 
 /// Looks for a horizon at which the cost is stationary, or a bound that keeps it from falling further; says whether there is one.
 /// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near.
-pub(super) fn search<T: Clone>(
+pub(in crate::relax) fn search(
     free: FreeHorizon,
-    exactness: Exactness,
-    first: Tried<T>,
-    mut attempt: impl FnMut(f64, &Tried<T>) -> Result<Tried<T>>,
-) -> Result<(Tried<T>, bool)> {
-    let settled = |tried: &Tried<T>| {
-        tried.sound && tried.slope.abs() <= exactness.slope * tried.cost.abs().max(SMALLEST_COST)
+    constrained: bool,
+    first: Tried,
+    mut attempt: impl FnMut(f64, &Tried) -> Result<Tried>,
+) -> Result<(Tried, bool)> {
+    let kind = usize::from(constrained);
+    let settled = |tried: &Tried| {
+        let most = HORIZON_SLOPE[kind] * tried.cost.abs().max(SMALLEST_COST);
+        tried.sound() && tried.slope.abs() <= most
     };
     // Away from where it begins, until the slope changes its sign.
     let (mut a, mut reach) = (first, REACH);
@@ -198,7 +167,7 @@ pub(super) fn search<T: Clone>(
             free.longest
         };
         if settled(&a) || a.horizon == bound || !push.is_finite() {
-            let good = a.sound && push.is_finite();
+            let good = a.sound() && push.is_finite();
             return Ok((a, good));
         }
         let next = a.horizon * (-reach * push.signum()).exp();
@@ -213,20 +182,20 @@ pub(super) fn search<T: Clone>(
     let (mut at_a, mut at_b) = (a.push(), b.push());
     for _ in 0..TRIES {
         let (from, to) = (a.horizon.ln(), b.horizon.ln());
-        let least = if a.sound && b.sound {
-            exactness.horizon
+        let least = if a.sound() && b.sound() {
+            SAME_HORIZON[kind]
         } else {
             POSSIBLE
         };
         let close = (from - to).abs() <= least;
         if settled(&b) || close {
             // A jump of the quadrature, or the limit of what is possible.
-            let found = if b.sound { b } else { a };
-            let good = found.sound;
+            let found = if b.sound() { b } else { a };
+            let good = found.sound();
             return Ok((found, good));
         }
         let next = to - at_b * (to - from) / (at_b - at_a);
-        let there = attempt(next.exp(), if b.sound { &b } else { &a })?;
+        let there = attempt(next.exp(), if b.sound() { &b } else { &a })?;
         if there.push() * b.push() < 0.0 {
             (a, at_a) = (b, at_b);
         } else {

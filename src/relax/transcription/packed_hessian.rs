@@ -1,7 +1,7 @@
 //! Hessians at the points of a quadrature, and what pairs of functions make of them.
 
 use super::Grid;
-use super::cost::LANES;
+use super::point_cost::LANES;
 use crate::linalg::multiply;
 use crate::scalar::{Lanes, Scalar};
 use nalgebra::DMatrix;

@@ -1,11 +1,14 @@
 //! The control effort as a running cost.
 
-use super::ControlTerm;
-use super::cost::{LANES, Point, PointCost, PointDerivatives, Points, PointsDerivatives, Wide};
+use super::point_cost::{LANES, Wide};
+use super::{
+    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives, WeightedSquares,
+};
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
 };
-use crate::error::Result;
+use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -24,15 +27,22 @@ pub struct ControlEffort<'m, C: Scalar, S: Scalar> {
     second: RneaWeightedHessian<Wide<S>>,
     /// $[q; v; a]$.
     state: Vec<Wide<S>>,
-    /// $\partial l / \partial u$, and what else than the effort has as second derivatives.
+    /// Half the second derivatives in `u`, `v` and `a`.
+    squares_of: [DVector<Wide<S>>; 3],
+    /// Whether those in `v` and `a` are not all zero.
+    with_motion: bool,
+    /// $\partial l / \partial u$, that is $w$ of the gradient.
+    slopes: DVector<Wide<S>>,
+    /// $w$ of $\Phi(w)$.
     weights: DVector<Wide<S>>,
+    /// What else than the effort has as second derivatives in `u`.
     stiffness: DVector<Wide<S>>,
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
     stiff: DMatrix<Wide<S>>,
-    /// For one point alone.
-    single: Data<S>,
+    /// At one point.
     u: DVector<S>,
+    by_term: ControlDerivatives<S>,
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
@@ -41,8 +51,12 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     pub fn new(model: &'m Model<C>) -> Self {
         let n = model.dof();
         let zeros = vec![Wide::splat(S::zero()); n];
+        let zero = DVector::from_vec(zeros.clone());
         Self {
             model,
+            squares_of: [zero.map(|_| Wide::splat(S::one())), zero.clone(), zero],
+            with_motion: false,
+            slopes: DVector::from_vec(zeros.clone()),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
             second: RneaWeightedHessian::new(n),
@@ -51,16 +65,46 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             stiffness: DVector::from_vec(zeros),
             squares: DMatrix::zeros(3 * n, 3 * n),
             stiff: DMatrix::zeros(3 * n, 3 * n),
-            single: Data::new(model),
             u: DVector::zeros(n),
+            by_term: ControlDerivatives::new(n),
         }
     }
 
-    /// $u$ at a point.
-    pub(super) fn control(&mut self, point: Point<'_, S>) -> Result<&DVector<S>> {
-        let Point { q, v, a, .. } = point;
-        rnea(self.model, &mut self.single, q, v, a, self.u.as_mut_slice())?;
-        Ok(&self.u)
+    /// Weighted squares of `u`, `v` and `a` in place of $|u|^2$: with their doubled weights as diagonal matrices `W`,
+    ///
+    /// $$ \frac{\partial l}{\partial z} = J^T W_u u + W_{va} z, \qquad
+    ///    \frac{\partial^2 l}{\partial z^2} = J^T W_u J + W_{va} + \Phi(W_u u) . $$
+    ///
+    /// # Errors
+    /// The weights are for another number of joints.
+    pub fn weighted(model: &'m Model<C>, weights: &WeightedSquares) -> Result<Self> {
+        let mut effort = Self::new(model);
+        let all = [weights.torque(), weights.velocity(), weights.acceleration()];
+        for (to, from) in effort.squares_of.iter_mut().zip(all) {
+            check_length("weights", model.dof(), from.len())?;
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = Wide::from_f64(*from);
+            }
+        }
+        effort.with_motion = all[1..].iter().any(|w| w.iter().any(|w| *w != 0.0));
+        Ok(effort)
+    }
+
+    /// The cost of four points side by side.
+    fn cost_of(&self, tau: &DVector<Wide<S>>) -> Wide<S> {
+        let n = tau.len();
+        let [torque, velocity, acceleration] = &self.squares_of;
+        let mut cost = Wide::splat(S::zero());
+        for (w, u) in torque.iter().zip(tau) {
+            cost += *w * *u * *u;
+        }
+        if self.with_motion {
+            let moving = velocity.iter().chain(acceleration);
+            for (w, x) in moving.zip(&self.state[n..]) {
+                cost += *w * *x * *x;
+            }
+        }
+        cost
     }
 
     /// The derivatives of the effort and of another cost of the control. The metrics and the costs are those of the effort.
@@ -68,29 +112,29 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         &mut self,
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
-        charge: &mut impl ControlTerm<S>,
+        term: &mut impl ControlTerm<S>,
     ) -> Result<()> {
         let n = self.model.dof();
         let two = Wide::from_f64(2.0);
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);
             self.stiffness.fill(Wide::splat(S::zero()));
-            let (u, weights, stiffness) = (&mut self.u, &mut self.weights, &mut self.stiffness);
-            let (mut first, mut second) = (DVector::zeros(n), DVector::zeros(n));
+            let (u, by_term) = (&mut self.u, &mut self.by_term);
+            let (slopes, weights, stiffness) =
+                (&mut self.slopes, &mut self.weights, &mut self.stiffness);
+            let torque = &self.squares_of[0];
             let mut stiff = false;
             let weigh = |tau: &DVector<Wide<S>>, w: &mut [Wide<S>]| {
-                weights.copy_from(tau);
-                *weights *= two;
+                slopes.zip_zip_apply(torque, tau, |to, w, tau| *to = two * w * tau);
+                weights.copy_from(slopes);
                 for lane in 0..count {
                     u.zip_apply(tau, |u, tau| *u = tau.0[lane]);
-                    first.fill(S::zero());
-                    second.fill(S::zero());
-                    let (first, second) = (first.as_mut_slice(), second.as_mut_slice());
-                    let index = points.first + start + lane;
-                    stiff |= charge(index, u.as_slice(), first, second);
+                    by_term.clear();
+                    stiff |= term(points.first + start + lane, u.as_slice(), by_term);
                     for i in 0..n {
-                        weights[i].0[lane] += first[i];
-                        stiffness[i].0[lane] = second[i];
+                        slopes[i].0[lane] += by_term.gradient[i];
+                        weights[i].0[lane] += by_term.curvature_weights[i];
+                        stiffness[i].0[lane] = by_term.hessian[i];
                     }
                 }
                 w.copy_from_slice(weights.as_slice());
@@ -106,23 +150,33 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     /// Files what the lanes hold: `count` points from `start` on.
     fn file(&mut self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
         let n = self.model.dof();
-        let InverseDynamicsDerivatives { tau, dq, dv, h } = &self.id;
-        let RneaWeightedHessian { qq, qv, vv, qa } = &self.second;
         let two = Wide::from_f64(2.0);
-        let cost = tau.dot(tau);
+        let cost = self.cost_of(&self.id.tau);
         out.costs[start..start + count].copy_from_slice(&cost.0[..count]);
+        let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
+        let RneaWeightedHessian { qq, qv, vv, qa } = &self.second;
         let jacobian = [dq, dv, h];
         for (x, block) in jacobian.into_iter().enumerate() {
             for (i, column) in block.column_iter().enumerate() {
-                let slope = column.dot(&self.weights);
+                let mut slope = column.dot(&self.slopes);
+                if self.with_motion && x > 0 {
+                    slope += two * self.squares_of[x][i] * self.state[x * n + i];
+                }
                 for lane in 0..count {
                     out.gradients[(i, 3 * (start + lane) + x)] = slope.0[lane];
                 }
             }
         }
         let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
-        let twos = DVector::from_element(n, two);
-        squares(column, &twos, &mut self.squares);
+        let doubled = &self.squares_of[0] * two;
+        squares(column, &doubled, &mut self.squares);
+        if self.with_motion {
+            for x in 1..3 {
+                for i in 0..n {
+                    self.squares[(x * n + i, x * n + i)] += two * self.squares_of[x][i];
+                }
+            }
+        }
         if stiff {
             squares(column, &self.stiffness, &mut self.stiff);
         }
@@ -161,6 +215,31 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
     }
+
+    /// The costs and, where they are wanted, the controls at all points, `N` by `M`.
+    fn values_and_controls(
+        &mut self,
+        points: Points<'_, S>,
+        costs: &mut [S],
+        mut controls: Option<&mut DMatrix<S>>,
+    ) -> Result<()> {
+        let mut tau = std::mem::replace(&mut self.slopes, DVector::zeros(0));
+        for start in (0..points.count()).step_by(LANES) {
+            let count = points.gather(start, &mut self.state);
+            let [q, v, a] = split(&self.state);
+            rnea(self.model, &mut self.data, q, v, a, tau.as_mut_slice())?;
+            let cost = self.cost_of(&tau);
+            costs[start..start + count].copy_from_slice(&cost.0[..count]);
+            if let Some(controls) = &mut controls {
+                for lane in 0..count {
+                    let mut u = controls.column_mut(start + lane);
+                    u.zip_apply(&tau, |u, tau| *u = tau.0[lane]);
+                }
+            }
+        }
+        self.slopes = tau;
+        Ok(())
+    }
 }
 
 /// $q, v, a$ of $[q; v; a]$.
@@ -171,8 +250,9 @@ fn split<T>(z: &[T]) -> [&[T]; 3] {
 
 impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
     fn value(&mut self, point: Point<'_, S>) -> Result<S> {
-        let u = self.control(point)?;
-        Ok(u.dot(u))
+        let (states, mut cost) = (point.states(), [S::zero()]);
+        self.values(point.points(&states), &mut cost)?;
+        Ok(cost[0])
     }
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
@@ -180,14 +260,7 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
-        for start in (0..points.count()).step_by(LANES) {
-            let count = points.gather(start, &mut self.state);
-            let ([q, v, a], tau) = (split(&self.state), &mut self.weights);
-            rnea(self.model, &mut self.data, q, v, a, tau.as_mut_slice())?;
-            let cost = tau.dot(tau);
-            costs[start..start + count].copy_from_slice(&cost.0[..count]);
-        }
-        Ok(())
+        self.values_and_controls(points, costs, None)
     }
 
     fn all_derivatives(
@@ -195,12 +268,32 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
     ) -> Result<()> {
-        self.derivatives_with(points, out, &mut |_, _, _, _| false)
+        self.derivatives_with(points, out, &mut |_, _, _| false)
+    }
+}
+
+impl CostWithControl for ControlEffort<'_, f64, f64> {
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        self.values_and_controls(points, costs, Some(controls))
+    }
+
+    fn derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<()> {
+        ControlEffort::derivatives_with(self, points, out, term)
     }
 }
 
 /// The derivatives at a single point of a cost that is for many.
-pub(super) fn alone<S: Scalar>(
+pub(in crate::relax) fn alone<S: Scalar>(
     cost: &mut impl PointCost<S>,
     point: Point<'_, S>,
     out: &mut PointDerivatives<S>,

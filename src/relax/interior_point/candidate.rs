@@ -1,0 +1,90 @@
+//! A curve with the multipliers that hold it within its constraints.
+
+use crate::motion::Problem;
+use crate::relax::Path;
+
+/// What a minimisation starts from and ends at.
+#[derive(Clone, Debug)]
+pub(in crate::relax) struct Candidate {
+    pub path: Path,
+    pub multipliers: Multipliers,
+    /// $\mu$ and $\nu$ of the barriers when it ended, relative to the cost per second; nothing before that.
+    pub barrier: Option<[f64; 2]>,
+    /// The integral of the running cost by a quadrature finer than the one that was minimised.
+    pub cost: f64,
+    /// The largest excess of a row, in its unit; negative inside.
+    pub violation: f64,
+    pub gradient_norm: f64,
+    pub smallest_curvature: f64,
+    pub points: usize,
+    /// How far the quadrature is from the finer one, relative.
+    pub quadrature_error: f64,
+    /// The derivative of the cost in the horizon, where it was asked for.
+    pub horizon_slope: f64,
+    /// Whether everything that was asked for is met.
+    pub converged: bool,
+}
+
+/// Multipliers of all rows at times.
+#[derive(Clone, Debug, Default)]
+pub(in crate::relax) struct Multipliers {
+    pub times: Vec<f64>,
+    /// Row by row for each time.
+    pub values: Vec<f64>,
+}
+
+impl Candidate {
+    /// A curve that nothing is known of.
+    pub fn new(path: Path) -> Self {
+        Self {
+            path,
+            multipliers: Multipliers::default(),
+            barrier: None,
+            cost: f64::NAN,
+            violation: f64::NAN,
+            gradient_norm: f64::NAN,
+            smallest_curvature: f64::NAN,
+            points: 0,
+            quadrature_error: f64::NAN,
+            horizon_slope: f64::NAN,
+            converged: false,
+        }
+    }
+
+    /// The same shape on another horizon, longer by a factor. What held it holds it to begin with if that was of any use.
+    pub fn on_horizon(&self, problem: &Problem<'_>, factor: f64) -> Self {
+        let path = self.path.clone().between_ends_of(problem);
+        if !self.converged {
+            return Self::new(path);
+        }
+        let mut moved = self.clone();
+        moved.path = path;
+        for time in &mut moved.multipliers.times {
+            *time *= factor;
+        }
+        moved
+    }
+}
+
+impl Multipliers {
+    /// Those at other times, interpolated linearly; nothing where there are none.
+    pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
+        let last = self.times.len().checked_sub(1)?;
+        let mut found = vec![0.0; times.len() * rows];
+        for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {
+            let after = self.times.partition_point(|t| t < time);
+            let (a, b) = (after.saturating_sub(1), after.min(last));
+            let span = self.times[b] - self.times[a];
+            let share = if span > 0.0 {
+                (time - self.times[a]) / span
+            } else {
+                0.0
+            };
+            for (row, to) in to.iter_mut().enumerate() {
+                let [x, y] = [a, b].map(|i| self.values[i * rows + row]);
+                *to = x + share * (y - x);
+            }
+        }
+        Some(found)
+    }
+}

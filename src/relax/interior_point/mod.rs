@@ -1,0 +1,92 @@
+//! A minimum in a basis within constraints: Newton's method on the running cost with barriers.
+//!
+//! The rows at the points of the quadrature are not constraints of the minimiser: each has a [`Barrier`] that is finite everywhere, so
+//! that every curve may be tried, and no start has to be feasible. What is minimised is therefore smooth and has no constraints,
+//!
+//! $$ \phi(c) = \int l_0 + \sum_j \psi_{\mu, \nu}(h_j + m_j)\, dt , $$
+//!
+//! and a trust region does it. The Hessian is that of primal-dual interior points, whose multipliers are iterates of their own, so
+//! that few steps are needed when $\mu$ becomes smaller.
+//!
+//! 1. A step is made with the weight $\mu$ as it is. When the next promises little, $\mu$ becomes smaller.
+//! 2. With each new $\mu$ the rows are looked at between the points as well. What a row exceeds there is a margin at the points beside.
+//! 3. Every few steps a finer quadrature looks at the cost; where the two do not agree there are more points.
+//! 4. At the last $\mu$ the gradient has to vanish. If a row is still broken its price $\nu$ was too low, and grows.
+//! 5. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
+
+mod barrier;
+mod barrier_cost;
+mod candidate;
+mod newton;
+mod search;
+mod trust_region;
+
+pub use barrier::Barrier;
+pub use barrier_cost::BarrierCost;
+pub(super) use candidate::{Candidate, Multipliers};
+
+use super::running_cost::check_integral;
+use super::transcription::{Grids, Rows};
+use super::tuning::POINTS;
+use super::{CostWithControl, Iteration};
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::motion::Problem;
+use search::{End, search};
+
+/// What is asked of one minimisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stage {
+    /// The relative gradient norm.
+    pub tolerance: f64,
+    /// Steps.
+    pub iterations: usize,
+    /// After so many steps the metric of Gauss and Newton is computed anew, which takes as long as the Hessian.
+    pub fresh: usize,
+    /// How well the quadrature has to agree with a finer one, relative.
+    pub quadrature_tolerance: f64,
+    /// The last weight of the barriers, relative to the cost.
+    pub last_barrier: f64,
+    /// The excess of a row that does no harm, in its unit.
+    pub feasible: f64,
+    /// Whether the derivative of the cost in the horizon is asked for.
+    pub slope: bool,
+    /// Whether to see to it that it is a minimum within the constraints.
+    pub last: bool,
+}
+
+/// A problem with everything that its minimisations have in common.
+pub(super) struct Context<'c, 'a, K, P> {
+    pub problem: &'c Problem<'a>,
+    pub grids: &'c Grids,
+    pub rows: &'c Rows<'a, K, P>,
+}
+
+impl<K, P> Clone for Context<'_, '_, K, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<K, P> Copy for Context<'_, '_, K, P> {}
+
+/// Minimises the running cost within the rows from a candidate, in its basis.
+pub(super) fn minimise<K: Constraint + Clone, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    mut candidate: Candidate,
+    stage: Stage,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Candidate> {
+    let degree = candidate.path.basis.degree();
+    let kind = usize::from(context.rows.count() > 0);
+    candidate.points = (POINTS[kind] * degree as f64) as usize + 4;
+    loop {
+        let end = search(context, &mut candidate, stage, observe)?;
+        check_integral(candidate.cost)?;
+        match end {
+            End::Done => return Ok(candidate),
+            End::Coarse => candidate.points = candidate.points * 3 / 2,
+            End::Saddle => (),
+        }
+    }
+}

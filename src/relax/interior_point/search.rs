@@ -1,0 +1,410 @@
+//! The search on one quadrature.
+
+use super::barrier::Barrier;
+use super::barrier_cost::BarrierCost;
+use super::newton::{Merit, Newton, move_by};
+use super::{Candidate, Context, Multipliers, Stage};
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::relax::transcription::{Grid, Peak, Scan};
+use crate::relax::tuning::{
+    AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR,
+    LARGEST_PRICE, LATE, LEAVE, LOOK, MOST_POINTS, ON_THE_WAY, PRICE_FACTOR, ROOM, SCAN,
+    SMALLEST_COST,
+};
+use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
+use nalgebra::{DMatrix, DVector};
+
+/// How a search on one quadrature ended.
+pub(super) enum End {
+    /// As well as it could.
+    Done,
+    /// The quadrature is too coarse.
+    Coarse,
+    /// At a saddle, from which a curve of less cost is known.
+    Saddle,
+}
+
+/// A search in progress.
+struct Search<'g, 'a, K, P> {
+    grid: &'g Grid<f64>,
+    /// Looks between the points now and at the end.
+    scans: [&'g Scan; 2],
+    /// The cost alone, by a finer quadrature.
+    finer: Objective<'g, f64, P>,
+    objective: Merit<'g, 'a, K, P>,
+    newton: Newton,
+    stage: Stage,
+    /// Whether there may be more points.
+    refinable: bool,
+    horizon: f64,
+    /// How the curve changes with the horizon, where that is asked for.
+    rates: Option<DMatrix<f64>>,
+    constrained: bool,
+    /// The gradient in the metric of the Hessian, with which rows come into it as well: what the last step promised, if it was a whole one.
+    decrement: f64,
+}
+
+/// Minimises from a candidate with as many points as it says.
+pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: &mut Candidate,
+    stage: Stage,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<End> {
+    let Context {
+        problem,
+        grids,
+        rows,
+    } = context;
+    let (n, horizon, points) = (problem.model().dof(), problem.horizon(), candidate.points);
+    let basis = candidate.path.basis.clone();
+    let grid = grids.get(&basis, points, horizon);
+    // Not a multiple, so that it sees between the points.
+    let finer = grids.get(&basis, points * 3 / 2 + 7, horizon);
+    let coarse = grids.scan(&basis, SCAN * points, horizon);
+    let fine = grids.scan(
+        &basis,
+        if stage.last {
+            (FINE / basis.segments()).max(SCAN * points)
+        } else {
+            SCAN * points
+        },
+        horizon,
+    );
+    let barrier = Barrier { mu: 1.0, nu: 1.0 };
+    let cost = BarrierCost::new(rows.clone(), barrier, &grid);
+    let objective = Objective::new(&grid, cost, n);
+    let kind = usize::from(rows.count() > 0);
+    Search {
+        grid: &grid,
+        scans: [&coarse, &fine],
+        finer: Objective::new(&finer, rows.cost.clone(), n),
+        newton: Newton::new(&objective),
+        objective,
+        stage,
+        refinable: points < MOST_POINTS[kind] * basis.degree(),
+        horizon,
+        rates: stage.slope.then(|| candidate.path.rates(problem)),
+        constrained: rows.count() > 0,
+        decrement: f64::INFINITY,
+    }
+    .run(candidate, observe)
+}
+
+/// Where a search stands: the derivatives are those of `coefficients`.
+struct Iterate {
+    coefficients: DMatrix<f64>,
+    /// $\phi$.
+    merit: f64,
+    iteration: Iteration,
+    /// Whether the barriers are as weak as they have to be in the end, and no row is relaxed.
+    at_last_barrier: bool,
+    /// The cost by a finer quadrature when that was asked last, and how far it is from this one.
+    finer: [f64; 2],
+    violation: f64,
+}
+
+impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
+    fn run(
+        &mut self,
+        candidate: &mut Candidate,
+        observe: &mut dyn FnMut(Iteration),
+    ) -> Result<End> {
+        let stage = self.stage;
+        if self.constrained {
+            self.start(candidate)?;
+        }
+        let mut trial = candidate.path.coefficients.clone();
+        let mut now = Iterate::new(candidate.path.coefficients.clone());
+        let (mut steps, mut end) = (0_usize, None);
+        while end.is_none() {
+            let out = steps >= stage.iterations;
+            self.evaluate(&mut now, steps, out)?;
+            let stationary = now.at_last_barrier && now.iteration.gradient_norm <= stage.tolerance;
+            let done = stationary || out;
+            if (done || steps % LOOK == LOOK - 1) && self.is_coarse(&mut now, done)? {
+                end = Some(End::Coarse);
+            } else if done {
+                // Rows may be broken between the points, or because the price of that is low.
+                if !self.is_within(&mut now)? && !out && self.mend(&now)? {
+                    self.decrement = f64::INFINITY;
+                } else {
+                    end = Some(End::Done);
+                }
+            } else if let Some(promised) = self.newton.step(
+                &mut self.objective,
+                &now.coefficients,
+                &mut trial,
+                now.merit,
+                &mut now.iteration,
+            )? {
+                std::mem::swap(&mut now.coefficients, &mut trial);
+                self.after_step(&now, promised)?;
+            } else {
+                // Rounding hides what is left to gain with this barrier.
+                self.objective.value(&now.coefficients)?;
+                let weaker = self.constrained && !now.at_last_barrier && self.reduce_barrier(0.0);
+                if !weaker {
+                    self.is_coarse(&mut now, true)?;
+                    self.is_within(&mut now)?;
+                    end = Some(End::Done);
+                }
+            }
+            observe(now.iteration);
+            steps += 1;
+        }
+        let mut end = end.unwrap_or(End::Done);
+        candidate.violation = now.violation;
+        candidate.converged = matches!(end, End::Done)
+            && now.at_last_barrier
+            && now.iteration.gradient_norm <= stage.tolerance
+            && now.violation <= stage.feasible
+            && now.finer[1] <= stage.quadrature_tolerance;
+        if stage.last && matches!(end, End::Done) {
+            let (curvature, direction) = self.newton.smallest_curvature();
+            candidate.smallest_curvature = curvature;
+            if curvature < 0.0 && candidate.converged && self.leave_saddle(&mut now, &direction)? {
+                end = End::Saddle;
+            } else if let Some(rates) = &self.rates {
+                let (grid, horizon) = (self.grid, self.horizon);
+                let cost = self.objective.cost_mut();
+                candidate.horizon_slope =
+                    horizon_slope(grid, cost, &now.coefficients, rates, horizon)?;
+            }
+        }
+        self.leave_in(candidate, now);
+        Ok(end)
+    }
+
+    /// The merit function and its derivatives where the search stands, with a metric of that curve where it matters.
+    fn evaluate(&mut self, now: &mut Iterate, steps: usize, out: bool) -> Result<()> {
+        let stage = self.stage;
+        let mut fresh = steps.is_multiple_of(stage.fresh);
+        loop {
+            now.merit = self
+                .newton
+                .derive(&mut self.objective, &now.coefficients, fresh)?;
+            let cost = self.objective.cost_mut().cost;
+            let gradient_norm = self.newton.gradient_norm(cost).min(self.decrement);
+            now.at_last_barrier = !self.constrained || self.is_last_barrier(cost);
+            now.iteration = Iteration {
+                degree: self.grid.table.nrows() - 1,
+                points: self.grid.points(),
+                cost,
+                gradient_norm,
+                damping: 0.0,
+                step: 0.0,
+                factorisations: usize::from(fresh),
+            };
+            let ends = now.at_last_barrier && (gradient_norm <= stage.tolerance || out);
+            if fresh || !stage.last || !ends {
+                return Ok(());
+            }
+            fresh = true;
+        }
+    }
+
+    /// After a step that promised so much: how far from a minimum of this barrier that was, and a weaker barrier where it was near.
+    fn after_step(&mut self, now: &Iterate, promised: f64) -> Result<()> {
+        self.decrement = f64::INFINITY;
+        if !self.constrained || self.newton.region.damping > 0.0 {
+            return Ok(());
+        }
+        let cost = now.iteration.cost.max(SMALLEST_COST);
+        if self.newton.share == 1.0 {
+            self.decrement = (2.0 * promised.max(0.0) / cost).sqrt();
+        }
+        if !now.at_last_barrier && self.reduce_barrier(promised) {
+            self.decrement = f64::INFINITY;
+            let peaks = self.peaks(&now.coefficients, 0)?;
+            let barriers = self.objective.cost_mut();
+            let total = barriers.barrier.mu * barriers.rows.count() as f64 * self.horizon;
+            self.set_margins(&peaks, total < LATE * cost);
+        }
+        Ok(())
+    }
+
+    /// Whether a finer quadrature sees another cost. On the way less is asked than when it is `done`.
+    fn is_coarse(&mut self, now: &mut Iterate, done: bool) -> Result<bool> {
+        let exact = self.finer.value(&now.coefficients)?;
+        let error = (exact - now.iteration.cost).abs() / exact.max(SMALLEST_COST);
+        now.finer = [exact, error];
+        let on_the_way = if done { 0.0 } else { ON_THE_WAY };
+        Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
+    }
+
+    /// Whether all rows are within their bounds between the points too.
+    fn is_within(&mut self, now: &mut Iterate) -> Result<bool> {
+        now.violation = 0.0;
+        if self.constrained {
+            let peaks = self.peaks(&now.coefficients, 1)?;
+            let equality = self.objective.cost_mut().largest_equality();
+            now.violation = self.largest(&peaks).max(equality);
+        }
+        Ok(now.violation <= self.stage.feasible)
+    }
+
+    /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
+    /// they may be; says whether that is possible.
+    fn mend(&mut self, now: &Iterate) -> Result<bool> {
+        if self.is_priced() && !self.raise_price() {
+            return Ok(false);
+        }
+        let peaks = self.peaks(&now.coefficients, 1)?;
+        self.set_margins(&peaks, true);
+        Ok(true)
+    }
+
+    /// The first barrier, margins and multipliers.
+    fn start(&mut self, candidate: &Candidate) -> Result<()> {
+        self.objective.value(&candidate.path.coefficients)?;
+        let (horizon, times) = (self.horizon, &self.grid.times);
+        let cost = self.objective.cost_mut();
+        let rows = cost.rows.count();
+        let density = cost.cost.max(SMALLEST_COST) / horizon;
+        let [mu, nu] = candidate
+            .barrier
+            .unwrap_or([FIRST_BARRIER / rows as f64, FIRST_PRICE]);
+        cost.barrier = Barrier {
+            mu: mu * density,
+            nu: nu * density,
+        };
+        let known = candidate.multipliers.at(times, rows);
+        match known {
+            Some(known) => {
+                cost.multipliers = known;
+                cost.relax(ROOM);
+                cost.set_barrier(cost.barrier);
+            }
+            None => {
+                cost.relax(ROOM);
+                cost.reset_multipliers();
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the barriers of all rows together are as weak as they have to be in the end.
+    fn is_last_barrier(&mut self, cost: f64) -> bool {
+        let barriers = self.objective.cost_mut();
+        let total = barriers.barrier.mu * barriers.rows.count() as f64 * self.horizon;
+        let weak = total <= 1.01 * self.stage.last_barrier * cost.max(SMALLEST_COST);
+        weak && barriers.largest_relaxation() == 0.0
+    }
+
+    /// A weaker barrier if a step that promised so much leaves little to gain by the next; says whether it is.
+    fn reduce_barrier(&mut self, promised: f64) -> bool {
+        let (horizon, last) = (self.horizon, self.stage.last_barrier);
+        let cost = self.objective.cost_mut();
+        let all = cost.rows.count() as f64 * horizon;
+        let Barrier { mu, nu } = cost.barrier;
+        if promised > BARRIER_DONE * mu * all {
+            return false;
+        }
+        let least = last * cost.cost.max(SMALLEST_COST) / all;
+        if mu <= 1.01 * least {
+            return false;
+        }
+        let mu = (BARRIER_FACTOR * mu).max(least);
+        cost.set_barrier(Barrier { mu, nu });
+        true
+    }
+
+    /// A higher price of an excess, unless it is the highest already.
+    fn raise_price(&mut self) -> bool {
+        let horizon = self.horizon;
+        let cost = self.objective.cost_mut();
+        let Barrier { mu, nu } = cost.barrier;
+        let density = cost.cost.max(SMALLEST_COST) / horizon;
+        let higher = (nu * PRICE_FACTOR).min(LARGEST_PRICE * density);
+        if higher <= nu {
+            return false;
+        }
+        cost.set_barrier(Barrier { mu, nu: higher });
+        true
+    }
+
+    /// Where rows come nearest to their bounds, between the points too.
+    fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
+        let cost = self.objective.cost_mut();
+        self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
+    }
+
+    /// The largest excess, in the unit of its row.
+    fn largest(&mut self, peaks: &[Peak]) -> f64 {
+        let units = &self.objective.cost_mut().rows.units;
+        let excesses = peaks.iter().map(|peak| peak.height * units[peak.row]);
+        excesses.fold(0.0, f64::max)
+    }
+
+    /// Margins from a look between the points.
+    fn set_margins(&mut self, peaks: &[Peak], end: bool) {
+        let cost = self.objective.cost_mut();
+        cost.set_margins(self.grid, peaks, end);
+        cost.set_barrier(cost.barrier);
+    }
+
+    /// Whether a row may be broken because its multiplier is at the price.
+    fn is_priced(&mut self) -> bool {
+        let cost = self.objective.cost_mut();
+        let most = AT_THE_PRICE * cost.barrier.nu;
+        cost.multipliers.iter().any(|z| z.abs() > most)
+    }
+
+    /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
+    fn leave_saddle(&mut self, now: &mut Iterate, direction: &DVector<f64>) -> Result<bool> {
+        let mut trial = now.coefficients.clone();
+        let mut length = LEAVE * now.iteration.cost.max(0.0).sqrt();
+        for _ in 0..20 {
+            for sign in [1.0, -1.0] {
+                let from = &now.coefficients;
+                move_by(&self.objective, from, direction, sign * length, &mut trial);
+                if self.objective.value(&trial)? < now.merit {
+                    now.coefficients = trial;
+                    return Ok(true);
+                }
+            }
+            length *= 0.3;
+        }
+        Ok(false)
+    }
+
+    /// What there is when the search ends.
+    fn leave_in(&mut self, candidate: &mut Candidate, now: Iterate) {
+        let (horizon, times) = (self.horizon, &self.grid.times);
+        if self.constrained {
+            let cost = self.objective.cost_mut();
+            let density = cost.cost.max(SMALLEST_COST) / horizon;
+            candidate.barrier = Some([cost.barrier.mu / density, cost.barrier.nu / density]);
+            candidate.multipliers = Multipliers {
+                times: times.clone(),
+                values: cost.multipliers.clone(),
+            };
+        }
+        candidate.path.coefficients = now.coefficients;
+        candidate.gradient_norm = now.iteration.gradient_norm;
+        [candidate.cost, candidate.quadrature_error] = now.finer;
+    }
+}
+
+impl Iterate {
+    fn new(coefficients: DMatrix<f64>) -> Self {
+        Self {
+            coefficients,
+            merit: f64::NAN,
+            iteration: Iteration {
+                degree: 0,
+                points: 0,
+                cost: f64::NAN,
+                gradient_norm: f64::INFINITY,
+                damping: 0.0,
+                step: 0.0,
+                factorisations: 0,
+            },
+            at_last_barrier: false,
+            finer: [f64::NAN; 2],
+            violation: f64::NAN,
+        }
+    }
+}

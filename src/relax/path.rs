@@ -1,0 +1,155 @@
+//! A curve in a basis.
+
+use super::tuning::START_SIZES;
+use crate::curve::{Basis, Chebyshev, Curve};
+use crate::error::Result;
+use crate::motion::Problem;
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A curve in a basis.
+#[derive(Clone, Debug)]
+pub(crate) struct Path {
+    pub basis: Basis,
+    /// `N` by [`Basis::count`].
+    pub coefficients: DMatrix<f64>,
+}
+
+impl Path {
+    /// The cubic that takes `q` from the start to the goal with the velocities of the problem.
+    pub fn line(problem: &Problem<'_>, basis: Basis) -> Self {
+        let (n, horizon) = (problem.model().dof(), problem.horizon());
+        let cubic = Basis::new(1, 3, false);
+        let mut coefficients = DMatrix::zeros(n, 4);
+        for (at, state) in [(0, problem.start()), (2, problem.goal())] {
+            let (q, v) = state.split_at(n);
+            coefficients.column_mut(at).copy_from_slice(v);
+            coefficients.column_mut(at).scale_mut(horizon);
+            coefficients.column_mut(at + 1).copy_from_slice(q);
+        }
+        let cubic = Self {
+            basis: cubic,
+            coefficients,
+        };
+        cubic.in_basis(basis)
+    }
+
+    /// The same curve, or the nearest there is, in another basis.
+    pub fn in_basis(&self, basis: Basis) -> Self {
+        let dof = self.coefficients.nrows();
+        let coefficients = basis.fit(dof, |time| self.basis.evaluate(&self.coefficients, time));
+        Self {
+            basis,
+            coefficients,
+        }
+    }
+
+    /// The start of this number: this curve, or the same with bends, of several sizes in turn.
+    pub fn start(&self, amplitude: f64, number: u64) -> Self {
+        if number == 0 {
+            return self.clone();
+        }
+        let size = START_SIZES[number as usize % START_SIZES.len()];
+        self.bent(amplitude * size, number)
+    }
+
+    /// The same with bends: each joint is moved by random multiples, up to `size` for the longest, of the bubbles.
+    pub fn bent(&self, size: f64, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut bent = self.clone();
+        let times = (0..=64).map(|i| i as f64 / 32.0 - 1.0);
+        let tables: Vec<_> = times.map(|s| self.basis.local(s)).collect();
+        for k in 2..self.basis.degree() - 1 {
+            let heights = tables.iter().map(|table| table[(0, k)].abs());
+            let height = heights.fold(0.0, f64::max);
+            for j in 0..bent.coefficients.nrows() {
+                let share: f64 = rng.random_range(-1.0..1.0);
+                bent.coefficients[(j, k)] += size * share / ((k - 1) as f64 * height);
+            }
+        }
+        bent
+    }
+
+    /// The rates at which the coefficients change with the horizon: the slopes that the boundary velocities fix.
+    pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
+        let (n, count) = self.coefficients.shape();
+        let mut rates = DMatrix::zeros(n, count);
+        rates.column_mut(0).copy_from_slice(&problem.start()[n..]);
+        if !self.basis.free_final_velocity() {
+            let last = count - 2;
+            rates.column_mut(last).copy_from_slice(&problem.goal()[n..]);
+        }
+        rates
+    }
+
+    /// The same shape between the ends of a problem, on its horizon.
+    pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
+        let (n, last) = self.coefficients.shape();
+        let slopes = self.rates(problem) * problem.horizon();
+        let fixed = 1 + usize::from(!self.basis.free_final_velocity());
+        for column in [0, last - 2].into_iter().take(fixed) {
+            self.coefficients.set_column(column, &slopes.column(column));
+        }
+        for (column, state) in [(1, problem.start()), (last - 1, problem.goal())] {
+            let mut q = self.coefficients.column_mut(column);
+            q.copy_from_slice(&state[..n]);
+        }
+        self
+    }
+}
+
+/// The polynomials through Chebyshev nodes that are the same curve, with $v = \dot q$.
+pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
+    let (n, horizon) = (problem.model().dof(), problem.horizon());
+    let (segments, p) = (path.basis.segments(), path.basis.degree());
+    let chebyshev = Chebyshev::new(p, 1.0)?;
+    let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
+    for e in 0..segments {
+        for (node, time) in chebyshev.times().iter().enumerate() {
+            // Where two segments meet this is the same number for both, and so is the state.
+            let time = (e as f64 + time) / segments as f64;
+            let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
+            let column = e * (p + 1) + node;
+            x.view_mut((0, column), (n, 1)).copy_from(&q);
+            x.view_mut((n, column), (n, 1))
+                .copy_from(&(slope / horizon));
+        }
+    }
+    let last = x.ncols() - 1;
+    x.column_mut(0).copy_from_slice(problem.start());
+    // The velocity at the end may be free, and is then the slope that was found.
+    let given = if path.basis.free_final_velocity() {
+        n
+    } else {
+        2 * n
+    };
+    x.column_mut(last)
+        .rows_mut(0, given)
+        .copy_from_slice(&problem.goal()[..given]);
+    Curve::piecewise(horizon, segments, x)
+}
+
+/// The configuration of a curve in a basis.
+pub(super) fn path_of(curve: &Curve, basis: Basis) -> Path {
+    let (n, chebyshev) = (curve.dof(), curve.chebyshev());
+    let horizon = curve.horizon();
+    let d2 = chebyshev.d2().transpose();
+    let second: Vec<_> = (0..curve.segments())
+        .map(|e| curve.segment(e) * &d2)
+        .collect();
+    let mut weights = DVector::zeros(chebyshev.degree() + 1);
+    let coefficients = basis.fit(n, |time| {
+        let time = time * horizon;
+        let part = curve.segment_at(time);
+        let (x, xdot) = curve.at_in(part, time);
+        chebyshev.interpolation(time - curve.breakpoints()[part], &mut weights);
+        let a = second[part].rows(0, n) * &weights;
+        let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
+        [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]
+    });
+    Path {
+        basis,
+        coefficients,
+    }
+}

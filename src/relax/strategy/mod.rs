@@ -1,0 +1,13 @@
+//! From several starts at a low degree to the best curve at a high one.
+
+mod degree;
+mod horizon;
+mod multistart;
+
+pub use degree::DegreeRefinement;
+pub(super) use degree::refine;
+pub use horizon::FreeHorizon;
+pub(crate) use horizon::horizon_slope;
+pub(super) use horizon::{Tried, search};
+pub use multistart::LocalMinimum;
+pub(super) use multistart::multistart;

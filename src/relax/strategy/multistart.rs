@@ -1,0 +1,164 @@
+//! Several starts, each from the lowest degree to the highest as long as it is worth it.
+
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::relax::interior_point::{Candidate, Context, minimise};
+use crate::relax::settings::Rung;
+use crate::relax::tuning::{HOPELESS, MOST_STARTS, SAME_MINIMUM, WAVE};
+use crate::relax::{CostWithControl, Iteration, Path, RelaxSettings};
+use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{ScopedJoinHandle, scope};
+use std::time::Instant;
+
+/// A minimum that starts led to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LocalMinimum {
+    /// The integral of the running cost.
+    pub cost: f64,
+    /// How many starts led to it.
+    pub starts: usize,
+}
+
+/// What the starts led to.
+pub(in crate::relax) struct Outcome {
+    pub best: Candidate,
+    /// The costs at the lowest degree, in the order of the starts.
+    pub first_costs: Vec<f64>,
+    /// The minima that were found, by cost.
+    pub minima: Vec<LocalMinimum>,
+}
+
+/// Goes up the rungs from as many starts as are asked for, and from more while none of them ends as it should.
+///
+/// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
+/// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
+/// on any number of cores, and the best of more is never worse.
+pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    settings: &RelaxSettings,
+    rungs: &[Rung],
+    log: &mut dyn FnMut(Iteration),
+) -> Result<Outcome> {
+    let began = Instant::now();
+    let line = Path::line(context.problem, rungs[0].basis.clone());
+    let mut least = vec![f64::INFINITY; rungs.len()];
+    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
+    let mut next = 0;
+    loop {
+        let wanted = if next < settings.num_starts {
+            settings.num_starts
+        } else {
+            MOST_STARTS.max(settings.num_starts)
+        };
+        let found_before = ends.iter().any(|end| end.converged);
+        let wave = next..wanted.min(next + WAVE);
+        next = wave.end;
+        let start = |i| Candidate::new(line.start(settings.start_amplitude, i as u64));
+        let mut climbing: Vec<Candidate> = wave.map(start).collect();
+        for (level, rung) in rungs.iter().enumerate() {
+            let found = side_by_side(climbing, settings.threads, |mut candidate| {
+                candidate.path = candidate.path.in_basis(rung.basis.clone());
+                let mut iterations = Vec::new();
+                let found = minimise(context, candidate, rung.stage, &mut |i| iterations.push(i))?;
+                Ok((found, iterations))
+            });
+            climbing = Vec::new();
+            for found in found {
+                let (candidate, iterations) = found?;
+                iterations.into_iter().for_each(&mut *log);
+                if level == 0 {
+                    first_costs.push(candidate.cost);
+                }
+                let most = least[level] + HOPELESS * least[level].abs();
+                let inside = candidate.violation <= rung.stage.feasible;
+                if inside {
+                    least[level] = least[level].min(candidate.cost);
+                }
+                if candidate.cost <= most || !found_before {
+                    climbing.push(candidate);
+                }
+            }
+        }
+        ends.append(&mut climbing);
+        let found = ends.iter().any(|end| end.converged);
+        let late = settings
+            .time_limit
+            .is_some_and(|limit| began.elapsed() >= limit);
+        let more = match settings.time_limit {
+            Some(_) => true,
+            None => next < settings.num_starts || (!found && next < MOST_STARTS),
+        };
+        if late || !more {
+            break;
+        }
+    }
+    ends.sort_by(|a, b| {
+        rank(a)
+            .partial_cmp(&rank(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let minima = minima_of(&ends);
+    Ok(Outcome {
+        best: ends.swap_remove(0),
+        first_costs,
+        minima,
+    })
+}
+
+/// What the better of two candidates is less in: those that ended as they should come first, by their cost, then the others by
+/// their violation.
+fn rank(candidate: &Candidate) -> (bool, f64, f64) {
+    if candidate.converged {
+        (false, 0.0, candidate.cost)
+    } else {
+        (true, candidate.violation, candidate.cost)
+    }
+}
+
+/// The minima among candidates that are sorted.
+fn minima_of(ends: &[Candidate]) -> Vec<LocalMinimum> {
+    let mut minima: Vec<LocalMinimum> = Vec::new();
+    for end in ends.iter().filter(|end| end.converged) {
+        match minima.last_mut() {
+            Some(last) if end.cost - last.cost <= SAME_MINIMUM * last.cost.abs() => {
+                last.starts += 1
+            }
+            _ => minima.push(LocalMinimum {
+                cost: end.cost,
+                starts: 1,
+            }),
+        }
+    }
+    minima
+}
+
+/// What `work` makes of each item, on several threads, in the order of the items.
+fn side_by_side<T: Send, R: Send>(
+    items: Vec<T>,
+    threads: usize,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    let threads = threads.min(items.len());
+    if threads <= 1 {
+        return items.into_iter().map(work).collect();
+    }
+    let queue = Mutex::new(items.into_iter().enumerate());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let worker = || {
+        let mut own = Vec::new();
+        while let Some((i, item)) = next() {
+            own.push((i, work(item)));
+        }
+        own
+    };
+    let mut all: Vec<(usize, R)> = scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        let joined = workers.into_iter().map(ScopedJoinHandle::join);
+        joined
+            .flat_map(|own| own.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    all.sort_by_key(|(i, _)| *i);
+    all.into_iter().map(|(_, found)| found).collect()
+}

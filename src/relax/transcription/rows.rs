@@ -1,0 +1,138 @@
+//! The rows of constraints at the points of a curve.
+
+use super::point_cost::{LANES, Wide};
+use super::{CostWithControl, Point, Points};
+use crate::constraint::{Constraint, Constraints, Evaluator, WeightedDerivatives, Weights};
+use crate::error::Result;
+use crate::model::Model;
+use nalgebra::DMatrix;
+
+/// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
+#[derive(Clone, Debug)]
+pub(in crate::relax) struct Rows<'a, K, P> {
+    pub constraints: &'a Constraints<K>,
+    /// The running cost.
+    pub cost: P,
+    /// The controls at the points.
+    controls: DMatrix<f64>,
+    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    /// $[q; v; a]$ and the rows of the state at the points that are side by side.
+    z: Vec<Wide<f64>>,
+    wide: Vec<Wide<f64>>,
+    /// For one point alone.
+    single: Evaluator<'a, f64, f64>,
+    x: Vec<f64>,
+    /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
+    pub scales: Vec<f64>,
+    /// Whether a row is an equality.
+    pub equalities: Vec<bool>,
+    /// One of the multiplied row in rad, rad/s, m, N m or N.
+    pub units: Vec<f64>,
+}
+
+impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
+    pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
+        let Constraints { state, torque } = constraints;
+        if torque.dim() > 0 {
+            torque.check(model)?;
+        }
+        let n = model.dof();
+        let mut scales = constraints.row_scales();
+        let mut units = vec![1.0; scales.len()];
+        // A torque counts relative to its limit; that of a passive joint in its own unit.
+        let limits = torque.rows().map(|(_, limit, _)| limit);
+        for (row, limit) in (state.dim()..)
+            .zip(limits)
+            .filter(|(_, limit)| *limit > 0.0)
+        {
+            (scales[row], units[row]) = (limit, limit);
+        }
+        let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
+        Ok(Self {
+            constraints,
+            cost,
+            controls: DMatrix::zeros(n, 0),
+            evaluator: Evaluator::new(model),
+            z: vec![Wide::splat(0.0); 3 * n],
+            wide: vec![Wide::splat(0.0); state.dim()],
+            single: Evaluator::new(model),
+            x: vec![0.0; 2 * n],
+            units,
+            equalities: equalities.collect(),
+            scales: scales.into_iter().map(f64::recip).collect(),
+        })
+    }
+
+    pub fn count(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// All rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
+        self.of_state(points, h)?;
+        let Constraints { state, torque } = self.constraints;
+        if torque.dim() == 0 {
+            return self.cost.values(points, costs);
+        }
+        let (states, count) = (state.dim(), self.count());
+        if self.controls.ncols() < points.count() {
+            self.controls = DMatrix::zeros(points.states.nrows(), points.count());
+        }
+        self.cost
+            .values_with_control(points, costs, &mut self.controls)?;
+        for (h, u) in h.chunks_exact_mut(count).zip(self.controls.column_iter()) {
+            let h = &mut h[states..];
+            torque.value(u.as_slice(), h)?;
+            for (h, scale) in h.iter_mut().zip(&self.scales[states..]) {
+                *h *= scale;
+            }
+        }
+        Ok(())
+    }
+
+    /// The same without the running cost, which is not computed where only the state has constraints.
+    pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        if self.constraints.torque.dim() > 0 {
+            self.at(points, h, &mut vec![0.0; points.count()])
+        } else {
+            self.of_state(points, h)
+        }
+    }
+
+    /// The rows of the state alone; those of the control are left as they are.
+    pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        let (states, count) = (self.constraints.state.dim(), self.count());
+        if states == 0 {
+            return Ok(());
+        }
+        let own = 2 * points.states.nrows();
+        for start in (0..points.count()).step_by(LANES) {
+            let found = points.gather(start, &mut self.z);
+            let placed = self.evaluator.at(&self.z[..own])?;
+            placed.value(&self.constraints.state, &mut self.wide)?;
+            for lane in 0..found {
+                let first = (start + lane) * count;
+                let h = &mut h[first..first + states];
+                for ((h, wide), scale) in h.iter_mut().zip(&self.wide).zip(&self.scales) {
+                    *h = wide.0[lane] * scale;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The weighted derivatives of the rows of the state at a point.
+    pub fn weighted_derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        weights: Weights<'_, f64>,
+        take: impl FnOnce(&WeightedDerivatives<f64>),
+    ) -> Result<()> {
+        let n = point.q.len();
+        self.x[..n].copy_from_slice(point.q);
+        self.x[n..].copy_from_slice(point.v);
+        let mut placed = self.single.at(&self.x)?;
+        take(placed.weighted_derivatives(&self.constraints.state, weights)?);
+        Ok(())
+    }
+}
