@@ -48,6 +48,22 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
     }
 }
 
+impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
+    /// As [`Placed::weighted_derivatives`] at the state `x`, for as long as the evaluator lives.
+    ///
+    /// # Errors
+    /// As [`Evaluator::at`] and [`Placed::weighted_derivatives`].
+    pub(crate) fn weighted_derivatives_at<K: Constraint<C> + ?Sized>(
+        &mut self,
+        x: &[S],
+        constraint: &K,
+        weights: Weights<'_, S>,
+    ) -> Result<&WeightedDerivatives<S>> {
+        self.at(x)?.weighted_derivatives(constraint, weights)?;
+        Ok(&self.contraction)
+    }
+}
+
 /// Bodies placed at a state, for any number of constraints.
 #[derive(Debug)]
 pub struct Placed<'a, C: Scalar, S: Scalar> {

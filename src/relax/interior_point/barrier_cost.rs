@@ -4,7 +4,7 @@ use super::barrier::Barrier;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::transcription::{Grid, Peak, Rows, alone};
+use crate::relax::transcription::{Grid, LANES, Peak, Rows, Wide, alone};
 use crate::relax::tuning::{RESERVE, ROOM, SMALLEST_RELAXATION, TO_THE_WALL};
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
@@ -104,8 +104,10 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(in crate::relax) cost: f64,
     /// Weights of the points of a segment.
     weights: Vec<f64>,
-    slopes: Vec<f64>,
-    curvatures: Vec<f64>,
+    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by side.
+    slopes: Vec<Wide<f64>>,
+    curvatures: Vec<Wide<f64>>,
+    weighted: Vec<Wide<f64>>,
     own_costs: Vec<f64>,
     /// A number for each row at each point.
     scratch: Vec<f64>,
@@ -140,7 +142,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         weights: Vec<f64>,
         collocated: usize,
     ) -> Self {
-        let zeros = vec![0.0; rows.count()];
+        let zeros = vec![Wide::splat(0.0); rows.count()];
         let all = vec![0.0; rows.count() * points];
         let kinds = kinds(&rows.equalities, points, weights.len(), collocated);
         let of_kind = |kind: &Kind| {
@@ -164,7 +166,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             cost: 0.0,
             weights,
             slopes: zeros.clone(),
-            curvatures: zeros,
+            curvatures: zeros.clone(),
+            weighted: zeros,
             own_costs: Vec::new(),
         }
     }
@@ -436,8 +439,8 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         out.costs.copy_from_slice(&costs);
         self.own_costs = costs;
         if states > 0 {
-            for g in 0..points.count() {
-                self.add_state(points.point(g), g, out)?;
+            for start in (0..points.count()).step_by(LANES) {
+                self.add_state(points, start, out)?;
             }
         }
         Ok(())
@@ -445,45 +448,45 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
 }
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
-    /// Adds the derivatives that the barriers of the rows of the state have at point `g`.
+    /// Adds the derivatives that the barriers of the rows of the state have at the points from `start` on, side by side.
     fn add_state(
         &mut self,
-        point: Point<'_, f64>,
-        g: usize,
+        points: Points<'_, f64>,
+        start: usize,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
-        let n = point.q.len();
-        let (states, first) = (
-            self.rows.constraints.state.dim(),
-            point.index * self.rows.count(),
-        );
-        let mut multipliers = vec![0.0; states];
+        let n = points.states.nrows();
+        let found = LANES.min(points.count() - start);
+        let (states, count) = (self.rows.constraints.state.dim(), self.rows.count());
         let barrier = self.barrier;
         for j in 0..states {
-            let (h, z) = (self.h[first + j], self.multipliers[first + j]);
             let scale = self.rows.scales[j];
-            let kind = self.kinds[first + j];
-            let c = barrier.curvature(h, z, kind);
-            let push = c * self.relaxations[first + j];
-            self.slopes[j] = (barrier.multiplier(h, kind) + push) * scale;
-            self.curvatures[j] = c * scale * scale;
-            multipliers[j] = z * scale;
+            for lane in 0..LANES {
+                let at = (points.first + start + lane.min(found - 1)) * count + j;
+                let (h, z, kind) = (self.h[at], self.multipliers[at], self.kinds[at]);
+                let c = barrier.curvature(h, z, kind);
+                let push = c * self.relaxations[at];
+                self.slopes[j].0[lane] = (barrier.multiplier(h, kind) + push) * scale;
+                self.curvatures[j].0[lane] = c * scale * scale;
+                self.weighted[j].0[lane] = z * scale;
+            }
         }
         let gradient = Weights {
             first_order: &self.slopes[..states],
             gauss_newton: None,
         };
-        self.rows.weighted_derivatives(point, gradient, |pull| {
-            for (x, part) in [(0, 0), (1, n)] {
-                let mut gradient = out.gradients.column_mut(3 * g + x);
-                gradient += pull.gradient().rows(part, n);
+        let pull = self.rows.weighted_derivatives(points, start, gradient)?;
+        for (i, slope) in pull.gradient().iter().enumerate() {
+            for lane in 0..found {
+                out.gradients[(i % n, 3 * (start + lane) + i / n)] += slope.0[lane];
             }
-        })?;
+        }
         let hessian = Weights {
-            first_order: &multipliers,
+            first_order: &self.weighted[..states],
             gauss_newton: Some(&self.curvatures[..states]),
         };
-        self.rows
-            .weighted_derivatives(point, hessian, |pull| out.hessians.add(g, pull.hessian()))
+        let pull = self.rows.weighted_derivatives(points, start, hessian)?;
+        out.hessians.add(start, pull.hessian());
+        Ok(())
     }
 }

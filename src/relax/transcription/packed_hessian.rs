@@ -99,20 +99,50 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
+    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to those of `W` points from `start` on.
+    pub(in crate::relax) fn add<const W: usize>(
+        &mut self,
+        start: usize,
+        matrix: &DMatrix<Lanes<S, W>>,
+    ) {
+        fn add<S: Scalar, const W: usize>(to: &mut [S], from: Lanes<S, W>) {
+            for (to, from) in to.iter_mut().zip(from.0) {
+                *to += from;
+            }
+        }
+        let n = self.dof;
+        let columns = self.symmetric.as_mut_slice();
+        let mut sums = columns.chunks_exact_mut(6 * self.room);
+        let columns = self.antisymmetric.as_mut_slice();
+        let mut differences = columns.chunks_exact_mut(3 * self.room);
+        for j in 0..n {
+            for i in j..n {
+                let Some(sum) = sums.next() else {
+                    return;
+                };
+                for x in 0..2 {
+                    let row = index(x, x) * self.room + start;
+                    add(&mut sum[row..], matrix[(x * n + i, x * n + j)]);
+                }
+                let (here, mirrored) = (matrix[(i, n + j)], matrix[(j, n + i)]);
+                let row = index(0, 1) * self.room + start;
+                add(&mut sum[row..], here + mirrored);
+                if i > j
+                    && let Some(difference) = differences.next()
+                {
+                    let row = row - 3 * self.room;
+                    add(&mut difference[row..], here - mirrored);
+                }
+            }
+        }
+    }
+
     /// Makes the matrix of point `g` this one.
     pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
         let n = self.dof;
         for (x, y) in BLOCKS {
             self.put([x, y], g, |i, j| Lanes([matrix[(x * n + i, y * n + j)]]));
         }
-    }
-
-    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to that of point `g`.
-    pub fn add(&mut self, g: usize, matrix: &DMatrix<S>) {
-        let mut sum = self.get(g);
-        let mut part = sum.view_mut((0, 0), matrix.shape());
-        part += matrix;
-        self.set(g, &sum);
     }
 
     /// The matrix of point `g`.

@@ -70,9 +70,9 @@ impl<'a, S: Scalar> Points<'a, S> {
 }
 
 /// How many points go through the dynamics side by side.
-pub(super) const LANES: usize = 4;
+pub(in crate::relax) const LANES: usize = 4;
 /// The same number at that many points.
-pub(super) type Wide<S> = Lanes<S, LANES>;
+pub(in crate::relax) type Wide<S> = Lanes<S, LANES>;
 
 impl<S: Scalar> Points<'_, S> {
     /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; says how many there are.

@@ -1,7 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
 use super::point_cost::{LANES, Wide};
-use super::{CostWithControl, Point, Points};
+use super::{CostWithControl, Points};
 use crate::constraint::{Constraint, Constraints, Evaluator, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::model::Model;
@@ -19,9 +19,6 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at the points that are side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
-    /// For one point alone.
-    single: Evaluator<'a, f64, f64>,
-    x: Vec<f64>,
     /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
     pub scales: Vec<f64>,
     /// Whether a row is an equality.
@@ -55,8 +52,6 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); state.dim()],
-            single: Evaluator::new(model),
-            x: vec![0.0; 2 * n],
             units,
             equalities: equalities.collect(),
             scales: scales.into_iter().map(f64::recip).collect(),
@@ -121,18 +116,16 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// The weighted derivatives of the rows of the state at a point.
+    /// The weighted derivatives of the rows of the state at the points from `start` on, side by side; says how many these are.
     pub fn weighted_derivatives(
         &mut self,
-        point: Point<'_, f64>,
-        weights: Weights<'_, f64>,
-        take: impl FnOnce(&WeightedDerivatives<f64>),
-    ) -> Result<()> {
-        let n = point.q.len();
-        self.x[..n].copy_from_slice(point.q);
-        self.x[n..].copy_from_slice(point.v);
-        let mut placed = self.single.at(&self.x)?;
-        take(placed.weighted_derivatives(&self.constraints.state, weights)?);
-        Ok(())
+        points: Points<'_, f64>,
+        start: usize,
+        weights: Weights<'_, Wide<f64>>,
+    ) -> Result<&WeightedDerivatives<Wide<f64>>> {
+        points.gather(start, &mut self.z);
+        let own = 2 * points.states.nrows();
+        self.evaluator
+            .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
     }
 }
