@@ -1,6 +1,6 @@
 //! The barrier of a row that may be broken at a price.
 
-use super::barrier_cost::Kind;
+use super::row::Kind;
 
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
 /// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
@@ -21,80 +21,83 @@ pub struct Barrier {
 
 /// What a multiplier may be apart from the one that belongs to a row, in either direction.
 const APART: f64 = 1e4;
+/// The part of the range of a multiplier that it keeps from the end that it is far from.
+const INSIDE: f64 = 1e-6;
+
+/// The slack and the excess that are best for a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    slack: f64,
+    excess: f64,
+    /// $\mu$, and the bounds `a` and `b` of the multipliers.
+    mu: f64,
+    bounds: [f64; 2],
+}
 
 impl Barrier {
-    /// The bounds of the multipliers.
-    fn bounds(&self, kind: Kind) -> [f64; 2] {
-        [
-            if kind == Kind::Inequality {
-                0.0
-            } else {
-                -self.nu
-            },
-            self.nu,
-        ]
-    }
-
-    /// $\hat z - a$ and $b - \hat z$ where `a` and `b` are the bounds of the multipliers.
-    fn distances(&self, h: f64, kind: Kind) -> [f64; 2] {
-        let [a, b] = self.bounds(kind);
-        let (width, mu) = (b - a, self.mu);
+    /// The split of a row of the value `h`; nothing where no row is asked for.
+    pub(super) fn split(&self, h: f64, kind: Kind) -> Option<Split> {
+        let a = match kind {
+            Kind::Inequality => 0.0,
+            Kind::Equality => -self.nu,
+            Kind::Idle => return None,
+        };
+        let (width, mu) = (self.nu - a, self.mu);
         let product = h * width;
         let root = (product * product + 4.0 * mu * mu).sqrt();
         // The root less the product and the root and the product, none of which loses digits.
+        let large = root + product.abs();
+        let small = 4.0 * mu * (mu / large);
         let (less, more) = if product > 0.0 {
-            (4.0 * mu * (mu / (root + product)), root + product)
+            (small, large)
         } else {
-            (root - product, 4.0 * mu * (mu / (root - product)))
+            (large, small)
         };
-        let lower = 2.0 * mu * width / (2.0 * mu + less);
-        let upper = 2.0 * mu * width / (2.0 * mu + more);
-        [lower, upper]
+        let half = 0.5 / width;
+        Some(Split {
+            slack: (2.0 * mu + less) * half,
+            excess: (2.0 * mu + more) * half,
+            mu,
+            bounds: [a, self.nu],
+        })
     }
+}
 
+impl Split {
     /// $\hat z = \psi'(h)$.
-    pub(super) fn multiplier(&self, h: f64, kind: Kind) -> f64 {
-        if kind == Kind::Idle {
-            return 0.0;
+    pub fn multiplier(&self) -> f64 {
+        let [a, b] = self.bounds;
+        if self.slack > self.excess {
+            a + self.mu / self.slack
+        } else {
+            b - self.mu / self.excess
         }
-        let [a, b] = self.bounds(kind);
-        let [lower, upper] = self.distances(h, kind);
-        if lower < upper { a + lower } else { b - upper }
     }
 
-    /// $\psi(h)$.
-    pub(super) fn value(&self, h: f64, kind: Kind) -> f64 {
-        if kind == Kind::Idle {
-            return 0.0;
-        }
-        let [a, b] = self.bounds(kind);
-        let [slack, excess] = self.distances(h, kind).map(|d| self.mu / d);
-        b * excess - a * slack - self.mu * (slack * excess).ln()
+    /// $\psi(h)$ without its logarithms, and what these are of: a product is one logarithm for many rows.
+    pub fn value(&self) -> (f64, f64) {
+        let [a, b] = self.bounds;
+        (b * self.excess - a * self.slack, self.slack * self.excess)
     }
 
     /// The second derivative for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of each term,
     /// $1 / (s / (z - a) + t / (b - z))$. For $z = \hat z$ it is $\psi''(h)$.
-    pub(super) fn curvature(&self, h: f64, z: f64, kind: Kind) -> f64 {
-        if kind == Kind::Idle {
-            return 0.0;
-        }
-        let [a, b] = self.bounds(kind);
-        let [slack, excess] = self.distances(h, kind).map(|d| self.mu / d);
-        (slack / (z - a) + excess / (b - z)).recip()
+    pub fn curvature(&self, z: f64) -> f64 {
+        let [a, b] = self.bounds;
+        let (lower, upper) = (z - a, b - z);
+        lower * upper / (self.slack * upper + self.excess * lower)
     }
 
     /// The multiplier nearest to `z` that is not too far from $\hat z$.
-    pub(super) fn safeguarded(&self, z: f64, h: f64, kind: Kind) -> f64 {
-        if kind == Kind::Idle {
-            return 0.0;
-        }
-        let [a, b] = self.bounds(kind);
-        let [lower, upper] = self.distances(h, kind);
-        let most = 0.5 * (b - a);
-        if lower < upper {
-            a + (z - a).clamp(lower / APART, (lower * APART).min(most))
+    pub fn safeguarded(&self, z: f64) -> f64 {
+        let [a, b] = self.bounds;
+        let width = b - a;
+        if self.slack > self.excess {
+            let lower = self.mu / self.slack;
+            a + (z - a).clamp(lower / APART, (lower * APART).min(0.5 * width))
         } else {
-            b - (b - z).clamp(upper / APART, (1.0 - 1e-6) * (b - a))
+            let upper = self.mu / self.excess;
+            b - (b - z).clamp(upper / APART, (1.0 - INSIDE) * width)
         }
     }
 }

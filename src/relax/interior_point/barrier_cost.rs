@@ -1,77 +1,16 @@
 //! The running cost with the barriers of the rows.
 
 use super::barrier::Barrier;
+use super::row::{Kind, Trial, kinds};
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::transcription::{Grid, LANES, Peak, Rows, Wide, alone};
-use crate::relax::tuning::{RESERVE, ROOM, SMALLEST_RELAXATION, TO_THE_WALL};
+use crate::relax::transcription::{Grid, LANES, Rows, Wide, alone};
+use crate::relax::tuning::{RESERVE, TO_THE_WALL};
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
-
-/// A share of a step from one iterate to another.
-///
-/// Slacks are iterates of their own: along a step they change evenly, from what they were to what the rows leave after the whole of it.
-/// Where a row leaves less than that at the end of the share, the difference is its relaxation; where it leaves more that is taken.
-#[derive(Clone, Debug, Default)]
-struct Trial {
-    /// The rows before the step, and after the whole of it.
-    before: Vec<f64>,
-    whole: Vec<f64>,
-    share: f64,
-    /// The relaxations that the share leads to, and what they cost at the price of an excess.
-    relaxations: Vec<f64>,
-    price: f64,
-}
-
-/// What a row at a point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Inequality,
-    Equality,
-    /// An equality where none is asked for: a polynomial can keep it at no more points of a segment than it has free coefficients.
-    Idle,
-}
-
-/// What the rows are at all points, with as many `collocated` points of each segment as equalities hold at.
-fn kinds(equalities: &[bool], points: usize, per_segment: usize, collocated: usize) -> Vec<Kind> {
-    let collocated = collocated.clamp(1, per_segment);
-    let chosen = (0..collocated).map(|k| (2 * k + 1) * per_segment / (2 * collocated));
-    let chosen: Vec<usize> = chosen.collect();
-    let at_point = |g: usize| {
-        let holds = chosen.contains(&(g % per_segment));
-        equalities
-            .iter()
-            .map(move |equality| match (equality, holds) {
-                (false, _) => Kind::Inequality,
-                (true, true) => Kind::Equality,
-                (true, false) => Kind::Idle,
-            })
-    };
-    (0..points).flat_map(at_point).collect()
-}
-
-impl Trial {
-    /// A row less its relaxation, of what it is with its margin.
-    fn row(&mut self, at: usize, raw: f64) -> f64 {
-        let before = self.before[at];
-        let even = before + self.share * (self.whole[at] - before);
-        let h = if before < 0.0 && even < 0.0 {
-            raw.min(even.max(0.01 * before))
-        } else {
-            raw
-        };
-        let relaxation = raw - h;
-        self.relaxations[at] = if relaxation < SMALLEST_RELAXATION {
-            0.0
-        } else {
-            relaxation
-        };
-        raw - self.relaxations[at]
-    }
-}
 
 /// The running cost $l_0$ and the [`Barrier`] of each row at each point,
 ///
@@ -97,7 +36,7 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     /// A step that is being tried.
     trial: Option<Trial>,
     /// What each row at each point is.
-    kinds: Vec<Kind>,
+    pub(super) kinds: Vec<Kind>,
     /// The rows with their margins where the cost was evaluated last.
     pub(in crate::relax) h: Vec<f64>,
     /// The integral of $l_0$ there.
@@ -110,7 +49,7 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     weighted: Vec<Wide<f64>>,
     own_costs: Vec<f64>,
     /// A number for each row at each point.
-    scratch: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
 }
 
 impl<'a, K: Constraint> BarrierCost<'a, K> {
@@ -172,63 +111,6 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// Margins from a look between the points.
-    ///
-    /// On the way they make the rows at the points of its segment beside a peak as high as the peak. At the `end` they only grow, by twice
-    /// what a peak is too high, so that this comes to an end. No row is nearer to its bound than before: what a margin
-    /// takes is a relaxation, which the next steps take back.
-    pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], end: bool) {
-        let count = self.rows.count();
-        for at in 0..self.h.len() {
-            // Slacks for now, and margins that are found again.
-            self.scratch[at] = -self.h[at];
-            self.h[at] += self.relaxations[at] - self.margins[at];
-            if !end && self.kinds[at] == Kind::Inequality {
-                self.margins[at] = RESERVE;
-            }
-        }
-        for peak in peaks {
-            let after = grid.times.partition_point(|t| *t < peak.time);
-            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
-            for g in [after.wrapping_sub(1), after] {
-                if own.contains(&g) {
-                    let at = g * count + peak.row;
-                    if end {
-                        if peak.height > 0.0 {
-                            self.margins[at] += 2.0 * peak.height + RESERVE;
-                        }
-                    } else {
-                        let beside = RESERVE + peak.height - self.h[at];
-                        self.margins[at] = self.margins[at].max(beside);
-                    }
-                }
-            }
-        }
-        for at in 0..self.h.len() {
-            let h = self.h[at] + self.margins[at];
-            if self.kinds[at] != Kind::Inequality {
-                self.h[at] = h;
-                continue;
-            }
-            let room = self.scratch[at].clamp(0.0, ROOM);
-            self.relaxations[at] = (h + room).max(0.0);
-            self.h[at] = h - self.relaxations[at];
-        }
-    }
-
-    /// Relaxes all rows so that each has so much room, or as much as goes with its multiplier if that is less.
-    pub(super) fn relax(&mut self, room: f64) {
-        for at in 0..self.h.len() {
-            if self.kinds[at] != Kind::Inequality {
-                continue;
-            }
-            let central = self.barrier.mu / self.multipliers[at].max(f64::MIN_POSITIVE);
-            let more = (self.h[at] + room.min(central)).max(0.0);
-            self.relaxations[at] += more;
-            self.h[at] -= more;
-        }
-    }
-
     /// Begins to try a step: the rows are those before it.
     pub(super) fn begin(&mut self) {
         let mut trial = self.trial.take().unwrap_or_default();
@@ -278,9 +160,11 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         let rows = trial.before.iter().zip(&trial.whole).zip(&self.h);
         let rows = rows.zip(&self.kinds);
         for (z, (((before, whole), h), kind)) in self.multipliers.iter_mut().zip(rows) {
-            let slope = barrier.curvature(*before, *z, *kind);
-            let predicted = barrier.multiplier(*before, *kind) + slope * (whole - before);
-            *z = barrier.safeguarded(predicted, *h, *kind);
+            let splits = (barrier.split(*before, *kind), barrier.split(*h, *kind));
+            if let (Some(from), Some(to)) = splits {
+                let predicted = from.multiplier() + from.curvature(*z) * (whole - before);
+                *z = to.safeguarded(predicted);
+            }
         }
         self.relaxations.copy_from_slice(&trial.relaxations);
     }
@@ -315,14 +199,14 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             if *r > 0.0 {
                 let w = self.weights[at / count % self.weights.len()];
                 let before = trial.before[at];
-                let c = self
-                    .barrier
-                    .curvature(before, self.multipliers[at], self.kinds[at]);
+                let Some(split) = self.barrier.split(before, self.kinds[at]) else {
+                    continue;
+                };
                 // What the row itself changed by.
                 let change = trial.whole[at] - before - r;
                 sums[0] += w * self.barrier.nu * r;
-                sums[1] += w * self.barrier.multiplier(before, self.kinds[at]) * r;
-                sums[2] += w * c * r * change;
+                sums[1] += w * split.multiplier() * r;
+                sums[2] += w * split.curvature(self.multipliers[at]) * r * change;
             }
         }
         sums
@@ -331,7 +215,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// Takes the multipliers that the rows ask for.
     pub(super) fn reset_multipliers(&mut self) {
         for (at, h) in self.h.iter().enumerate() {
-            self.multipliers[at] = self.barrier.multiplier(*h, self.kinds[at]);
+            let split = self.barrier.split(*h, self.kinds[at]);
+            self.multipliers[at] = split.map_or(0.0, |split| split.multiplier());
         }
     }
 
@@ -340,7 +225,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.barrier = barrier;
         for (at, h) in self.h.iter().enumerate() {
             let z = self.multipliers[at];
-            self.multipliers[at] = self.barrier.safeguarded(z, *h, self.kinds[at]);
+            let split = self.barrier.split(*h, self.kinds[at]);
+            self.multipliers[at] = split.map_or(0.0, |split| split.safeguarded(z));
         }
     }
 
@@ -354,7 +240,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             self.cost += self.weights[g] * *cost;
             let first = (points.first + g) * count;
             let own = first..first + count;
-            let barrier = self.barrier;
+            let (barrier, mut product) = (self.barrier, 1.0_f64);
             for at in own {
                 let raw = self.h[at] + self.margins[at];
                 let h = match &mut self.trial {
@@ -367,8 +253,18 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     }
                 };
                 self.h[at] = h;
-                *cost += barrier.value(h, self.kinds[at]);
+                if let Some(split) = barrier.split(h, self.kinds[at]) {
+                    let (value, of_logarithm) = split.value();
+                    *cost += value;
+                    product *= of_logarithm;
+                    // Long before it could leave the range of numbers.
+                    if !(1e-150..1e150).contains(&product) {
+                        *cost -= barrier.mu * product.ln();
+                        product = 1.0;
+                    }
+                }
             }
+            *cost -= barrier.mu * product.ln();
         }
     }
 }
@@ -422,10 +318,12 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
                 rows[at] = slope * u[i] - scale * limit;
                 let (r, z, kind) = (relaxations[at], multipliers[at], kinds[at]);
                 let h = rows[at] + margins[at] - r;
-                let c = barrier.curvature(h, z, kind);
-                term.gradient[i] += slope * (barrier.multiplier(h, kind) + c * r);
-                term.curvature_weights[i] += slope * z;
-                term.hessian[i] += slope * slope * c;
+                if let Some(split) = barrier.split(h, kind) {
+                    let c = split.curvature(z);
+                    term.gradient[i] += slope * (split.multiplier() + c * r);
+                    term.curvature_weights[i] += slope * z;
+                    term.hessian[i] += slope * slope * c;
+                }
                 at += 1;
             }
             torque.dim() > 0
@@ -464,9 +362,11 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
             for lane in 0..LANES {
                 let at = (points.first + start + lane.min(found - 1)) * count + j;
                 let (h, z, kind) = (self.h[at], self.multipliers[at], self.kinds[at]);
-                let c = barrier.curvature(h, z, kind);
+                let split = barrier.split(h, kind);
+                let (multiplier, c) =
+                    split.map_or((0.0, 0.0), |split| (split.multiplier(), split.curvature(z)));
                 let push = c * self.relaxations[at];
-                self.slopes[j].0[lane] = (barrier.multiplier(h, kind) + push) * scale;
+                self.slopes[j].0[lane] = (multiplier + push) * scale;
                 self.curvatures[j].0[lane] = c * scale * scale;
                 self.weighted[j].0[lane] = z * scale;
             }

@@ -17,7 +17,10 @@
 mod barrier;
 mod barrier_cost;
 mod candidate;
+mod iterate;
+mod margins;
 mod newton;
+mod row;
 mod search;
 mod trust_region;
 

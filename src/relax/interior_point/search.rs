@@ -2,6 +2,7 @@
 
 use super::barrier::Barrier;
 use super::barrier_cost::BarrierCost;
+use super::iterate::Iterate;
 use super::newton::{Merit, Newton, move_by};
 use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
@@ -90,19 +91,6 @@ pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
         decrement: f64::INFINITY,
     }
     .run(candidate, observe)
-}
-
-/// Where a search stands: the derivatives are those of `coefficients`.
-struct Iterate {
-    coefficients: DMatrix<f64>,
-    /// $\phi$.
-    merit: f64,
-    iteration: Iteration,
-    /// Whether the barriers are as weak as they have to be in the end, and no row is relaxed.
-    at_last_barrier: bool,
-    /// The cost by a finer quadrature when that was asked last, and how far it is from this one.
-    finer: [f64; 2],
-    violation: f64,
 }
 
 impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
@@ -385,26 +373,5 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         candidate.path.coefficients = now.coefficients;
         candidate.gradient_norm = now.iteration.gradient_norm;
         [candidate.cost, candidate.quadrature_error] = now.finer;
-    }
-}
-
-impl Iterate {
-    fn new(coefficients: DMatrix<f64>) -> Self {
-        Self {
-            coefficients,
-            merit: f64::NAN,
-            iteration: Iteration {
-                degree: 0,
-                points: 0,
-                cost: f64::NAN,
-                gradient_norm: f64::INFINITY,
-                damping: 0.0,
-                step: 0.0,
-                factorisations: 0,
-            },
-            at_last_barrier: false,
-            finer: [f64::NAN; 2],
-            violation: f64::NAN,
-        }
     }
 }

@@ -1,0 +1,67 @@
+//! Room between the points: margins of rows, and the relaxations that make up for what a row has not got.
+
+use super::barrier_cost::BarrierCost;
+use super::row::Kind;
+use crate::constraint::Constraint;
+use crate::relax::CostWithControl;
+use crate::relax::transcription::{Grid, Peak};
+use crate::relax::tuning::{RESERVE, ROOM};
+
+impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
+    /// Margins from a look between the points.
+    ///
+    /// On the way they make the rows at the points of its segment beside a peak as high as the peak. At the `end` they only grow, by twice
+    /// what a peak is too high, so that this comes to an end. No row is nearer to its bound than before: what a margin
+    /// takes is a relaxation, which the next steps take back.
+    pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], end: bool) {
+        let count = self.rows.count();
+        for at in 0..self.h.len() {
+            // Slacks for now, and margins that are found again.
+            self.scratch[at] = -self.h[at];
+            self.h[at] += self.relaxations[at] - self.margins[at];
+            if !end && self.kinds[at] == Kind::Inequality {
+                self.margins[at] = RESERVE;
+            }
+        }
+        for peak in peaks {
+            let after = grid.times.partition_point(|t| *t < peak.time);
+            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
+            for g in [after.wrapping_sub(1), after] {
+                if own.contains(&g) {
+                    let at = g * count + peak.row;
+                    if end {
+                        if peak.height > 0.0 {
+                            self.margins[at] += 2.0 * peak.height + RESERVE;
+                        }
+                    } else {
+                        let beside = RESERVE + peak.height - self.h[at];
+                        self.margins[at] = self.margins[at].max(beside);
+                    }
+                }
+            }
+        }
+        for at in 0..self.h.len() {
+            let h = self.h[at] + self.margins[at];
+            if self.kinds[at] != Kind::Inequality {
+                self.h[at] = h;
+                continue;
+            }
+            let room = self.scratch[at].clamp(0.0, ROOM);
+            self.relaxations[at] = (h + room).max(0.0);
+            self.h[at] = h - self.relaxations[at];
+        }
+    }
+
+    /// Relaxes all rows so that each has so much room, or as much as goes with its multiplier if that is less.
+    pub(super) fn relax(&mut self, room: f64) {
+        for at in 0..self.h.len() {
+            if self.kinds[at] != Kind::Inequality {
+                continue;
+            }
+            let central = self.barrier.mu / self.multipliers[at].max(f64::MIN_POSITIVE);
+            let more = (self.h[at] + room.min(central)).max(0.0);
+            self.relaxations[at] += more;
+            self.h[at] -= more;
+        }
+    }
+}
