@@ -103,7 +103,7 @@ impl RelaxSettings {
     pub(super) fn rungs(&self, constrained: bool) -> Vec<Rung> {
         let lower = Stage {
             tolerance: 0.1,
-            iterations: if constrained { 30 } else { 15 },
+            iterations: if constrained { 30 } else { 12 },
             fresh: if constrained { 5 } else { 1 },
             quadrature_tolerance: if constrained { 0.05 } else { 0.02 },
             last_barrier: 1e-2,
@@ -133,17 +133,21 @@ impl RelaxSettings {
             basis: new(n, self.degree),
             stage: fewer_segments,
         }));
+        // A low degree on one segment is the first rung already.
+        rungs.dedup_by(|b, a| a.basis == b.basis);
+        // Without rows the last digits are for those alone that are among the best without them.
+        let rough = Rung {
+            basis: self.basis(),
+            stage: lower,
+        };
+        if constrained {
+            rungs.retain(|rung| rung.basis != rough.basis);
+        } else if rungs.last().is_none_or(|last| last.basis != rough.basis) {
+            rungs.push(rough);
+        }
         rungs.push(Rung {
             basis: self.basis(),
             stage: self.highest(constrained),
-        });
-        // A low degree on one segment is the first rung already.
-        rungs.dedup_by(|b, a| {
-            let same = a.basis == b.basis;
-            if same {
-                a.stage = b.stage;
-            }
-            same
         });
         rungs
     }

@@ -68,8 +68,9 @@ pub(super) const LARGEST_PRICE: f64 = 1e9;
 pub(super) const START_SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 /// How many starts are worked on side by side.
 pub(super) const WAVE: usize = 8;
-/// Those that cost more than the best one before them by more than this, relative, do not go on.
-pub(super) const HOPELESS: f64 = 0.2;
+/// Those that cost more than the best one before them by more than this, relative, do not go on, by the number of rungs that are left: low
+/// degrees tell little.
+pub(super) const HOPELESS: [f64; 4] = [0.0, 0.02, 0.1, 1.0];
 
 /// How many starts there are at most while none of them ends within the constraints.
 pub(super) const MOST_STARTS: usize = 64;

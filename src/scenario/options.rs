@@ -84,7 +84,10 @@ impl SolveOptions {
     #[must_use]
     pub fn relax_settings(&self, scenario: &Scenario) -> RelaxSettings {
         let default = if scenario.is_free() {
-            RelaxSettings::default()
+            RelaxSettings {
+                num_starts: starts_of(scenario.model.dof()),
+                ..RelaxSettings::default()
+            }
         } else {
             RelaxSettings::constrained()
         };
@@ -135,6 +138,11 @@ impl SolveOptions {
             None => Ok(()),
         }
     }
+}
+
+/// The number of starts for a robot with `dof` joints: as many as take about the same time as 16 for an arm of 7, and at least 4.
+fn starts_of(dof: usize) -> usize {
+    (112 / dof.max(1)).clamp(4, RelaxSettings::default().num_starts)
 }
 
 /// The number of cores.

@@ -41,6 +41,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
     let began = Instant::now();
+    let constrained = context.rows.count() > 0;
     let line = Path::line(context.problem, rungs[0].basis.clone());
     let mut least = vec![f64::INFINITY; rungs.len()];
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
@@ -70,12 +71,14 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
                 if level == 0 {
                     first_costs.push(candidate.cost);
                 }
-                let most = least[level] + HOPELESS * least[level].abs();
+                let left = rungs.len() - 1 - level;
+                let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
+                let most = least[level] + hopeless * least[level].abs();
                 let inside = candidate.violation <= rung.stage.feasible;
                 if inside {
                     least[level] = least[level].min(candidate.cost);
                 }
-                if candidate.cost <= most || !found_before {
+                if candidate.cost <= most || (constrained && !found_before) {
                     climbing.push(candidate);
                 }
             }
