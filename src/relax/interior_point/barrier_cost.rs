@@ -308,8 +308,8 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         let (rows, margins, kinds) = (&mut self.h, &self.margins, &self.kinds);
         let scales = self.rows.scales.clone();
         let mut term = |index: usize, u: &[f64], term: &mut ControlDerivatives<f64>| {
-            let mut at = index * count + states;
-            for ((i, limit, side), scale) in torque.rows().zip(&scales[states..]) {
+            let own = index * count + states..;
+            for (at, ((i, limit, side), scale)) in own.zip(torque.rows().zip(&scales[states..])) {
                 let slope = if side == Some(Side::Lower) {
                     -scale
                 } else {
@@ -324,7 +324,6 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
                     term.curvature_weights[i] += slope * z;
                     term.hessian[i] += slope * slope * c;
                 }
-                at += 1;
             }
             torque.dim() > 0
         };
