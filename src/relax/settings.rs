@@ -75,6 +75,7 @@ impl RelaxSettings {
         Self {
             tolerance: 1e-6,
             num_starts: 1,
+            start_amplitude: 1.0,
             ..Self::default()
         }
     }

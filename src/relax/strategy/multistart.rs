@@ -4,7 +4,7 @@ use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
-use crate::relax::tuning::{HOPELESS, MOST_STARTS, SAME_MINIMUM, WAVE};
+use crate::relax::tuning::{HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, WAVE};
 use crate::relax::{CostWithControl, Iteration, Path, RelaxSettings};
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
@@ -47,13 +47,13 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
     let mut next = 0;
     loop {
-        let wanted = if next < settings.num_starts {
-            settings.num_starts
-        } else {
-            MOST_STARTS.max(settings.num_starts)
-        };
         let found_before = ends.iter().any(|end| end.converged);
-        let wave = next..wanted.min(next + WAVE);
+        // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
+        let wave = match settings.time_limit {
+            _ if next < settings.num_starts => next..settings.num_starts.min(next + WAVE),
+            Some(_) => next..next + WAVE,
+            None => next..next + MORE_STARTS,
+        };
         next = wave.end;
         let start = |i| Candidate::new(line.start(settings.start_amplitude, i as u64));
         let mut climbing: Vec<Candidate> = wave.map(start).collect();
