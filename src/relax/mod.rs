@@ -3,6 +3,20 @@
 //! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
 //! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
+//!
+//! [`Relaxation::solve`] is the whole algorithm:
+//!
+//! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are minimised at a low degree.
+//!    Those that cost hardly more than the best before them go on to the next degree, from where they ended, and so on up to the degree
+//!    and the segments of the settings. While none of them ends within the constraints there are more.
+//! 2. `interior_point`: one minimisation. Rows of constraints at the points of the quadrature become barriers that are finite
+//!    everywhere, a trust region with the exact Hessian does the rest, and a dense look finds what rows do between the points. Without
+//!    rows it is Newton's method.
+//! 3. `strategy/degree.rs`: higher degrees until the cost settles, if that is asked for.
+//! 4. `strategy/horizon.rs`: a horizon at which the cost is stationary, if that is free.
+//!
+//! `transcription` makes integrals and their derivatives of running costs and rows; `running_cost` has costs of one's own; `tuning.rs` has every
+//! constant.
 
 mod interior_point;
 mod path;
@@ -40,7 +54,18 @@ static NONE: Constraints<()> = Constraints {
     torque: TorqueLimits(Vec::new()),
 };
 
-/// A relaxation that is being put together.
+/// A problem with a running cost, constraints and settings, to be solved.
+///
+/// ```
+/// use aghf::motion::Problem;
+/// use aghf::relax::{RelaxSettings, Relaxation};
+/// let (model, _) = aghf::urdf::builtin_robot("pendulum_2").ok_or("built in")?.map_err(|e| e.to_string())?;
+/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0).map_err(|e| e.to_string())?;
+/// let settings = RelaxSettings { degree: 9, ..RelaxSettings::default() };
+/// let solution = Relaxation::new(&problem).settings(settings).solve().map_err(|e| e.to_string())?;
+/// assert!(solution.converged);
+/// # Ok::<(), String>(())
+/// ```
 pub struct Relaxation<'a, K, P> {
     problem: &'a Problem<'a>,
     constraints: &'a Constraints<K>,
