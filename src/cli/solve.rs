@@ -40,7 +40,7 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax: how many starts to try [default: 16 up to 7 joints and fewer beyond; within constraints 1, and more until one ends within them].
+    /// Of relax: how many starts to try [default: 16 up to 7 joints and fewer beyond, 1 within limits of the joints; more while none ends within the constraints].
     #[arg(long)]
     starts: Option<usize>,
     /// Of relax: try starts for so long, s, and keep the best. Of flow: stop after that, as a failure.

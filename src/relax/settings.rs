@@ -1,7 +1,7 @@
 //! What can be asked of the relaxation, and what it says.
 
 use super::interior_point::Stage;
-use super::tuning::{CONSTRAINED_STEPS, LAST_BARRIER, LOWEST_DEGREE};
+use super::tuning::{LAST_BARRIER, LOWEST_DEGREE};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result};
@@ -84,11 +84,7 @@ impl RelaxSettings {
     pub(super) fn highest(&self, constrained: bool) -> Stage {
         Stage {
             tolerance: self.tolerance,
-            iterations: if constrained {
-                self.iterations.min(CONSTRAINED_STEPS)
-            } else {
-                self.iterations
-            },
+            iterations: self.iterations,
             fresh: if constrained { 10 } else { 60 },
             quadrature_tolerance: self.quadrature_tolerance,
             last_barrier: LAST_BARRIER,

@@ -76,8 +76,8 @@ pub(super) const HOPELESS: [f64; 4] = [0.0, 0.02, 0.1, 1.0];
 pub(super) const MORE_STARTS: usize = 2;
 /// How many starts there are at most while none of them ends within the constraints.
 pub(super) const MOST_STARTS: usize = 64;
-/// The most steps within constraints at the highest degree: another start is worth more than many steps from one.
-pub(super) const CONSTRAINED_STEPS: usize = 100;
+/// The most steps while rows are relaxed: another start is worth more than many steps from one.
+pub(super) const CONSTRAINED_STEPS: usize = 150;
 /// The lowest degree without and with rows: within limits a polynomial of a lower degree often finds no room.
 pub(super) const LOWEST_DEGREE: [usize; 2] = [6, 9];
 /// The costs of two minima that are one differ by less than this, relative.

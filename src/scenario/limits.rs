@@ -170,8 +170,13 @@ impl Scenario {
     /// Tells whether there are no constraints.
     #[must_use]
     pub fn is_free(&self) -> bool {
+        self.environment.is_empty() && !self.limits_are_enforced()
+    }
+
+    /// Tells whether any joint has a bound that is enforced.
+    pub(super) fn limits_are_enforced(&self) -> bool {
         let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
-        self.environment.is_empty() && !Limit::OF_JOINTS.into_iter().any(bounded)
+        Limit::OF_JOINTS.into_iter().any(bounded)
     }
 
     /// The constraints on the state: clear of obstacles, within the limits that are enforced.

@@ -83,14 +83,15 @@ impl SolveOptions {
     /// The settings of the relaxation for `scenario`: these options, and its defaults where there are none.
     #[must_use]
     pub fn relax_settings(&self, scenario: &Scenario) -> RelaxSettings {
-        let default = if scenario.is_free() {
-            RelaxSettings {
-                num_starts: starts_of(scenario.model.dof()),
-                ..RelaxSettings::default()
-            }
+        let mut default = if scenario.is_free() {
+            RelaxSettings::default()
         } else {
             RelaxSettings::constrained()
         };
+        // Limits leave little to choose between; without them there are many minima.
+        if !scenario.limits_are_enforced() {
+            default.num_starts = starts_of(scenario.model.dof());
+        }
         RelaxSettings {
             degree: self.degree.unwrap_or(default.degree),
             segments: self.segments.unwrap_or(default.segments),

@@ -9,9 +9,9 @@ use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR,
-    LARGEST_PRICE, LATE, LEAVE, LOOK, MOST_POINTS, ON_THE_WAY, PRICE_FACTOR, ROOM, SCAN,
-    SMALLEST_COST,
+    AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, CONSTRAINED_STEPS, FINE, FIRST_BARRIER,
+    FIRST_PRICE, FLOOR, LARGEST_PRICE, LATE, LEAVE, LOOK, MOST_POINTS, ON_THE_WAY, PRICE_FACTOR,
+    ROOM, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
@@ -107,7 +107,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         let mut now = Iterate::new(candidate.path.coefficients.clone());
         let (mut steps, mut end) = (0_usize, None);
         while end.is_none() {
-            let out = steps >= stage.iterations;
+            let out = steps >= stage.iterations || self.is_stuck(steps);
             self.evaluate(&mut now, steps, out)?;
             let stationary = now.at_last_barrier && now.iteration.gradient_norm <= stage.tolerance;
             let done = stationary || out;
@@ -193,16 +193,28 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         }
     }
 
+    /// Whether rows are still relaxed after so many steps that another start is worth more than further ones.
+    fn is_stuck(&mut self, steps: usize) -> bool {
+        let late = self.constrained && steps >= CONSTRAINED_STEPS;
+        late && self.objective.cost_mut().largest_relaxation() > 0.0
+    }
+
     /// After a step that promised so much: how far from a minimum of this barrier that was, and a weaker barrier where it was near.
     fn after_step(&mut self, now: &Iterate, promised: f64) -> Result<()> {
         self.decrement = f64::INFINITY;
-        if !self.constrained || self.newton.region.damping > 0.0 {
+        if !self.constrained {
             return Ok(());
         }
         let cost = now.iteration.cost.max(SMALLEST_COST);
-        if self.newton.share == 1.0 {
+        if self.newton.share == 1.0 && self.newton.region.damping == 0.0 {
             self.decrement = (2.0 * promised.max(0.0) / cost).sqrt();
         }
+        // A damped step promises less than the next ones together may gain, which the gradient tells.
+        let promised = if self.newton.region.damping > 0.0 {
+            promised.max(0.5 * now.iteration.gradient_norm.powi(2) * cost)
+        } else {
+            promised
+        };
         if !now.at_last_barrier && self.reduce_barrier(promised) {
             self.decrement = f64::INFINITY;
             let peaks = self.peaks(&now.coefficients, 0)?;
