@@ -1,7 +1,8 @@
 //! What the tests of the relaxation share.
 
+use aghf::constraint::{Constraint, Constraints};
 use aghf::motion::Problem;
-use aghf::relax::{RelaxSettings, RelaxSolution, relax};
+use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
 
 /// The defaults with another degree.
 pub fn degree(p: usize) -> RelaxSettings {
@@ -21,5 +22,17 @@ pub fn size(segments: usize, p: usize) -> RelaxSettings {
 
 /// The relaxation of a problem that is valid.
 pub fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
-    relax(problem, settings, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+    let relaxation = Relaxation::new(problem).settings(settings.clone());
+    relaxation.solve().unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The same within constraints.
+pub fn solved_within<K: Constraint + Clone + Sync>(
+    problem: &Problem<'_>,
+    settings: &RelaxSettings,
+    constraints: &Constraints<K>,
+) -> RelaxSolution {
+    let relaxation = Relaxation::new(problem).settings(settings.clone());
+    let found = relaxation.constraints(constraints).solve();
+    found.unwrap_or_else(|e| panic!("{e}"))
 }

@@ -1,23 +1,17 @@
-//! The relaxation within constraints: the derivatives of what it minimises, optima that are known, and what it says where there is none.
+//! The relaxation within constraints: optima that are known, and what it says where there is none.
 
-use crate::common::assert_refused;
+use crate::common::relax::solved_within;
+use crate::common::{assert_refused, relax};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
+    TorqueLimits,
 };
-use aghf::dynamics::{Data, rnea};
-use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
+use aghf::model::{JointKind, JointSpec, Limits, Model};
 use aghf::motion::{Problem, sample};
-use aghf::relax::{
-    Augmented, Point, PointCost, PointDerivatives, RelaxSettings, RelaxSolution, relax,
-    relax_constrained,
-};
-use aghf::scalar::{AlgebraOver, Jet};
+use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use aghf::spatial::{Inertia, Placement};
-use nalgebra::{DMatrix, Matrix3, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use nalgebra::{Matrix3, Vector3};
 
 type Kept = Constraints<Vec<AnyConstraint>>;
 
@@ -48,147 +42,7 @@ fn state(constraint: AnyConstraint) -> Kept {
 }
 
 fn solved(problem: &Problem<'_>, kept: &Kept) -> RelaxSolution {
-    let settings = RelaxSettings::constrained();
-    relax_constrained(problem, &settings, kept, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// The cost by its formula, with the rows counted in that are active.
-fn by_formula<S: AlgebraOver<f64>>(
-    model: &Model,
-    kept: &Kept,
-    rho: f64,
-    [multipliers, margins, active]: [&[f64]; 3],
-    z: &[S],
-) -> S {
-    let n = model.dof();
-    let mut u = vec![S::zero(); n];
-    let (q, rest) = z.split_at(n);
-    let (v, a) = rest.split_at(n);
-    rnea(model, &mut Data::new(model), q, v, a, &mut u).expect("sizes agree");
-    let mut h = vec![S::zero(); kept.dim()];
-    let states = kept.state.dim();
-    let mut evaluator = Evaluator::new(model);
-    let placed = evaluator.at(&z[..2 * n]).expect("sizes agree");
-    placed
-        .value(&kept.state, &mut h[..states])
-        .expect("sizes agree");
-    kept.torque
-        .value(&u, &mut h[states..])
-        .expect("sizes agree");
-    let mut slopes = vec![1.0; states];
-    kept.state.row_scales(&mut slopes);
-    slopes.extend(kept.torque.0.iter().flatten().flat_map(|limit| [*limit; 2]));
-    let mut cost = u.iter().fold(S::zero(), |sum, u| sum + *u * *u);
-    for (j, h) in h.into_iter().enumerate() {
-        let h = h.scale(1.0 / slopes[j]) + S::from_f64(margins[j]);
-        let t = S::from_f64(multipliers[j]) + h.scale(rho);
-        cost += (t * t).scale(active[j] / (2.0 * rho));
-    }
-    cost
-}
-
-/// All kinds of constraints at once, rows active and not, against numbers that move twice.
-#[test]
-fn derivatives_are_those_of_duals() {
-    type Twice = Jet<Jet<f64, 1>, 1>;
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
-    for (n, seed) in [(3, 1), (4, 2), (5, 7)] {
-        let model = random_tree(n, seed).expect("n > 0");
-        let mut number = || rng.random_range(-1.0..1.0);
-        let mut vector = || Vector3::from_fn(|_, _| number());
-        let balls: Vec<CollisionSphere> = (0..n)
-            .map(|body| CollisionSphere {
-                body: Some(body),
-                centre: vector(),
-                radius: 0.1,
-            })
-            .collect();
-        let spheres = (0..3).map(|_| Sphere {
-            centre: vector(),
-            radius: 1.0,
-        });
-        let spheres = spheres.collect();
-        let bounds = (0..2 * n).flat_map(|entry| {
-            [(Side::Lower, -0.2), (Side::Upper, 0.3)].map(|(side, value)| Bound {
-                entry,
-                side,
-                value,
-            })
-        });
-        let half_space = HalfSpace {
-            normal: vector().normalize(),
-            offset: 0.1,
-        };
-        let kept = Constraints {
-            state: vec![
-                AnyConstraint::Spheres(SphereClearance {
-                    balls: balls.clone(),
-                    spheres,
-                }),
-                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
-                AnyConstraint::Bounds(Bounds(bounds.collect())),
-            ],
-            torque: TorqueLimits((0..n).map(|i| (i > 0).then_some(0.5 * i as f64)).collect()),
-        };
-        let rho = 7.0;
-        let mut cost = Augmented::new(&model, &kept, rho, 1).expect("sizes agree");
-        let rows = kept.dim();
-        cost.multipliers = (0..rows).map(|_| rng.random_range(-0.5..3.0)).collect();
-        cost.margins = (0..rows).map(|_| rng.random_range(0.0..0.1)).collect();
-        let z: Vec<f64> = (0..3 * n).map(|_| rng.random_range(-1.0..1.0)).collect();
-        let point = Point {
-            index: 0,
-            time: 0.0,
-            q: &z[..n],
-            v: &z[n..2 * n],
-            a: &z[2 * n..],
-        };
-        let mut out = PointDerivatives::new(n);
-        let value = cost.derivatives(point, &mut out).expect("sizes agree");
-        let again = cost.value(point).expect("sizes agree");
-        assert!((value - again).abs() <= 1e-13 * value);
-
-        // A row is active where its own share of the cost is not nothing.
-        let none = vec![0.0; rows];
-        let share = |j: usize| {
-            let mut only = none.clone();
-            only[j] = 1.0;
-            let with = [&cost.multipliers[..], &cost.margins[..], &only[..]];
-            let at = |z: &[f64]| by_formula(&model, &kept, rho, with, z);
-            let effort = by_formula(&model, &kept, rho, [&none, &none, &none], &z);
-            let squared = (at(&z) - effort) * 2.0 * rho;
-            // Its sign: a larger multiplier makes an active row cost more.
-            let mut more = cost.multipliers.clone();
-            more[j] += 1e-6;
-            let with = [&more[..], &cost.margins[..], &only[..]];
-            let larger = by_formula(&model, &kept, rho, with, &z) - effort;
-            f64::from(larger * 2.0 * rho > squared)
-        };
-        let active: Vec<f64> = (0..rows).map(share).collect();
-        let count = active.iter().sum::<f64>() as usize;
-        assert!((3..rows - 3).contains(&count), "{count} of {rows}");
-
-        let with = [&cost.multipliers[..], &cost.margins[..], &active[..]];
-        assert!((by_formula(&model, &kept, rho, with, &z) - value).abs() <= 1e-12 * value);
-        let mut hessian = DMatrix::zeros(3 * n, 3 * n);
-        let mut gradient = vec![0.0; 3 * n];
-        for i in 0..3 * n {
-            for j in 0..3 * n {
-                let mut moved: Vec<Twice> = z
-                    .iter()
-                    .map(|z| <Twice as AlgebraOver<f64>>::lift(*z))
-                    .collect();
-                moved[i].re.eps[0] += 1.0;
-                moved[j].eps[0].re += 1.0;
-                let dual = by_formula(&model, &kept, rho, with, &moved);
-                hessian[(i, j)] = dual.eps[0].eps[0];
-                gradient[i] = dual.re.eps[0];
-            }
-        }
-        // Sums of some hundred products in another order.
-        assert_close!(&out.gradient, &gradient, 1e-12);
-        assert_close!(&out.hessian, &hessian, 1e-12);
-    }
+    solved_within(problem, &RelaxSettings::constrained(), kept)
 }
 
 /// A point that has to go around a ball: it touches it, pays for that, and a multiplier pulls nowhere else.
@@ -225,7 +79,7 @@ fn a_point_goes_around_a_ball() {
         "{middle} {least} {}",
         solution.cost
     );
-    let free = relax(&problem, &RelaxSettings::default(), &mut |_| {}).expect("valid");
+    let free = relax::solved(&problem, &RelaxSettings::default());
     assert!(solution.cost > free.cost + 0.1, "{}", solution.cost);
     let again = solved(&problem, &kept);
     assert_eq!(again.curve.x(), solution.curve.x());
@@ -298,9 +152,11 @@ fn a_torque_limit_is_kept() {
         torque: TorqueLimits(vec![Some(1.0); 2]),
         ..kept
     };
-    let settings = RelaxSettings::constrained();
-    let of_another = relax_constrained(&problem, &settings, &limits, &mut |_| {});
-    assert_refused(of_another, "torque limits: expected 1 entries, found 2");
+    let of_another = Relaxation::new(&problem).constraints(&limits);
+    assert_refused(
+        of_another.solve(),
+        "torque limits: expected 1 entries, found 2",
+    );
 }
 
 #[test]
@@ -328,8 +184,7 @@ fn what_converged_is_told_of_rather_than_what_stalled() {
         ..SolveOptions::default().relax_settings(&scenario)
     };
     let problem = scenario.problem().expect("valid");
-    let solution =
-        relax_constrained(&problem, &settings, &requirements, &mut |_| {}).expect("valid");
+    let solution = solved_within(&problem, &settings, &requirements);
     let degrees: Vec<_> = solution.iterations.iter().map(|i| i.degree).collect();
     let highest = settings.degree;
     let gave_up = |w: &[usize]| w[0] == highest && w[1] < highest;

@@ -1,13 +1,12 @@
 //! What the relaxation can be asked for besides the least effort from state to state.
 
-use crate::common::relax::solved;
+use crate::common::relax::{solved, solved_within};
 use crate::common::slider;
 use aghf::constraint::{Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::motion::{Feedback, Problem, simulate};
 use aghf::relax::{
-    CostThroughDynamics, FreeHorizon, HyperDual64, RelaxSettings, StageInput, relax,
-    relax_constrained, relax_with,
+    CostThroughDynamics, FreeHorizon, HyperDual64, RelaxSettings, Relaxation, StageInput,
 };
 use aghf::scenario::Scenario;
 
@@ -66,9 +65,7 @@ fn a_free_final_velocity_is_that_of_least_effort() {
         free_final_velocity: true,
         ..RelaxSettings::constrained()
     };
-    let within = |settings: &RelaxSettings| {
-        relax_constrained(&problem, settings, &kept, &mut |_| {}).expect("valid")
-    };
+    let within = |settings: &RelaxSettings| solved_within(&problem, settings, &kept);
     let solution = within(&settings);
     assert!(solution.converged, "{solution:?}");
     is_exact(&solution.curve);
@@ -178,7 +175,9 @@ fn the_neighbours_of_a_free_horizon_cost_more() {
         ..horizon(0.2, 5.0, weight)
     };
     let run = |problem: &Problem<'_>, settings: &RelaxSettings| {
-        relax_with(problem, settings, &cost, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+        let relaxation = Relaxation::new(problem).cost(cost.clone());
+        let found = relaxation.settings(settings.clone()).solve();
+        found.unwrap_or_else(|e| panic!("{e}"))
     };
     let found = run(&problem(1.0), &settings);
     let best = found.curve.chebyshev().horizon();
@@ -216,10 +215,7 @@ fn a_free_horizon_within_constraints() {
         num_starts: 1,
         ..RelaxSettings::constrained()
     };
-    let run = |t: f64, settings: &RelaxSettings| {
-        let found = relax_constrained(&problem(t), settings, &kept, &mut |_| {});
-        found.unwrap_or_else(|e| panic!("{e}"))
-    };
+    let run = |t: f64, settings: &RelaxSettings| solved_within(&problem(t), settings, &kept);
     let free = RelaxSettings {
         free_horizon: horizon(0.2, 4.0, weight).free_horizon,
         ..settings.clone()
@@ -273,7 +269,8 @@ fn bad_horizons_are_errors() {
         ),
     ] {
         let settings = horizon(shortest, longest, weight);
-        let error = relax(&problem, &settings, &mut |_| {}).expect_err(words);
+        let relaxation = Relaxation::new(&problem).settings(settings);
+        let error = relaxation.solve().expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");
     }
 }

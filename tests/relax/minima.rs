@@ -7,7 +7,8 @@ use aghf::dynamics::{Data, crba};
 use aghf::flow::{ControlForm, Node, RightHandSide, effort_of};
 use aghf::motion::Problem;
 use aghf::relax::{
-    ControlEffort, Point, PointCost, PointDerivatives, RelaxSettings, relax, relax_with,
+    ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost,
+    PointDerivatives, Points, PointsDerivatives, RelaxSettings, Relaxation,
 };
 use aghf::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
@@ -151,6 +152,42 @@ impl PointCost<f64> for WithVelocity<'_> {
     }
 }
 
+impl CostWithControl for WithVelocity<'_> {
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> aghf::Result<()> {
+        self.effort.values_with_control(points, costs, controls)?;
+        for (g, cost) in costs.iter_mut().enumerate() {
+            *cost += self.weight * points.point(g).v.iter().map(|v| v * v).sum::<f64>();
+        }
+        Ok(())
+    }
+
+    fn derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> aghf::Result<()> {
+        self.effort.derivatives_with(points, out, term)?;
+        for g in 0..points.count() {
+            let v = points.point(g).v;
+            let n = v.len();
+            let mut twice = DMatrix::zeros(2 * n, 2 * n);
+            for (i, v) in v.iter().enumerate() {
+                out.costs[g] += self.weight * v * v;
+                out.gradients[(i, 3 * g + 1)] += 2.0 * self.weight * v;
+                twice[(n + i, n + i)] = 2.0 * self.weight;
+            }
+            out.hessians.add(g, &twice);
+        }
+        Ok(())
+    }
+}
+
 /// Two wells, $(1 - q^2)^2$, with a little of the acceleration: between them `q = 0` is stationary and no minimum.
 #[derive(Clone)]
 struct TwoWells;
@@ -174,6 +211,40 @@ impl PointCost<f64> for TwoWells {
     }
 }
 
+/// On a slider of mass one the control is the acceleration.
+impl CostWithControl for TwoWells {
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> aghf::Result<()> {
+        for g in 0..points.count() {
+            controls[(0, g)] = points.point(g).a[0];
+        }
+        self.values(points, costs)
+    }
+
+    fn derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> aghf::Result<()> {
+        let (mut single, mut by_term) = (PointDerivatives::new(1), ControlDerivatives::new(1));
+        for g in 0..points.count() {
+            let point = points.point(g);
+            let cost = self.derivatives(point, &mut single)?;
+            by_term.clear();
+            term(point.index, point.a, &mut by_term);
+            single.gradient[2] += by_term.gradient[0];
+            single.hessian[(2, 2)] += by_term.hessian[0];
+            out.set(g, cost, &single);
+        }
+        Ok(())
+    }
+}
+
 #[test]
 fn a_saddle_is_left() {
     let model = slider(1.0);
@@ -182,7 +253,8 @@ fn a_saddle_is_left() {
         num_starts: 1,
         ..degree(12)
     };
-    let solution = relax_with(&problem, &settings, &TwoWells, &mut |_| {}).expect("valid");
+    let relaxation = Relaxation::new(&problem).cost(TwoWells).settings(settings);
+    let solution = relaxation.solve().expect("valid");
     assert!(
         solution.converged && solution.smallest_curvature > 0.0,
         "{solution:?}"
@@ -201,7 +273,8 @@ fn another_running_cost_has_its_own_optimum() {
         effort: ControlEffort::new(&model),
         weight: 25.0,
     };
-    let solution = relax_with(&problem, &degree(16), &cost, &mut |_| {}).expect("valid");
+    let relaxation = Relaxation::new(&problem).cost(cost).settings(degree(16));
+    let solution = relaxation.solve().expect("valid");
     assert!(solution.converged);
     // q = A (sinh(5 t) - 5 t) + B (cosh(5 t) - 1), antisymmetric about the middle.
     let (sinh, cosh) = (5.0_f64.sinh(), 5.0_f64.cosh());
@@ -332,9 +405,8 @@ fn bad_settings_are_errors() {
         ),
     ];
     for (settings, words) in cases {
-        let error = relax(&problem, &settings, &mut |_| {})
-            .expect_err(words)
-            .to_string();
+        let relaxation = Relaxation::new(&problem).settings(settings);
+        let error = relaxation.solve().expect_err(words).to_string();
         assert!(error.contains(words), "{error}; want {words}");
     }
 }

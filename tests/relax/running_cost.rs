@@ -1,15 +1,14 @@
 //! Running costs of a user's own: derivatives, optima that are known, and what is refused.
 
-use crate::common::relax::degree;
+use crate::common::relax::{degree, solved as of_least_effort, solved_within};
 use crate::common::slider;
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
 use aghf::motion::Problem;
 use aghf::relax::{
-    ControlEffort, CostThroughDynamics, HyperDual64, Point, PointCost, PointDerivatives,
-    RelaxSettings, RelaxSolution, StageInput, WeightedSquares, relax, relax_constrained,
-    relax_constrained_with, relax_with,
+    ControlEffort, CostThroughDynamics, CostWithControl, HyperDual64, Point, PointCost,
+    PointDerivatives, RelaxSettings, RelaxSolution, Relaxation, StageInput, WeightedSquares,
 };
 use aghf::scenario::Scenario;
 use nalgebra::DMatrix;
@@ -17,12 +16,14 @@ use num_dual::DualNum;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-fn solved<P: PointCost<f64> + Clone>(
+fn solved<P: CostWithControl>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
     cost: &P,
 ) -> RelaxSolution {
-    relax_with(problem, settings, cost, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+    let relaxation = Relaxation::new(problem).cost(cost.clone());
+    let found = relaxation.settings(settings.clone()).solve();
+    found.unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A point of a robot with `n` joints in `z`.
@@ -156,7 +157,7 @@ fn a_joint_may_cost_nothing() {
     let cost = CostThroughDynamics::of(&scenario.model, weighted);
     let problem = scenario.problem().expect("valid");
     let solution = solved(&problem, &degree(9), &cost);
-    let both = relax(&problem, &degree(9), &mut |_| {}).expect("valid");
+    let both = of_least_effort(&problem, &degree(9));
     assert!(solution.cost < both.cost, "{} {}", solution.cost, both.cost);
     assert!(solution.gradient_norm.is_finite(), "{solution:?}");
 }
@@ -172,7 +173,7 @@ fn least_power_is_not_least_effort() {
     });
     let settings = degree(12);
     let by_power = solved(&problem, &settings, &power);
-    let by_effort = relax(&problem, &settings, &mut |_| {}).expect("valid");
+    let by_effort = of_least_effort(&problem, &settings);
     assert!(
         by_power.converged && by_power.smallest_curvature > 0.0,
         "{by_power:?}"
@@ -186,7 +187,7 @@ fn least_power_is_not_least_effort() {
     assert!(by_power.cost < 0.9 * before, "{} {before}", by_power.cost);
     let start = Some(by_power.curve.clone());
     let back = RelaxSettings { start, ..settings };
-    let back = relax(&problem, &back, &mut |_| {}).expect("valid");
+    let back = of_least_effort(&problem, &back);
     assert!(back.iterations[0].cost > 1.1 * by_effort.cost);
 }
 
@@ -199,7 +200,7 @@ fn another_cost_keeps_constraints() {
         degree: 9,
         ..RelaxSettings::constrained()
     };
-    let free = relax(&problem, &settings, &mut |_| {}).expect("valid");
+    let free = of_least_effort(&problem, &settings);
     let settings = RelaxSettings {
         start: Some(free.curve.clone()),
         ..settings
@@ -213,10 +214,11 @@ fn another_cost_keeps_constraints() {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(0.8 * most); 2]),
     };
-    let effort = relax_constrained(&problem, &settings, &kept, &mut |_| {}).expect("valid");
+    let effort = solved_within(&problem, &settings, &kept);
     let run = |cost: &CostThroughDynamics<'_, WeightedSquares>| {
-        let found = relax_constrained_with(&problem, &settings, &kept, cost, &mut |_| {});
-        found.unwrap_or_else(|e| panic!("{e}"))
+        let relaxation = Relaxation::new(&problem).cost(cost.clone());
+        let relaxation = relaxation.constraints(&kept).settings(settings.clone());
+        relaxation.solve().unwrap_or_else(|e| panic!("{e}"))
     };
     let weighted = |torque: f64, velocity: f64| {
         let weighted = WeightedSquares::new(2, vec![torque; 2], vec![velocity; 2], vec![0.0; 2]);
@@ -246,8 +248,8 @@ fn what_makes_no_sense_is_refused() {
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     let below = |at: &StageInput<'_, HyperDual64>| at.u[0] * at.u[0] - 1e3;
     let cost = CostThroughDynamics::new(&model, below);
-    let error = relax_with(&problem, &degree(6), &cost, &mut |_| {});
-    let error = error.expect_err("it is negative").to_string();
+    let relaxation = Relaxation::new(&problem).cost(cost).settings(degree(6));
+    let error = relaxation.solve().expect_err("it is negative").to_string();
     assert!(
         error.starts_with("running cost: integral: it is -9.88"),
         "{error}"

@@ -1,6 +1,6 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
-use crate::common::relax::{size, solved};
+use crate::common::relax::{size, solved, solved_within};
 use crate::common::{assert_refused, robot, slider};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::{Chebyshev, Curve};
@@ -8,7 +8,7 @@ use aghf::dynamics::{Data, aba};
 use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
-use aghf::relax::{RelaxSettings, RelaxSolution, relax, relax_constrained};
+use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
 
@@ -155,7 +155,7 @@ fn limited(segments: usize, requirements: &Constraints<Vec<AnyConstraint>>) -> R
         segments,
         ..RelaxSettings::constrained()
     };
-    relax_constrained(&problem, &settings, requirements, &mut |_| {}).expect("valid")
+    solved_within(&problem, &settings, requirements)
 }
 
 /// The velocity rises as a parabola for a quarter, stays at the limit and falls: exactly so on four segments.
@@ -287,7 +287,7 @@ fn an_adaptive_degree_keeps_constraints() {
         degree_tolerance: Some(0.01),
         ..RelaxSettings::constrained()
     };
-    let solution = relax_constrained(&problem, &settings, &kept, &mut |_| {}).expect("valid");
+    let solution = solved_within(&problem, &settings, &kept);
     let adapted = solution.adapted.expect("it was asked for");
     assert!(solution.converged && adapted.converged, "{adapted:?}");
     assert!(solution.largest_violation <= 1e-6 && adapted.degrees.len() >= 2);
@@ -378,7 +378,8 @@ fn bad_sizes_are_errors() {
         (degree_tolerance(-0.1), "degree_tolerance: it is -0.1"),
         (degree_tolerance(f64::NAN), "degree_tolerance: it is NaN"),
     ] {
-        let error = relax(&problem, &settings, &mut |_| {}).expect_err(words);
+        let relaxation = Relaxation::new(&problem).settings(settings);
+        let error = relaxation.solve().expect_err(words);
         assert!(error.to_string().contains(words), "{error}; want {words}");
     }
 }
