@@ -154,14 +154,15 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
             candidate.smallest_curvature = curvature;
             if curvature < 0.0 && candidate.converged && self.leave_saddle(&mut now, &direction)? {
                 end = End::Saddle;
-            } else if let Some(rates) = &self.rates {
-                let (grid, horizon) = (self.grid, self.horizon);
-                let cost = self.objective.cost_mut();
-                candidate.horizon_slope =
-                    horizon_slope(grid, cost, &now.coefficients, rates, horizon)?;
             }
         }
         self.leave_in(candidate, now);
+        // Last, since point by point it leaves no integral behind.
+        if let (true, End::Done, Some(rates)) = (stage.last, &end, &self.rates) {
+            let (grid, cost) = (self.grid, self.objective.cost_mut());
+            let coefficients = &candidate.path.coefficients;
+            candidate.horizon_slope = horizon_slope(grid, cost, coefficients, rates, self.horizon)?;
+        }
         Ok(end)
     }
 
