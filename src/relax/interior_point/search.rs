@@ -221,7 +221,11 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
             let peaks = self.peaks(&now.coefficients, 0)?;
             let barriers = self.objective.cost_mut();
             let total = barriers.barrier.mu * barriers.rows.count() as f64 * self.horizon;
-            self.set_margins(&peaks, total < LATE * cost);
+            let late = total < LATE * cost;
+            // What is broken because that is cheap says nothing of what is between the points.
+            if !(late && self.is_priced() && self.raise_price()) {
+                self.set_margins(&peaks, late);
+            }
         }
         Ok(())
     }
@@ -249,8 +253,9 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
     /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
     /// they may be; says whether that is possible.
     fn mend(&mut self, now: &Iterate) -> Result<bool> {
-        if self.is_priced() && !self.raise_price() {
-            return Ok(false);
+        if self.is_priced() {
+            // What is broken because that is cheap says nothing of what is between the points.
+            return Ok(self.raise_price());
         }
         let peaks = self.peaks(&now.coefficients, 1)?;
         self.set_margins(&peaks, true);
