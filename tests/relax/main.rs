@@ -6,7 +6,9 @@ mod common;
 
 mod constrained;
 mod free_end;
+mod interior_point;
 mod minima;
+mod multistart;
 mod objective;
 mod running_cost;
 mod segments;

@@ -1,0 +1,351 @@
+//! The barriers of the rows and the running cost with them, against their definitions and against duals.
+
+use crate::common::{config, slider};
+use aghf::constraint::{
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
+    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
+};
+use aghf::dynamics::{Data, rnea};
+use aghf::model::{Model, random_tree};
+use aghf::relax::{Barrier, BarrierCost, HyperDual64, Point, PointCost, PointDerivatives};
+use nalgebra::{DMatrix, Vector3};
+use num_dual::DualNum;
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+type Kept = Constraints<Vec<AnyConstraint>>;
+
+/// The bounds of the multiplier of a row.
+fn bounds(nu: f64, equality: bool) -> [f64; 2] {
+    [if equality { -nu } else { 0.0 }, nu]
+}
+
+/// The multiplier, less the middle of its bounds, that solves the quadratic equation $h = \mu / (b - z) - \mu / (z - a)$; then the
+/// excess and the slack, and the barrier by what they cost.
+fn psi(h: HyperDual64, Barrier { mu, nu }: Barrier, equality: bool) -> HyperDual64 {
+    let [a, b] = bounds(nu, equality);
+    let half = 0.5 * (b - a);
+    let root = (h * h * (half * half) + mu * mu).sqrt();
+    let y = h * (half * half) / (root + mu);
+    let [excess, slack] = [(-y + half).recip() * mu, (y + half).recip() * mu];
+    excess * b - slack * a - (excess * slack).ln() * mu
+}
+
+/// The weight of the product of the gradients of a row for a multiplier `z`.
+fn curvature(h: f64, z: f64, barrier: Barrier, equality: bool) -> f64 {
+    let [a, b] = bounds(barrier.nu, equality);
+    let mut moving = HyperDual64::from(h);
+    moving.eps1 = 1.0;
+    let own = psi(moving, barrier, equality).eps1;
+    let [slack, excess] = [barrier.mu / (own - a), barrier.mu / (b - own)];
+    (slack / (z - a) + excess / (b - z)).recip()
+}
+
+/// The control effort and the rows relative to their scales, with the margins.
+fn effort_and_rows(
+    model: &Model,
+    kept: &Kept,
+    margins: &[f64],
+    z: &[HyperDual64],
+) -> (HyperDual64, Vec<HyperDual64>) {
+    let n = model.dof();
+    let mut u = vec![HyperDual64::from(0.0); n];
+    let (q, rest) = z.split_at(n);
+    let (v, a) = rest.split_at(n);
+    rnea(model, &mut Data::new(model), q, v, a, &mut u).expect("sizes agree");
+    let mut h = vec![HyperDual64::from(0.0); kept.dim()];
+    let states = kept.state.dim();
+    let mut evaluator = Evaluator::new(model);
+    let placed = evaluator.at(&z[..2 * n]).expect("sizes agree");
+    placed
+        .value(&kept.state, &mut h[..states])
+        .expect("sizes agree");
+    kept.torque
+        .value(&u, &mut h[states..])
+        .expect("sizes agree");
+    let mut scales = vec![1.0; states];
+    kept.state.row_scales(&mut scales);
+    // A torque counts relative to its limit, that of a passive joint as it is.
+    let limits = kept.torque.0.iter().flatten();
+    scales.extend(limits.flat_map(|limit| {
+        if *limit > 0.0 {
+            vec![*limit; 2]
+        } else {
+            vec![1.0]
+        }
+    }));
+    assert_eq!(scales.len(), h.len());
+    let rows = h.iter().zip(scales).zip(margins);
+    let rows = rows.map(|((h, scale), margin)| *h * scale.recip() + *margin);
+    (u.iter().map(|u| *u * *u).sum(), rows.collect())
+}
+
+/// Gradient and Hessian of a function by numbers that move twice.
+fn twice(z: &[f64], f: impl Fn(&[HyperDual64]) -> HyperDual64) -> (Vec<f64>, DMatrix<f64>) {
+    let size = z.len();
+    let (mut gradient, mut hessian) = (vec![0.0; size], DMatrix::zeros(size, size));
+    for i in 0..size {
+        for j in 0..size {
+            let mut moved: Vec<_> = z.iter().map(|z| HyperDual64::from(*z)).collect();
+            moved[i].eps1 = 1.0;
+            moved[j].eps2 = 1.0;
+            let found = f(&moved);
+            (gradient[i], hessian[(i, j)]) = (found.eps1, found.eps1eps2);
+        }
+    }
+    (gradient, hessian)
+}
+
+/// All kinds of constraints for a random tree, with a free, a passive and limited joints.
+fn constraints(n: usize, rng: &mut ChaCha8Rng) -> Kept {
+    let mut vector = || Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+    let balls: Vec<CollisionSphere> = (0..n)
+        .map(|body| CollisionSphere {
+            body: Some(body),
+            centre: vector(),
+            radius: 0.1,
+        })
+        .collect();
+    let spheres = (0..3).map(|_| Sphere {
+        centre: vector(),
+        radius: 1.0,
+    });
+    let spheres = spheres.collect();
+    let sides = [(Side::Lower, -0.2), (Side::Upper, 0.3)];
+    let bounds =
+        (0..2 * n).flat_map(|entry| sides.map(|(side, value)| Bound { entry, side, value }));
+    let half_space = HalfSpace {
+        normal: vector().normalize(),
+        offset: 0.1,
+    };
+    let limit = |i: usize| (i > 0).then(|| 0.5 * (i - 1) as f64);
+    Constraints {
+        state: vec![
+            AnyConstraint::Spheres(SphereClearance {
+                balls: balls.clone(),
+                spheres,
+            }),
+            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+            AnyConstraint::Bounds(Bounds(bounds.collect())),
+        ],
+        torque: TorqueLimits((0..n).map(limit).collect()),
+    }
+}
+
+fn point(z: &[f64]) -> Point<'_, f64> {
+    let n = z.len() / 3;
+    Point {
+        index: 0,
+        time: 0.0,
+        q: &z[..n],
+        v: &z[n..2 * n],
+        a: &z[2 * n..],
+    }
+}
+
+/// With the multipliers of the barrier, and no relaxations, gradient and Hessian are those of $l_0 + \sum_j \psi(h_j + m_j)$. With
+/// others and with relaxations $r$ the gradient has the push $c_j r_j$ of the curvature `c` on a row more, and the Hessian is that
+/// of $l_0 + \sum_j z_j h_j + c_j (h_j - \bar h_j)^2 / 2$ where $\bar h$ is what `h` is here.
+#[test]
+fn derivatives_are_those_of_duals() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for (n, seed) in [(3, 1), (4, 2), (5, 7)] {
+        let model = random_tree(n, seed).expect("n > 0");
+        let kept = constraints(n, &mut rng);
+        let barrier = Barrier { mu: 0.3, nu: 7.0 };
+        let mut cost = BarrierCost::at_a_point(&model, &kept, barrier).expect("sizes agree");
+        let rows = kept.dim();
+        let equality = |j: usize| kept.is_equality(j);
+        assert_eq!((0..rows).filter(|j| equality(*j)).count(), 1);
+        cost.margins = (0..rows).map(|_| rng.random_range(0.0..0.1)).collect();
+        let margins = cost.margins.clone();
+        let z: Vec<f64> = (0..3 * n).map(|_| rng.random_range(-1.0..1.0)).collect();
+        let fixed: Vec<_> = z.iter().map(|z| HyperDual64::from(*z)).collect();
+        let here = effort_and_rows(&model, &kept, &margins, &fixed).1;
+        let inside = here.iter().filter(|h| h.re < 0.0).count();
+        assert!((3..rows - 3).contains(&inside), "{inside} of {rows}");
+
+        cost.multipliers = (0..rows)
+            .map(|j| {
+                let mut h = here[j];
+                h.eps1 = 1.0;
+                psi(h, barrier, equality(j)).eps1
+            })
+            .collect();
+        let with_barriers = |z: &[HyperDual64]| {
+            let (effort, h) = effort_and_rows(&model, &kept, &margins, z);
+            let all = h.iter().enumerate();
+            effort
+                + all
+                    .map(|(j, h)| psi(*h, barrier, equality(j)))
+                    .sum::<HyperDual64>()
+        };
+        let mut out = PointDerivatives::new(n);
+        cost.derivatives(point(&z), &mut out).expect("sizes agree");
+        let value = cost.value(point(&z)).expect("sizes agree");
+        assert!((value - with_barriers(&fixed).re).abs() <= 1e-12 * value);
+        let (gradient, hessian) = twice(&z, with_barriers);
+        // Sums of some hundred products in another order.
+        assert_close!(&out.gradient, &gradient, 1e-12);
+        assert_close!(&out.hessian, &hessian, 1e-12);
+
+        let mut between = |j: usize| {
+            let [a, b] = bounds(barrier.nu, equality(j));
+            a + (b - a) * rng.random_range(0.05..0.95)
+        };
+        cost.multipliers = (0..rows).map(&mut between).collect();
+        cost.relaxations = (0..rows)
+            .map(|j| {
+                let relaxed = !equality(j) && j % 3 != 1;
+                if relaxed {
+                    here[j].re.max(0.0) + 0.02
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let (multipliers, relaxations) = (&cost.multipliers, &cost.relaxations);
+        let left: Vec<f64> = (0..rows).map(|j| here[j].re - relaxations[j]).collect();
+        let c: Vec<f64> = (0..rows)
+            .map(|j| curvature(left[j], multipliers[j], barrier, equality(j)))
+            .collect();
+        let pushed = |z: &[HyperDual64]| {
+            let (effort, h) = effort_and_rows(&model, &kept, &margins, z);
+            let all = h.iter().enumerate();
+            let of = |(j, h): (usize, &HyperDual64)| {
+                psi(*h - relaxations[j], barrier, equality(j)) + *h * (c[j] * relaxations[j])
+            };
+            effort + all.map(of).sum::<HyperDual64>()
+        };
+        let primal_dual = |z: &[HyperDual64]| {
+            let (effort, h) = effort_and_rows(&model, &kept, &margins, z);
+            let all = h.iter().enumerate();
+            let of = |(j, h): (usize, &HyperDual64)| {
+                let moved = *h - here[j].re;
+                *h * multipliers[j] + moved * moved * (0.5 * c[j])
+            };
+            effort + all.map(of).sum::<HyperDual64>()
+        };
+        let (gradient, hessian) = (twice(&z, pushed).0, twice(&z, primal_dual).1);
+        cost.derivatives(point(&z), &mut out).expect("sizes agree");
+        assert_close!(&out.gradient, &gradient, 1e-12);
+        assert_close!(&out.hessian, &hessian, 1e-12);
+    }
+}
+
+/// A row that is `h`, and nothing else that is not taken off again: value and slope of its barrier.
+fn barrier_of(h: f64, barrier: Barrier, equality: bool) -> (f64, f64) {
+    let model = slider(1.0);
+    let bound = Bound {
+        entry: 0,
+        side: Side::Upper,
+        value: 0.0,
+    };
+    let (state, limits) = if equality {
+        (Vec::new(), vec![Some(0.0)])
+    } else {
+        (vec![AnyConstraint::Bounds(Bounds(vec![bound]))], vec![None])
+    };
+    let kept = Constraints {
+        state,
+        torque: TorqueLimits(limits),
+    };
+    // The control of a slider of mass one is its acceleration.
+    let z = if equality {
+        [0.0, 0.0, h]
+    } else {
+        [h, 0.0, 0.0]
+    };
+    let mut cost = BarrierCost::at_a_point(&model, &kept, barrier).expect("sizes agree");
+    cost.margins.fill(0.0);
+    let [a, b] = bounds(barrier.nu, equality);
+    cost.multipliers.fill(a + 0.3 * (b - a));
+    let value = cost.value(point(&z)).expect("sizes agree");
+    let mut out = PointDerivatives::new(1);
+    cost.derivatives(point(&z), &mut out).expect("sizes agree");
+    if equality {
+        (value - h * h, out.gradient[2] - 2.0 * h)
+    } else {
+        (value, out.gradient[0])
+    }
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    /// The least of what excess and slack cost, by a search of the slack alone, and the slope that belongs to it.
+    #[test]
+    fn a_barrier_is_the_least_of_excess_and_slack(
+        h in -3.0..3.0_f64, mu in -6.0..0.5_f64, nu in -1.0..2.0_f64, equality: bool,
+    ) {
+        let barrier = Barrier { mu: 10.0_f64.powf(mu), nu: 10.0_f64.powf(nu) };
+        let Barrier { mu, nu } = barrier;
+        let (value, slope) = barrier_of(h, barrier, equality);
+        let [a, b] = bounds(nu, equality);
+        let costs = |slack: f64| {
+            let excess = h + slack;
+            b * excess - a * slack - mu * (slack.ln() + excess.ln())
+        };
+        // Convex in the slack, and in its logarithm it has one minimum too.
+        let (mut from, mut to) = ((-h).max(0.0), (-h).max(0.0) + 10.0 + 10.0 * mu / nu);
+        for _ in 0..300 {
+            let [left, right] = [from + 0.382 * (to - from), from + 0.618 * (to - from)];
+            if costs(left) < costs(right) { to = right } else { from = left }
+        }
+        let least = costs(0.5 * (from + to));
+        let size = 1.0 + value.abs();
+        prop_assert!((value - least).abs() <= 1e-9 * size, "{value} {least}");
+        let mut moving = HyperDual64::from(h);
+        moving.eps1 = 1.0;
+        let by_duals = psi(moving, barrier, equality);
+        prop_assert!((value - by_duals.re).abs() <= 1e-8 * size);
+        prop_assert!((slope - by_duals.eps1).abs() <= 1e-8 * nu, "{slope} {}", by_duals.eps1);
+        // At the extremes rounding leaves the bounds themselves.
+        prop_assert!((a..=b).contains(&slope));
+    }
+
+    /// As the barrier becomes weak its sum with the price is the exact penalty, and numbers stay numbers.
+    #[test]
+    fn a_weak_barrier_is_the_exact_penalty(h in -3.0..3.0_f64, nu in -1.0..9.0_f64, equality: bool) {
+        let nu = 10.0_f64.powf(nu);
+        let exact = if equality { nu * h.abs() } else { nu * h.max(0.0) };
+        let mut before = f64::INFINITY;
+        for power in [-2, -5, -8, -11] {
+            let mu = 10.0_f64.powi(power);
+            for h in [h, 0.0] {
+                let exact = if h == 0.0 { 0.0 } else { exact };
+                let (value, slope) = barrier_of(h, Barrier { mu, nu }, equality);
+                // 2 mu and logarithms of numbers above 1e-25 and below 1e3.
+                let apart = (value - exact).abs();
+                let rounding = 4e-15 * (exact + h * h);
+                prop_assert!(apart <= 200.0 * mu + rounding, "{mu} {h}: {value} {exact}");
+                prop_assert!(slope.is_finite());
+                if h == 0.0 {
+                    prop_assert!(apart < before);
+                    before = apart;
+                }
+            }
+        }
+    }
+}
+
+/// Far out and far in nothing overflows, and signs are as they have to be.
+#[test]
+fn barriers_at_extremes_are_numbers() {
+    for equality in [false, true] {
+        for h in [-1e9, -1.0, -1e-300, 0.0, 1e-300, 1.0, 1e9] {
+            for (mu, nu) in [(1e-12, 1e9), (1e3, 1e-3), (1e-12, 1e-3)] {
+                let (value, slope) = barrier_of(h, Barrier { mu, nu }, equality);
+                let [a, b] = bounds(nu, equality);
+                // The effort that is taken off an equality leaves its rounding.
+                let rounding = if equality { 1e-15 * h.abs() } else { 0.0 };
+                assert!(value.is_finite(), "{h} {mu} {nu}");
+                assert!(
+                    slope >= a - rounding && slope <= b + rounding,
+                    "{h} {mu} {nu}: {slope}"
+                );
+            }
+        }
+    }
+}
