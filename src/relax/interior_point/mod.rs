@@ -88,7 +88,12 @@ pub(super) fn minimise<K: Constraint + Clone, P: CostWithControl>(
         check_integral(candidate.cost)?;
         match end {
             End::Done => return Ok(candidate),
-            End::Coarse => candidate.points = candidate.points * 3 / 2,
+            End::Coarse => {
+                // Multipliers at other points and a weak barrier hold the curve where it is.
+                candidate.points = candidate.points * 3 / 2;
+                candidate.barrier = None;
+                candidate.multipliers = Multipliers::default();
+            }
             End::Saddle => (),
         }
     }
