@@ -21,14 +21,19 @@ fn bounds(nu: f64, equality: bool) -> [f64; 2] {
     [if equality { -nu } else { 0.0 }, nu]
 }
 
-/// The multiplier, less the middle of its bounds, that solves the quadratic equation $h = \mu / (b - z) - \mu / (z - a)$; then the
-/// excess and the slack, and the barrier by what they cost.
+/// Excess `t` and slack `s` of a row by $h = t - s$ and $\mu / t + \mu / s = b - a$: the larger of the two solves a quadratic equation
+/// without loss of digits. Then what they cost.
 fn psi(h: HyperDual64, Barrier { mu, nu }: Barrier, equality: bool) -> HyperDual64 {
     let [a, b] = bounds(nu, equality);
-    let half = 0.5 * (b - a);
-    let root = (h * h * (half * half) + mu * mu).sqrt();
-    let y = h * (half * half) / (root + mu);
-    let [excess, slack] = [(-y + half).recip() * mu, (y + half).recip() * mu];
+    let reach = (if h.re < 0.0 { -h } else { h }) * (b - a);
+    let root = (reach * reach + 4.0 * mu * mu).sqrt();
+    let larger = (reach + root + 2.0 * mu) / (2.0 * (b - a));
+    let smaller = larger * (2.0 * mu) / (reach + root);
+    let [excess, slack] = if h.re < 0.0 {
+        [smaller, larger]
+    } else {
+        [larger, smaller]
+    };
     excess * b - slack * a - (excess * slack).ln() * mu
 }
 
