@@ -10,5 +10,6 @@ mod interior_point;
 mod minima;
 mod multistart;
 mod objective;
+mod own_cost;
 mod running_cost;
 mod segments;
