@@ -70,7 +70,7 @@ pub(super) const START_SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 pub(super) const WAVE: usize = 8;
 /// Those that cost more than the best one before them by more than this, relative, do not go on, by the number of rungs that are left: low
 /// degrees tell little.
-pub(super) const HOPELESS: [f64; 4] = [0.0, 0.02, 0.1, 1.0];
+pub(super) const HOPELESS: [f64; 4] = [0.02, 0.02, 0.1, 1.0];
 
 /// How many more starts are tried at once while none of those that were asked for ends within the constraints.
 pub(super) const MORE_STARTS: usize = 2;

@@ -385,7 +385,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
             gauss_newton: Some(&self.curvatures[..states]),
         };
         let pull = self.rows.weighted_derivatives(points, start, hessian)?;
-        out.hessians.add(start, pull.hessian());
+        out.hessians.add_wide(start, pull.hessian());
         Ok(())
     }
 }

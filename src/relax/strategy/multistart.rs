@@ -33,7 +33,7 @@ pub(in crate::relax) struct Outcome {
 ///
 /// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
 /// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
-/// on any number of cores, and the best of more is never worse.
+/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints.
 pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
@@ -74,11 +74,13 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
                 let left = rungs.len() - 1 - level;
                 let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
                 let most = least[level] + hopeless * least[level].abs();
+                // The first one has nothing to be compared with, and at the top all have come to their end.
+                let goes_on = left == 0 || least[level].is_infinite() || candidate.cost <= most;
                 let inside = candidate.violation <= rung.stage.feasible;
                 if inside {
                     least[level] = least[level].min(candidate.cost);
                 }
-                if candidate.cost <= most || (constrained && !found_before) {
+                if goes_on || (constrained && !found_before) {
                     climbing.push(candidate);
                 }
             }
@@ -90,7 +92,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
             .is_some_and(|limit| began.elapsed() >= limit);
         let more = match settings.time_limit {
             Some(_) => true,
-            None => next < settings.num_starts || (!found && next < MOST_STARTS),
+            None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),
         };
         if late || !more {
             break;

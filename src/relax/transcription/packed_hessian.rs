@@ -99,8 +99,13 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to those of `W` points from `start` on.
-    pub(in crate::relax) fn add<const W: usize>(
+    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to that of point `g`.
+    pub fn add(&mut self, g: usize, matrix: &DMatrix<S>) {
+        self.add_wide(g, &matrix.map(|x| Lanes([x])));
+    }
+
+    /// The same of `W` points side by side: adds a matrix to those of the points from `start` on.
+    pub(in crate::relax) fn add_wide<const W: usize>(
         &mut self,
         start: usize,
         matrix: &DMatrix<Lanes<S, W>>,
