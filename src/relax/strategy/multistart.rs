@@ -52,7 +52,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
         let wave = match settings.time_limit {
             _ if next < settings.num_starts => next..settings.num_starts.min(next + WAVE),
             Some(_) => next..next + WAVE,
-            None => next..next + MORE_STARTS,
+            None => next..(next + MORE_STARTS).min(MOST_STARTS),
         };
         next = wave.end;
         let start = |i| Candidate::new(line.start(settings.start_amplitude, i as u64));
