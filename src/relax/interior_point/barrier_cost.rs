@@ -20,8 +20,9 @@ use crate::relax::{
 /// limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it. Multipliers $z_j$ belong to a point, so that the
 /// integral over time makes densities of them, which do not depend on the number of points.
 ///
-/// The gradient is that of `l`. The Hessian is the primal-dual one: $z$ weighs the second derivatives of the rows in place of
-/// $\psi'$, and [`Barrier::curvature`] the products of their gradients in place of $\psi''$.
+/// The gradient is that of `l`, and where rows are relaxed by $r$ it has the push $\sum_j c_j r_j \nabla h_j$ besides, which takes that back. The
+/// Hessian is the primal-dual one: $z$ weighs the second derivatives of the rows in place of $\psi'$, and
+/// $c_j = 1 / (s_j / z_j + t_j / (\nu - z_j))$ the products of their gradients in place of $\psi''$, with $s$ and $t$ of [`Barrier`].
 #[derive(Clone, Debug)]
 pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(in crate::relax) rows: Rows<'a, K, P>,
