@@ -3,6 +3,7 @@
 #[path = "../command/mod.rs"]
 mod command;
 
+mod best_known;
 mod feasibility;
 mod files;
 mod generate;
