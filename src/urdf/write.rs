@@ -27,13 +27,15 @@ impl Model<f64> {
     /// Every frame is written as a link, on the joint that carried it, so the names of links and joints and the order of
     /// the joints are those of the file that was read. The inertia of a body is written in the link of its joint; links on
     /// fixed joints are massless, and so is what is fixed to the base, whose mass the model does not know. Numbers are
-    /// the shortest that read back to the same bits. No limits are written as zeros, which [`parse_urdf`] reads as none. A
-    /// model made in code gets a link `base`; its joints come back in the order in which the tree is walked.
+    /// the shortest that read back to the same bits. A velocity or effort without limit, and no limits at all, are written as
+    /// zeros, which [`parse_urdf`] reads as none. A model made in code gets a link `base`; its joints come back in the order in
+    /// which the tree is walked.
     ///
     /// # Errors
     /// The model has what no URDF can say: another gravity than $(0, 0, -9.81)$, limits on the position of a continuous
-    /// joint, limits of velocity or effort of zero (these are read as none), a first moment without mass, a rotation that is none; or
-    /// what [`parse_urdf`] refuses. The text is read back to see.
+    /// joint, limits of velocity or effort of zero (these are read as none), a joint held at zero by its limits of position
+    /// alone, a first moment without mass, a rotation that is none; or what [`parse_urdf`] refuses. The text is read back to
+    /// see.
     pub fn to_urdf(&self) -> Result<String> {
         let fail = |what: String| Error::input(self.name(), "robot", what);
         let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -208,8 +210,8 @@ fn write_joint(
                 _ => &PLACEHOLDER,
             };
             let mut attributes = vec![
-                ("effort", numbers([&limits.effort])),
-                ("velocity", numbers([&limits.velocity])),
+                ("effort", numbers([&or_zero(limits.effort)])),
+                ("velocity", numbers([&or_zero(limits.velocity)])),
             ];
             if !continuous {
                 attributes.push(("lower", numbers([&limits.lower])));
@@ -226,6 +228,11 @@ fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result
     let element = xml.create_element(name).with_attributes(attributes);
     element.write_empty()?;
     Ok(())
+}
+
+/// A limit of velocity or effort as a URDF says it: zero where there is none, since other readers refuse an infinite one.
+fn or_zero(limit: f64) -> f64 {
+    if limit == f64::INFINITY { 0.0 } else { limit }
 }
 
 /// Numbers as they are read back to the same bits, zeros without a sign.
