@@ -1,4 +1,4 @@
-//! Whether a motion keeps its constraints: the one function that decides, for a search as for a report.
+//! The violations of constraints along a motion: what a summary tells and decides a success by.
 
 use crate::constraint::{Constraint, Constraints, Evaluator};
 use crate::curve::{Chebyshev, Curve};
@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::scalar::Lanes;
 use nalgebra::{DMatrix, DVector};
 
-/// How many times go through the dynamics side by side.
+/// The number of times that go through the dynamics side by side.
 const LANES: usize = 4;
 /// A number at that many times.
 type Wide = Lanes<f64, LANES>;
@@ -142,13 +142,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
         let (of_state, of_torque) = self.g.split_at_mut(state.dim());
         let times = self.states.ncols();
         for first in (0..times).step_by(LANES) {
-            for lane in 0..LANES {
-                let column = (first + lane).min(times - 1) * 3 * n;
-                let from = &self.states.as_slice()[column..column + 3 * n];
-                for (to, from) in self.z.iter_mut().zip(from) {
-                    to.0[lane] = *from;
-                }
-            }
+            Lanes::gather(self.states.as_slice(), first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
             placed.value(state, of_state)?;
             if !of_torque.is_empty() {

@@ -1,41 +1,41 @@
 //! What can be asked of the relaxation, and what it says.
 
 use super::interior_point::Stage;
-use super::tuning::{LAST_BARRIER, LOWEST_DEGREE};
+use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result};
 use crate::motion::Problem;
 use std::time::Duration;
 
-/// How the relaxation is done.
+/// The settings of a relaxation.
 #[derive(Clone, Debug)]
 pub struct RelaxSettings {
     /// The degree of the polynomial, or of each segment.
     pub degree: usize,
-    /// Of how many polynomials on equal parts of the horizon the motion is made. Where two meet `q` and `v` are continuous;
+    /// The number of polynomials on equal parts of the horizon of which the motion is made. Where two meet `q` and `v` are continuous;
     /// acceleration and control may jump.
     pub segments: usize,
-    /// Whether to go on from this degree to 9, 16, 24, 32, 48, 64, each from where the one before ended, until the cost changes by
-    /// less than this from one to the next, relative; see [`DegreeRefinement`].
+    /// The relative change of the cost from one degree to the next below which the degree is enough. It goes on from this degree to 9, 16,
+    /// 24, 32, 48, 64, each from where the one before ended; see [`DegreeRefinement`]. The degree is that of the settings without it.
     pub degree_tolerance: Option<f64>,
     /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
     pub tolerance: f64,
     /// The most iterations at one degree and one quadrature.
     pub iterations: usize,
-    /// How well the quadrature has to agree with a finer one, relative.
+    /// The largest relative difference of the quadrature and a finer one.
     pub quadrature_tolerance: f64,
-    /// How many starts there are: the line, and bent ones.
+    /// The number of starts: the line, and bent ones.
     pub num_starts: usize,
-    /// The time after which no further starts are tried.
+    /// The time for which starts are tried, those that were asked for and then more; none is begun after it.
     pub time_limit: Option<Duration>,
-    /// How many threads work on starts; the result does not depend on it.
+    /// The number of threads that work on starts; the result does not depend on it.
     pub threads: usize,
-    /// How far the bent ones are bent, rad or m.
+    /// The amplitude of the bent ones, rad or m.
     pub start_amplitude: f64,
     /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
     pub start: Option<Curve>,
-    /// Whether the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
+    /// True if the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
     pub free_final_velocity: bool,
     /// Whether the horizon is found as well; that of the problem is then where the search begins.
     pub free_horizon: Option<FreeHorizon>,
@@ -80,12 +80,12 @@ impl RelaxSettings {
         }
     }
 
-    /// What is asked at the degree and the segments of the settings.
+    /// The stage at the degree and the segments of the settings.
     pub(super) fn highest(&self, constrained: bool) -> Stage {
         Stage {
             tolerance: self.tolerance,
             iterations: self.iterations,
-            fresh: if constrained { 10 } else { 60 },
+            fresh: FRESH[usize::from(constrained)],
             quadrature_tolerance: self.quadrature_tolerance,
             last_barrier: LAST_BARRIER,
             // Whoever looks at the motion by other means finds it within the tolerance as well.
@@ -98,18 +98,9 @@ impl RelaxSettings {
     /// The rungs of the ladder: single polynomials of those of the degrees 6, 9, 16, 24, 32, 48, ... that are below the degree, then the
     /// degree on fewer segments, of which each rung has all breakpoints of the one before, then the whole motion.
     pub(super) fn rungs(&self, constrained: bool) -> Vec<Rung> {
-        let lower = Stage {
-            tolerance: 0.1,
-            iterations: if constrained { 30 } else { 12 },
-            fresh: if constrained { 5 } else { 1 },
-            quadrature_tolerance: if constrained { 0.05 } else { 0.02 },
-            last_barrier: 1e-2,
-            feasible: 1e-2,
-            slope: false,
-            last: false,
-        };
+        let lower = LOWER[usize::from(constrained)];
         let fewer_segments = Stage {
-            iterations: 60,
+            iterations: SEGMENT_STEPS,
             ..lower
         };
         let below = degrees().take_while(|degree| *degree < self.degree);
@@ -241,7 +232,7 @@ fn degrees() -> impl Iterator<Item = usize> {
 pub struct Iteration {
     /// The degree of the segments.
     pub degree: usize,
-    /// How many points of quadrature each segment has.
+    /// The number of points of quadrature on each segment.
     pub points: usize,
     /// The cost $J$ before the step.
     pub cost: f64,
@@ -252,11 +243,11 @@ pub struct Iteration {
     pub damping: f64,
     /// The length of the step in that norm, roughly radians; zero where there was none.
     pub step: f64,
-    /// How often a matrix was factorised.
+    /// The number of factorisations of matrices.
     pub factorisations: usize,
 }
 
-/// What came of a relaxation.
+/// The result of a relaxation.
 #[derive(Clone, Debug)]
 pub struct RelaxSolution {
     /// The motion, with $v = \dot q$, on the horizon that was found if that was free.
@@ -269,17 +260,17 @@ pub struct RelaxSolution {
     /// The smallest eigenvalue of the Hessian relative to the metric of Gauss and Newton: positive at a minimum, one for a
     /// linear problem.
     pub smallest_curvature: f64,
-    /// By how much the worst constraint is broken at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
+    /// The violation of the worst constraint at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,
-    /// How many points the quadrature of a segment has.
+    /// The number of points of the quadrature of a segment.
     pub points: usize,
-    /// How far the cost by this quadrature is from that by the finer one, relative.
+    /// The relative difference of the cost by this quadrature and that by the finer one.
     pub quadrature_error: f64,
-    /// Whether the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
+    /// True if the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
-    /// How it came to its degree, where that is adaptive.
+    /// The degrees on the way, where the degree is adaptive.
     pub adapted: Option<DegreeRefinement>,
-    /// How many unknowns there are.
+    /// The number of unknowns.
     pub unknowns: usize,
     /// The costs at the lowest degree, from all starts, ascending.
     pub start_costs: Vec<f64>,

@@ -1,4 +1,6 @@
-//! Every constant of the relaxation, in the order in which the algorithm meets them.
+//! Every constant of the relaxation by which it could be tuned.
+
+use super::interior_point::Stage;
 
 /// A cost below this, in N^2 m^2 s, is rounding: gradients are not measured against less.
 pub(super) const SMALLEST_COST: f64 = f64::EPSILON;
@@ -9,9 +11,9 @@ pub(super) const SMALLEST_COST: f64 = f64::EPSILON;
 pub(super) const POINTS: [f64; 2] = [3.0, 3.5];
 /// The most points per degree: beyond it the curve has corners that no quadrature of this kind sees.
 pub(super) const MOST_POINTS: [usize; 2] = [16, 64];
-/// How many steps are made between two looks at the quadrature.
+/// The number of steps between two looks at the quadrature.
 pub(super) const LOOK: usize = 6;
-/// How well quadratures have to agree where the search has not come to an end.
+/// The relative difference of quadratures that is accepted where the search has not come to an end.
 pub(super) const ON_THE_WAY: f64 = 0.05;
 /// Intervals between two points of the quadrature at which rows are looked at.
 pub(super) const SCAN: usize = 6;
@@ -19,28 +21,46 @@ pub(super) const SCAN: usize = 6;
 pub(super) const FINE: usize = 2000;
 /// Rows below this are of no interest to that look, relative to their scale.
 pub(super) const FLOOR: f64 = -0.05;
-/// How far the rows are kept on the safe side, relative to their scale, so that rounding does not put the end outside.
+/// The distance from their bounds that rows keep, relative to their scale, so that rounding does not put the end outside.
 pub(super) const RESERVE: f64 = 2e-7;
 
 // Trust region.
 
 /// The part of the predicted decrease that a step has to make.
 pub(super) const SUFFICIENT: f64 = 1e-3;
-/// What rounding can hide of the cost.
+/// The part of the cost that rounding can hide.
 pub(super) const ROUNDING: f64 = 1e-13;
-/// How often a step is cut before the region becomes smaller.
+/// The number of times that a step is cut before the region becomes smaller.
 pub(super) const CUTS: usize = 3;
 /// The part of the way to its bound that a row may go in a step.
 pub(super) const TO_THE_WALL: f64 = 0.995;
-/// How often a step may be refused before the search is given up.
+/// The factor by which it is cut.
+pub(super) const CUT: f64 = 0.4;
+/// The number of times that a step may be refused before the search is given up.
 pub(super) const REFUSALS: usize = 60;
-/// How far along a direction of negative curvature to look first, in the norm of Gauss and Newton relative to the cost.
+/// The first length along a direction of negative curvature, in the norm of Gauss and Newton relative to the cost.
 pub(super) const LEAVE: f64 = 0.3;
+/// The number of lengths that are tried there, and the factor from one to the next.
+pub(super) const LEAVE_TRIES: usize = 20;
+pub(super) const LEAVE_FACTOR: f64 = 0.3;
+/// A step is as long as the region allows within these factors of the radius.
+pub(super) const REGION_SHORT: f64 = 0.6;
+pub(super) const REGION_LONG: f64 = 1.3;
+/// The number of multipliers that are tried for one step.
+pub(super) const REGION_TRIES: usize = 40;
+/// The number of them that are tried before a step shorter than the region allows is good enough.
+pub(super) const REGION_PATIENCE: usize = 6;
+/// After so many steps at the highest degree, without and with rows, the metric of Gauss and Newton is computed anew.
+pub(super) const FRESH: [usize; 2] = [60, 10];
 
-/// How much room a row gets that has none, relative to its scale.
+/// The room that a row gets that has none, relative to its scale.
 pub(super) const ROOM: f64 = 0.02;
 /// A relaxation below this is none.
 pub(super) const SMALLEST_RELAXATION: f64 = 1e-9;
+/// The factor by which a multiplier may differ from the one that belongs to its row, in either direction.
+pub(super) const APART: f64 = 1e4;
+/// The part of the range of a multiplier that it keeps from the end that it is far from.
+pub(super) const INSIDE: f64 = 1e-6;
 
 // Barrier. All relative to the cost per second.
 
@@ -48,6 +68,8 @@ pub(super) const SMALLEST_RELAXATION: f64 = 1e-9;
 pub(super) const FIRST_BARRIER: f64 = 0.1;
 /// The last one: how far the cost may be above its minimum.
 pub(super) const LAST_BARRIER: f64 = 1e-7;
+/// A weight that is this factor of another is that one.
+pub(super) const NEARLY: f64 = 1.01;
 /// The factor from one weight to the next.
 pub(super) const BARRIER_FACTOR: f64 = 0.1;
 /// A weight is done with once the next step promises less than this, relative to the weight of all rows.
@@ -64,17 +86,42 @@ pub(super) const LARGEST_PRICE: f64 = 1e9;
 
 // Starts.
 
-/// How far starts are bent, in turn, relative to the amplitude of the settings.
+/// The sizes of the bends of starts, in turn, relative to the amplitude of the settings.
 pub(super) const START_SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
-/// How many starts are worked on side by side.
+/// The number of starts that are worked on side by side.
 pub(super) const WAVE: usize = 8;
 /// Those that cost more than the best one before them by more than this, relative, do not go on, by the number of rungs that are left: low
 /// degrees tell little.
-pub(super) const HOPELESS: [f64; 4] = [0.02, 0.02, 0.1, 1.0];
+pub(super) const HOPELESS: [f64; 3] = [0.02, 0.1, 1.0];
 
-/// How many more starts are tried at once while none of those that were asked for ends within the constraints.
+/// The demands below the top without and with rows: a curve there is no more than the start of the next.
+pub(super) const LOWER: [Stage; 2] = [
+    Stage {
+        tolerance: 0.1,
+        iterations: 12,
+        fresh: 1,
+        quadrature_tolerance: 0.02,
+        last_barrier: 1e-2,
+        feasible: 1e-2,
+        slope: false,
+        last: false,
+    },
+    Stage {
+        tolerance: 0.1,
+        iterations: 30,
+        fresh: 5,
+        quadrature_tolerance: 0.05,
+        last_barrier: 1e-2,
+        feasible: 1e-2,
+        slope: false,
+        last: false,
+    },
+];
+/// The most steps on fewer segments, where each has much to gain by the next breakpoint.
+pub(super) const SEGMENT_STEPS: usize = 60;
+/// The number of further starts that are tried at once while none of those that were asked for ends within the constraints.
 pub(super) const MORE_STARTS: usize = 2;
-/// How many starts there are at most while none of them ends within the constraints.
+/// The most starts while none of them ends within the constraints.
 pub(super) const MOST_STARTS: usize = 64;
 /// The most steps while rows are relaxed: another start is worth more than many steps from one.
 pub(super) const CONSTRAINED_STEPS: usize = 150;
@@ -85,13 +132,13 @@ pub(super) const SAME_MINIMUM: f64 = 1e-3;
 
 // A free horizon.
 
-/// How exactly it is found without and with rows: the slope of the cost in its logarithm, relative to the cost.
+/// The slope of the cost in its logarithm at which it is found, without and with rows, relative to the cost.
 pub(super) const HORIZON_SLOPE: [f64; 2] = [1e-7, 1e-4];
 /// Horizons that differ by less than this, relative, are one.
 pub(super) const SAME_HORIZON: [f64; 2] = [1e-9, 1e-6];
 /// The first step to another horizon, in its logarithm.
 pub(super) const REACH: f64 = 0.25;
-/// How many horizons are tried.
+/// The number of horizons that are tried.
 pub(super) const TRIES: usize = 60;
-/// How exactly, relative, the shortest horizon is found on which there is a motion: what is tried in vain below it takes long.
+/// The relative exactness of the shortest horizon on which there is a motion: what is tried in vain below it takes long.
 pub(super) const POSSIBLE: f64 = 1e-3;

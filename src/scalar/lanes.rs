@@ -20,6 +20,22 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
     }
 }
 
+impl<S: Scalar, const W: usize> Lanes<S, W> {
+    /// Puts the columns from `first` on of a matrix, column by column in `columns`, side by side into `to`, which is as long as one of
+    /// them. The last one is also in the lanes that are left; returns how many there are.
+    pub(crate) fn gather(columns: &[S], first: usize, to: &mut [Self]) -> usize {
+        let size = to.len();
+        let count = W.min(columns.len() / size - first);
+        for lane in 0..W {
+            let begin = (first + lane.min(count - 1)) * size;
+            for (to, from) in to.iter_mut().zip(&columns[begin..begin + size]) {
+                to.0[lane] = *from;
+            }
+        }
+        count
+    }
+}
+
 /// What `op` leaves of the first number in each lane: a loop, as the compiler does not always take `array::map` apart.
 #[inline(always)]
 fn lanewise<S: Scalar, const W: usize>(

@@ -11,7 +11,7 @@ use std::fmt;
 /// At how many intervals of time a motion is looked at, at least.
 const INTERVALS: usize = 2000;
 
-/// How many violations a sentence names.
+/// The number of violations that a sentence names.
 const NAMED: usize = 3;
 
 /// A report on whether a motion can be carried out.
@@ -144,7 +144,7 @@ impl Feasibility {
         (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
     }
 
-    /// What is enforced and violated by more than `tolerance`.
+    /// The enforced rows that are violated by more than `tolerance`.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
         let all = self.limit_violations.iter();
         all.filter(move |violation| violation.enforced && violation.by > tolerance)

@@ -93,7 +93,7 @@ impl Default for FlowParameters {
 pub struct ScenarioFile {
     /// A robot that is built in, or the path of a URDF file, relative to the scenario file.
     pub robot: String,
-    /// What to do with its mimic joints.
+    /// The treatment of its mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     pub mimic: Mimic,
     /// The joints that do not move, with their positions; they are none of the `N` joints of what follows.

@@ -137,7 +137,7 @@ pub struct RelaxDetails {
     pub efforts_of_starts: Vec<f64>,
     /// The minima that the starts led to, by cost.
     pub minima: Vec<LocalMinimum>,
-    /// How far the cost may be above that of the same motion with exact complementarity, relative; `None` without constraints.
+    /// The relative excess of the cost over that of the minimum with exact complementarity; `None` without constraints.
     pub complementarity: Option<f64>,
     /// Iterations of Newton's method, of all starts and degrees.
     pub iterations: usize,

@@ -5,7 +5,7 @@ use crate::common::slider;
 use aghf::motion::Problem;
 use aghf::relax::{
     ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost,
-    PointDerivatives, Points, PointsDerivatives, RelaxSettings, Relaxation,
+    PointDerivatives, RelaxSettings, Relaxation,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -27,49 +27,38 @@ impl PointCost<f64> for WithVelocity<'_> {
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
     ) -> aghf::Result<f64> {
-        let (n, mut value) = (point.v.len(), self.effort.derivatives(point, out)?);
+        let value = self.effort.derivatives(point, out)?;
+        Ok(value + self.add_velocity(point, out))
+    }
+}
+
+impl WithVelocity<'_> {
+    /// Adds the derivatives of the squared velocities; returns their share of the cost.
+    fn add_velocity(&self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> f64 {
+        let (n, mut value) = (point.v.len(), 0.0);
         for (i, v) in point.v.iter().enumerate() {
             value += self.weight * v * v;
             out.gradient[n + i] += 2.0 * self.weight * v;
             out.hessian[(n + i, n + i)] += 2.0 * self.weight;
         }
-        Ok(value)
+        value
     }
 }
 
 impl CostWithControl for WithVelocity<'_> {
-    fn values_with_control(
-        &mut self,
-        points: Points<'_, f64>,
-        costs: &mut [f64],
-        controls: &mut DMatrix<f64>,
-    ) -> aghf::Result<()> {
-        self.effort.values_with_control(points, costs, controls)?;
-        for (g, cost) in costs.iter_mut().enumerate() {
-            *cost += self.weight * points.point(g).v.iter().map(|v| v * v).sum::<f64>();
-        }
-        Ok(())
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> aghf::Result<f64> {
+        let speed: f64 = point.v.iter().map(|v| v * v).sum();
+        Ok(self.effort.value_with_control(point, u)? + self.weight * speed)
     }
 
     fn derivatives_with(
         &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> aghf::Result<()> {
-        self.effort.derivatives_with(points, out, term)?;
-        for g in 0..points.count() {
-            let v = points.point(g).v;
-            let n = v.len();
-            let mut twice = DMatrix::zeros(2 * n, 2 * n);
-            for (i, v) in v.iter().enumerate() {
-                out.costs[g] += self.weight * v * v;
-                out.gradients[(i, 3 * g + 1)] += 2.0 * self.weight * v;
-                twice[(n + i, n + i)] = 2.0 * self.weight;
-            }
-            out.hessians.add(g, &twice);
-        }
-        Ok(())
+    ) -> aghf::Result<f64> {
+        let value = self.effort.derivatives_with(point, out, term)?;
+        Ok(value + self.add_velocity(point, out))
     }
 }
 
@@ -98,35 +87,23 @@ impl PointCost<f64> for TwoWells {
 
 /// On a slider of mass one the control is the acceleration.
 impl CostWithControl for TwoWells {
-    fn values_with_control(
-        &mut self,
-        points: Points<'_, f64>,
-        costs: &mut [f64],
-        controls: &mut DMatrix<f64>,
-    ) -> aghf::Result<()> {
-        for g in 0..points.count() {
-            controls[(0, g)] = points.point(g).a[0];
-        }
-        self.values(points, costs)
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> aghf::Result<f64> {
+        u.copy_from_slice(point.a);
+        self.value(point)
     }
 
     fn derivatives_with(
         &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> aghf::Result<()> {
-        let (mut single, mut by_term) = (PointDerivatives::new(1), ControlDerivatives::new(1));
-        for g in 0..points.count() {
-            let point = points.point(g);
-            let cost = self.derivatives(point, &mut single)?;
-            by_term.clear();
-            term(point.index, point.a, &mut by_term);
-            single.gradient[2] += by_term.gradient[0];
-            single.hessian[(2, 2)] += by_term.hessian[0];
-            out.set(g, cost, &single);
-        }
-        Ok(())
+    ) -> aghf::Result<f64> {
+        let cost = self.derivatives(point, out)?;
+        let mut by_term = ControlDerivatives::new(1);
+        term(point.index, point.a, &mut by_term);
+        out.gradient[2] += by_term.gradient[0];
+        out.hessian[(2, 2)] += by_term.hessian[0];
+        Ok(cost)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The barrier of a row that may be broken at a price.
 
 use super::row::Kind;
+use crate::relax::tuning::{APART, INSIDE};
 
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
 /// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
@@ -18,11 +19,6 @@ pub struct Barrier {
     /// $\nu > 0$.
     pub nu: f64,
 }
-
-/// What a multiplier may be apart from the one that belongs to a row, in either direction.
-const APART: f64 = 1e4;
-/// The part of the range of a multiplier that it keeps from the end that it is far from.
-const INSIDE: f64 = 1e-6;
 
 /// The slack and the excess that are best for a row.
 #[derive(Clone, Copy, Debug)]

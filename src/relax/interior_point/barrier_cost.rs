@@ -34,9 +34,10 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub margins: Vec<f64>,
     /// $r$, likewise: by how much a row is relaxed.
     pub relaxations: Vec<f64>,
-    /// A step that is being tried.
-    trial: Option<Trial>,
-    /// What each row at each point is.
+    trial: Trial,
+    /// True while a step is being tried.
+    trying: bool,
+    /// The kind of each row at each point.
     pub(super) kinds: Vec<Kind>,
     /// The rows with their margins where the cost was evaluated last.
     pub(in crate::relax) h: Vec<f64>,
@@ -48,9 +49,6 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     weighted: Vec<Wide<f64>>,
-    own_costs: Vec<f64>,
-    /// A number for each row at each point.
-    pub(super) scratch: Vec<f64>,
 }
 
 impl<'a, K: Constraint> BarrierCost<'a, K> {
@@ -97,43 +95,39 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             rows,
             barrier,
             multipliers: all.clone(),
-            scratch: all.clone(),
             margins,
             kinds,
             relaxations: all.clone(),
-            trial: None,
+            trial: Trial::default(),
+            trying: false,
             h: all,
             cost: 0.0,
             weights,
             slopes: zeros.clone(),
             curvatures: zeros.clone(),
             weighted: zeros,
-            own_costs: Vec::new(),
         }
     }
 
     /// Begins to try a step: the rows are those before it.
     pub(super) fn begin(&mut self) {
-        let mut trial = self.trial.take().unwrap_or_default();
+        let trial = &mut self.trial;
         trial.before.clone_from(&self.h);
         trial.whole.clear();
         trial.whole.resize(self.h.len(), f64::INFINITY);
         trial.relaxations.clone_from(&self.relaxations);
-        trial.share = 1.0;
-        trial.price = 0.0;
-        self.trial = Some(trial);
+        self.trying = true;
+        self.try_share(1.0);
     }
 
     /// After the cost was evaluated at the end of the whole step: the share of it that leaves every row inside that was
     /// inside before.
     pub(super) fn end_of_whole(&mut self) -> f64 {
         let mut share = 1.0_f64;
-        if let Some(trial) = &mut self.trial {
-            trial.whole.clone_from(&self.h);
-            for ((h, before), kind) in self.h.iter().zip(&trial.before).zip(&self.kinds) {
-                if *kind == Kind::Inequality && *before < 0.0 && *h > (1.0 - TO_THE_WALL) * before {
-                    share = share.min(TO_THE_WALL * before / (before - h));
-                }
+        self.trial.whole.clone_from(&self.h);
+        for ((h, before), kind) in self.h.iter().zip(&self.trial.before).zip(&self.kinds) {
+            if *kind == Kind::Inequality && *before < 0.0 && *h > (1.0 - TO_THE_WALL) * before {
+                share = share.min(TO_THE_WALL * before / (before - h));
             }
         }
         share
@@ -141,23 +135,18 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
 
     /// Tries a share of the step.
     pub(super) fn try_share(&mut self, share: f64) {
-        if let Some(trial) = &mut self.trial {
-            (trial.share, trial.price) = (share, 0.0);
-        }
+        (self.trial.share, self.trial.price) = (share, 0.0);
     }
 
-    /// What the relaxations of the trial cost.
+    /// The price of the relaxations of the trial.
     pub(super) fn trial_price(&self) -> f64 {
-        self.trial.as_ref().map_or(0.0, |trial| trial.price)
+        self.trial.price
     }
 
     /// Takes the trial for the iterate, with the multipliers that the whole of the step predicts as far as the rows where it ended
     /// allow.
     pub(super) fn accept(&mut self) {
-        let Some(trial) = self.trial.take() else {
-            return;
-        };
-        let barrier = self.barrier;
+        let (barrier, trial) = (self.barrier, &self.trial);
         let rows = trial.before.iter().zip(&trial.whole).zip(&self.h);
         let rows = rows.zip(&self.kinds);
         for (z, (((before, whole), h), kind)) in self.multipliers.iter_mut().zip(rows) {
@@ -168,11 +157,12 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             }
         }
         self.relaxations.copy_from_slice(&trial.relaxations);
+        self.trying = false;
     }
 
     /// Gives the trial up.
     pub(super) fn reject(&mut self) {
-        self.trial = None;
+        self.trying = false;
     }
 
     /// The largest equality where it is asked for, in its unit.
@@ -190,12 +180,9 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.relaxations.iter().copied().fold(0.0, f64::max)
     }
 
-    /// What the relaxations cost at the price of an excess, what of it the barriers get back, and the work of the push along the step.
+    /// The price of the relaxations, the part of it that the barriers get back, and the work of the push along the step that is tried.
     pub(super) fn price_of_relaxations(&self) -> [f64; 3] {
-        let (count, mut sums) = (self.rows.count(), [0.0; 3]);
-        let Some(trial) = &self.trial else {
-            return sums;
-        };
+        let (count, trial, mut sums) = (self.rows.count(), &self.trial, [0.0; 3]);
         for (at, r) in self.relaxations.iter().enumerate() {
             if *r > 0.0 {
                 let w = self.weights[at / count % self.weights.len()];
@@ -244,14 +231,14 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             let (barrier, mut product) = (self.barrier, 1.0_f64);
             for at in own {
                 let raw = self.h[at] + self.margins[at];
-                let h = match &mut self.trial {
-                    _ if self.kinds[at] != Kind::Inequality => raw,
-                    None => raw - self.relaxations[at],
-                    Some(trial) => {
-                        let h = trial.row(at, raw);
-                        trial.price += self.weights[g] * barrier.nu * trial.relaxations[at];
-                        h
-                    }
+                let h = if self.kinds[at] != Kind::Inequality {
+                    raw
+                } else if self.trying {
+                    let h = self.trial.row(at, raw);
+                    self.trial.price += self.weights[g] * barrier.nu * self.trial.relaxations[at];
+                    h
+                } else {
+                    raw - self.relaxations[at]
                 };
                 self.h[at] = h;
                 if let Some(split) = barrier.split(h, self.kinds[at]) {
@@ -295,7 +282,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         point: Point<'_, f64>,
         out: &mut PointDerivatives<f64>,
     ) -> Result<f64> {
-        alone(self, point, out)
+        alone(point, out, |points, all| self.all_derivatives(points, all))
     }
 
     fn all_derivatives(
@@ -307,7 +294,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         let (states, count, barrier) = (state.dim(), self.rows.count(), self.barrier);
         let (multipliers, relaxations) = (&self.multipliers, &self.relaxations);
         let (rows, margins, kinds) = (&mut self.h, &self.margins, &self.kinds);
-        let scales = self.rows.scales.clone();
+        let Rows { cost, scales, .. } = &mut self.rows;
         let mut term = |index: usize, u: &[f64], term: &mut ControlDerivatives<f64>| {
             let own = index * count + states..;
             for (at, ((i, limit, side), scale)) in own.zip(torque.rows().zip(&scales[states..])) {
@@ -328,14 +315,10 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
             }
             torque.dim() > 0
         };
-        self.rows.cost.derivatives_with(points, out, &mut term)?;
+        cost.all_derivatives_with(points, out, &mut term)?;
         let own = points.first * count..(points.first + points.count()) * count;
         self.rows.of_state(points, &mut self.h[own])?;
-        let mut costs = std::mem::take(&mut self.own_costs);
-        costs.clone_from(&out.costs);
-        self.add_barriers(points, &mut costs);
-        out.costs.copy_from_slice(&costs);
-        self.own_costs = costs;
+        self.add_barriers(points, &mut out.costs);
         if states > 0 {
             for start in (0..points.count()).step_by(LANES) {
                 self.add_state(points, start, out)?;

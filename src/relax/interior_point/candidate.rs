@@ -3,7 +3,7 @@
 use crate::motion::Problem;
 use crate::relax::Path;
 
-/// What a minimisation starts from and ends at.
+/// The start of a minimisation, and its end.
 #[derive(Clone, Debug)]
 pub(in crate::relax) struct Candidate {
     pub path: Path,
@@ -17,11 +17,11 @@ pub(in crate::relax) struct Candidate {
     pub gradient_norm: f64,
     pub smallest_curvature: f64,
     pub points: usize,
-    /// How far the quadrature is from the finer one, relative.
+    /// The relative difference of the quadrature and the finer one.
     pub quadrature_error: f64,
     /// The derivative of the cost in the horizon, where it was asked for.
     pub horizon_slope: f64,
-    /// Whether everything that was asked for is met.
+    /// True if everything that was asked for is met.
     pub converged: bool,
 }
 

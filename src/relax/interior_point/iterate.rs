@@ -3,13 +3,13 @@
 use crate::relax::Iteration;
 use nalgebra::DMatrix;
 
-/// Where a search stands: the derivatives are those of `coefficients`.
+/// The iterate of a search: the derivatives are those of `coefficients`.
 pub(super) struct Iterate {
     pub coefficients: DMatrix<f64>,
     /// $\phi$.
     pub merit: f64,
     pub iteration: Iteration,
-    /// Whether the barriers are as weak as they have to be in the end, and no row is relaxed.
+    /// True if the barriers are as weak as they have to be in the end, and no row is relaxed.
     pub at_last_barrier: bool,
     /// The cost by a finer quadrature when that was asked last, and how far it is from this one.
     pub finer: [f64; 2],

@@ -15,9 +15,8 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
     /// takes is a relaxation, which the next steps take back.
     pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], end: bool) {
         let count = self.rows.count();
+        let slacks: Vec<f64> = self.h.iter().map(|h| -h).collect();
         for at in 0..self.h.len() {
-            // Slacks for now, and margins that are found again.
-            self.scratch[at] = -self.h[at];
             self.h[at] += self.relaxations[at] - self.margins[at];
             if !end && self.kinds[at] == Kind::Inequality {
                 self.margins[at] = RESERVE;
@@ -46,20 +45,20 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
                 self.h[at] = h;
                 continue;
             }
-            let room = self.scratch[at].clamp(0.0, ROOM);
+            let room = slacks[at].clamp(0.0, ROOM);
             self.relaxations[at] = (h + room).max(0.0);
             self.h[at] = h - self.relaxations[at];
         }
     }
 
-    /// Relaxes all rows so that each has so much room, or as much as goes with its multiplier if that is less.
-    pub(super) fn relax(&mut self, room: f64) {
+    /// Relaxes all rows so that each has some room, or as much as goes with its multiplier if that is less.
+    pub(super) fn relax(&mut self) {
         for at in 0..self.h.len() {
             if self.kinds[at] != Kind::Inequality {
                 continue;
             }
             let central = self.barrier.mu / self.multipliers[at].max(f64::MIN_POSITIVE);
-            let more = (self.h[at] + room.min(central)).max(0.0);
+            let more = (self.h[at] + ROOM.min(central)).max(0.0);
             self.relaxations[at] += more;
             self.h[at] -= more;
         }

@@ -37,7 +37,7 @@ use crate::error::Result;
 use crate::motion::Problem;
 use search::{End, search};
 
-/// What is asked of one minimisation.
+/// The demands on one minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stage {
     /// The relative gradient norm.
@@ -46,15 +46,15 @@ pub(super) struct Stage {
     pub iterations: usize,
     /// After so many steps the metric of Gauss and Newton is computed anew, which takes as long as the Hessian.
     pub fresh: usize,
-    /// How well the quadrature has to agree with a finer one, relative.
+    /// The largest relative difference of the quadrature and a finer one.
     pub quadrature_tolerance: f64,
     /// The last weight of the barriers, relative to the cost.
     pub last_barrier: f64,
     /// The excess of a row that does no harm, in its unit.
     pub feasible: f64,
-    /// Whether the derivative of the cost in the horizon is asked for.
+    /// True if the derivative of the cost in the horizon is asked for.
     pub slope: bool,
-    /// Whether to see to it that it is a minimum within the constraints.
+    /// True if to see to it that it is a minimum within the constraints.
     pub last: bool,
 }
 

@@ -5,7 +5,7 @@ use super::trust_region::{Region, Step};
 use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::relax::tuning::{CUTS, REFUSALS, ROUNDING, SMALLEST_COST, SUFFICIENT};
+use crate::relax::tuning::{CUT, CUTS, REFUSALS, ROUNDING, SMALLEST_COST, SUFFICIENT};
 use crate::relax::{CostWithControl, Derivatives, Iteration, Objective};
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +17,7 @@ pub(super) struct Newton {
     pub derivatives: Derivatives<f64>,
     factor: BlockTridiagonal<f64>,
     metric_factor: BlockTridiagonal<f64>,
-    /// Whether there is one.
+    /// True if there is one.
     definite: bool,
     gram: BlockTridiagonal<f64>,
     norm: BlockTridiagonal<f64>,
@@ -132,7 +132,7 @@ impl Newton {
                 if ratio > SUFFICIENT {
                     break;
                 }
-                share *= 0.4;
+                share *= CUT;
             }
             iteration.damping = self.region.damping;
             iteration.step = share * length;

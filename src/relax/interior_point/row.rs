@@ -17,7 +17,7 @@ pub(super) struct Trial {
     pub price: f64,
 }
 
-/// What a row at a point is.
+/// The kind of a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Inequality,
@@ -26,7 +26,7 @@ pub(super) enum Kind {
     Idle,
 }
 
-/// What the rows are at all points, with as many `collocated` points of each segment as equalities hold at.
+/// The kinds of the rows at all points, with as many `collocated` points of each segment as equalities hold at.
 pub(super) fn kinds(
     equalities: &[bool],
     points: usize,

@@ -10,13 +10,13 @@ use crate::error::Result;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
     AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, CONSTRAINED_STEPS, FINE, FIRST_BARRIER,
-    FIRST_PRICE, FLOOR, LARGEST_PRICE, LATE, LEAVE, LOOK, MOST_POINTS, ON_THE_WAY, PRICE_FACTOR,
-    ROOM, SCAN, SMALLEST_COST,
+    FIRST_PRICE, FLOOR, LARGEST_PRICE, LATE, LEAVE, LEAVE_FACTOR, LEAVE_TRIES, LOOK, MOST_POINTS,
+    NEARLY, ON_THE_WAY, PRICE_FACTOR, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
 
-/// How a search on one quadrature ended.
+/// The end of a search on one quadrature.
 pub(super) enum End {
     /// As well as it could.
     Done,
@@ -36,10 +36,10 @@ struct Search<'g, 'a, K, P> {
     objective: Merit<'g, 'a, K, P>,
     newton: Newton,
     stage: Stage,
-    /// Whether there may be more points.
+    /// True if there may be more points.
     refinable: bool,
     horizon: f64,
-    /// How the curve changes with the horizon, where that is asked for.
+    /// The rates of the coefficients with the horizon, where that is asked for.
     rates: Option<DMatrix<f64>>,
     constrained: bool,
     /// The gradient in the metric of the Hessian, with which rows come into it as well: what the last step promised, if it was a whole one.
@@ -115,7 +115,9 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
                 end = Some(End::Coarse);
             } else if done {
                 // Rows may be broken between the points, or because the price of that is low.
-                if !self.is_within(&mut now)? && !out && self.mend(&now)? {
+                let peaks = self.look_between(&mut now)?;
+                let broken = now.violation > stage.feasible;
+                if broken && !out && self.mend(&peaks) {
                     self.decrement = f64::INFINITY;
                 } else {
                     end = Some(End::Done);
@@ -135,7 +137,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
                 let weaker = self.constrained && !now.at_last_barrier && self.reduce_barrier(0.0);
                 if !weaker {
                     self.is_coarse(&mut now, true)?;
-                    self.is_within(&mut now)?;
+                    self.look_between(&mut now)?;
                     end = Some(End::Done);
                 }
             }
@@ -194,7 +196,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         }
     }
 
-    /// Whether rows are still relaxed after so many steps that another start is worth more than further ones.
+    /// Tells whether rows are still relaxed after so many steps that another start is worth more than further ones.
     fn is_stuck(&mut self, steps: usize) -> bool {
         let late = self.constrained && steps >= CONSTRAINED_STEPS;
         late && self.objective.cost_mut().largest_relaxation() > 0.0
@@ -219,9 +221,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         if !now.at_last_barrier && self.reduce_barrier(promised) {
             self.decrement = f64::INFINITY;
             let peaks = self.peaks(&now.coefficients, 0)?;
-            let barriers = self.objective.cost_mut();
-            let total = barriers.barrier.mu * barriers.rows.count() as f64 * self.horizon;
-            let late = total < LATE * cost;
+            let late = self.total_barrier() < LATE * cost;
             // What is broken because that is cheap says nothing of what is between the points.
             if !(late && self.is_priced() && self.raise_price()) {
                 self.set_margins(&peaks, late);
@@ -230,7 +230,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(())
     }
 
-    /// Whether a finer quadrature sees another cost. On the way less is asked than when it is `done`.
+    /// Tells whether a finer quadrature sees another cost. On the way less is asked than when it is `done`.
     fn is_coarse(&mut self, now: &mut Iterate, done: bool) -> Result<bool> {
         let exact = self.finer.value(&now.coefficients)?;
         let error = (exact - now.iteration.cost).abs() / exact.max(SMALLEST_COST);
@@ -239,27 +239,30 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
-    /// Whether all rows are within their bounds between the points too.
-    fn is_within(&mut self, now: &mut Iterate) -> Result<bool> {
+    /// The largest violation where the search stands, between the points too, and the peaks of the rows.
+    fn look_between(&mut self, now: &mut Iterate) -> Result<Vec<Peak>> {
         now.violation = 0.0;
-        if self.constrained {
-            let peaks = self.peaks(&now.coefficients, 1)?;
-            let equality = self.objective.cost_mut().largest_equality();
-            now.violation = self.largest(&peaks).max(equality);
+        if !self.constrained {
+            return Ok(Vec::new());
         }
-        Ok(now.violation <= self.stage.feasible)
+        let peaks = self.peaks(&now.coefficients, 1)?;
+        let cost = self.objective.cost_mut();
+        let excesses = peaks
+            .iter()
+            .map(|peak| peak.height * cost.rows.units[peak.row]);
+        now.violation = excesses.fold(cost.largest_equality(), f64::max);
+        Ok(peaks)
     }
 
     /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
-    /// they may be; says whether that is possible.
-    fn mend(&mut self, now: &Iterate) -> Result<bool> {
+    /// they may be; returns false if neither is possible.
+    fn mend(&mut self, peaks: &[Peak]) -> bool {
+        // What is broken because that is cheap says nothing of what is between the points.
         if self.is_priced() {
-            // What is broken because that is cheap says nothing of what is between the points.
-            return Ok(self.raise_price());
+            return self.raise_price();
         }
-        let peaks = self.peaks(&now.coefficients, 1)?;
-        self.set_margins(&peaks, true);
-        Ok(true)
+        self.set_margins(peaks, true);
+        true
     }
 
     /// The first barrier, margins and multipliers.
@@ -277,26 +280,30 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
             nu: nu * density,
         };
         let known = candidate.multipliers.at(times, rows);
-        match known {
-            Some(known) => {
-                cost.multipliers = known;
-                cost.relax(ROOM);
-                cost.set_barrier(cost.barrier);
-            }
-            None => {
-                cost.relax(ROOM);
-                cost.reset_multipliers();
-            }
+        let warm = known.is_some();
+        if let Some(known) = known {
+            cost.multipliers = known;
+        }
+        cost.relax();
+        if warm {
+            cost.set_barrier(cost.barrier);
+        } else {
+            cost.reset_multipliers();
         }
         Ok(())
     }
 
-    /// Whether the barriers of all rows together are as weak as they have to be in the end.
+    /// The weight of the barriers of all rows over the whole horizon.
+    fn total_barrier(&mut self) -> f64 {
+        let cost = self.objective.cost_mut();
+        cost.barrier.mu * cost.rows.count() as f64 * self.horizon
+    }
+
+    /// Tells whether the barriers of all rows together are as weak as they have to be in the end.
     fn is_last_barrier(&mut self, cost: f64) -> bool {
-        let barriers = self.objective.cost_mut();
-        let total = barriers.barrier.mu * barriers.rows.count() as f64 * self.horizon;
-        let weak = total <= 1.01 * self.stage.last_barrier * cost.max(SMALLEST_COST);
-        weak && barriers.largest_relaxation() == 0.0
+        let weak =
+            self.total_barrier() <= NEARLY * self.stage.last_barrier * cost.max(SMALLEST_COST);
+        weak && self.objective.cost_mut().largest_relaxation() == 0.0
     }
 
     /// A weaker barrier if a step that promised so much leaves little to gain by the next; says whether it is.
@@ -309,7 +316,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
             return false;
         }
         let least = last * cost.cost.max(SMALLEST_COST) / all;
-        if mu <= 1.01 * least {
+        if mu <= NEARLY * least {
             return false;
         }
         let mu = (BARRIER_FACTOR * mu).max(least);
@@ -331,17 +338,10 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         true
     }
 
-    /// Where rows come nearest to their bounds, between the points too.
+    /// The local maxima of rows near their bounds, between the points too.
     fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
         let cost = self.objective.cost_mut();
         self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
-    }
-
-    /// The largest excess, in the unit of its row.
-    fn largest(&mut self, peaks: &[Peak]) -> f64 {
-        let units = &self.objective.cost_mut().rows.units;
-        let excesses = peaks.iter().map(|peak| peak.height * units[peak.row]);
-        excesses.fold(0.0, f64::max)
     }
 
     /// Margins from a look between the points.
@@ -351,7 +351,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         cost.set_barrier(cost.barrier);
     }
 
-    /// Whether a row may be broken because its multiplier is at the price.
+    /// Tells whether a row may be broken because its multiplier is at the price.
     fn is_priced(&mut self) -> bool {
         let cost = self.objective.cost_mut();
         let most = AT_THE_PRICE * cost.barrier.nu;
@@ -362,7 +362,7 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
     fn leave_saddle(&mut self, now: &mut Iterate, direction: &DVector<f64>) -> Result<bool> {
         let mut trial = now.coefficients.clone();
         let mut length = LEAVE * now.iteration.cost.max(0.0).sqrt();
-        for _ in 0..20 {
+        for _ in 0..LEAVE_TRIES {
             for sign in [1.0, -1.0] {
                 let from = &now.coefficients;
                 move_by(&self.objective, from, direction, sign * length, &mut trial);
@@ -371,12 +371,12 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
                     return Ok(true);
                 }
             }
-            length *= 0.3;
+            length *= LEAVE_FACTOR;
         }
         Ok(false)
     }
 
-    /// What there is when the search ends.
+    /// Leaves the end of the search in the candidate.
     fn leave_in(&mut self, candidate: &mut Candidate, now: Iterate) {
         let (horizon, times) = (self.horizon, &self.grid.times);
         if self.constrained {

@@ -9,10 +9,7 @@ pub use chain_rule::ChainRule;
 pub use num_dual::HyperDual64;
 pub use weighted_squares::WeightedSquares;
 
-use super::{
-    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
-    PointsDerivatives,
-};
+use super::{ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -144,33 +141,19 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
 }
 
 impl<R: RunningCost + Clone + Send + Sync> CostWithControl for CostThroughDynamics<'_, R> {
-    fn values_with_control(
-        &mut self,
-        points: Points<'_, f64>,
-        costs: &mut [f64],
-        controls: &mut DMatrix<f64>,
-    ) -> Result<()> {
-        for (g, cost) in costs.iter_mut().enumerate() {
-            let point = points.point(g);
-            let u = self.rule.control(point)?;
-            controls.column_mut(g).copy_from_slice(u);
-            *cost = self.running.value(&moment(point, u))?;
-        }
-        Ok(())
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
+        let control = self.rule.control(point)?;
+        u.copy_from_slice(control);
+        self.running.value(&moment(point, control))
     }
 
     fn derivatives_with(
         &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> Result<()> {
-        let mut single = PointDerivatives::new(points.states.nrows());
-        for g in 0..points.count() {
-            let cost = self.with_term(points.point(g), &mut single, term)?;
-            out.set(g, cost, &single);
-        }
-        Ok(())
+    ) -> Result<f64> {
+        self.with_term(point, out, term)
     }
 }
 
@@ -199,16 +182,14 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
             }
             self.rule.pull_back(&by_y.hessian, &mut out.hessian);
         }
-        for (to, own) in self
-            .by_term
-            .curvature_weights
+        let by_u = &mut by_y.gradient.as_mut_slice()[3 * n..];
+        let term = &mut self.by_term;
+        for (own, (weight, slope)) in by_u
             .iter_mut()
-            .zip(by_y.gradient.iter().skip(3 * n))
+            .zip(term.curvature_weights.iter_mut().zip(&term.gradient))
         {
-            *to += own;
-        }
-        for (i, own) in self.by_term.gradient.iter().enumerate() {
-            by_y.gradient[3 * n + i] += own;
+            *weight += *own;
+            *own += slope;
         }
         self.rule.gradient(&by_y.gradient, &mut out.gradient);
         let weights = &self.by_term.curvature_weights;

@@ -129,7 +129,7 @@ impl Tried {
         }
     }
 
-    /// Whether it is worth anything: where it is not the horizon is taken to be too short.
+    /// Tells whether it is worth anything: where it is not the horizon is taken to be too short.
     fn sound(&self) -> bool {
         self.found.converged
     }

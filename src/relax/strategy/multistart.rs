@@ -7,6 +7,7 @@ use crate::relax::settings::Rung;
 use crate::relax::tuning::{HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, WAVE};
 use crate::relax::{CostWithControl, Iteration, Path, RelaxSettings};
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
 use std::time::Instant;
@@ -16,11 +17,11 @@ use std::time::Instant;
 pub struct LocalMinimum {
     /// The integral of the running cost.
     pub cost: f64,
-    /// How many starts led to it.
+    /// The number of starts that led to it.
     pub starts: usize,
 }
 
-/// What the starts led to.
+/// The outcome of the starts.
 pub(in crate::relax) struct Outcome {
     pub best: Candidate,
     /// The costs at the lowest degree, in the order of the starts.
@@ -71,11 +72,14 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
                 if level == 0 {
                     first_costs.push(candidate.cost);
                 }
-                let left = rungs.len() - 1 - level;
-                let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
-                let most = least[level] + hopeless * least[level].abs();
                 // The first one has nothing to be compared with, and at the top all have come to their end.
-                let goes_on = left == 0 || least[level].is_infinite() || candidate.cost <= most;
+                let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
+                    Some(left) if least[level].is_finite() => {
+                        let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
+                        candidate.cost <= least[level] + hopeless * least[level].abs()
+                    }
+                    _ => true,
+                };
                 let inside = candidate.violation <= rung.stage.feasible;
                 if inside {
                     least[level] = least[level].min(candidate.cost);
@@ -98,11 +102,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
             break;
         }
     }
-    ends.sort_by(|a, b| {
-        rank(a)
-            .partial_cmp(&rank(b))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
+    ends.sort_by(rank);
     let minima = minima_of(&ends);
     Ok(Outcome {
         best: ends.swap_remove(0),
@@ -111,13 +111,13 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
     })
 }
 
-/// What the better of two candidates is less in: those that ended as they should come first, by their cost, then the others by
-/// their violation.
-fn rank(candidate: &Candidate) -> (bool, f64, f64) {
-    if candidate.converged {
-        (false, 0.0, candidate.cost)
-    } else {
-        (true, candidate.violation, candidate.cost)
+/// The order of candidates: those that ended as they should come first, by their cost, then the others by their violation.
+fn rank(a: &Candidate, b: &Candidate) -> Ordering {
+    let by_cost = a.cost.total_cmp(&b.cost);
+    match (a.converged, b.converged) {
+        (true, true) => by_cost,
+        (false, false) => a.violation.total_cmp(&b.violation).then(by_cost),
+        (a, b) => b.cmp(&a),
     }
 }
 
@@ -138,7 +138,7 @@ fn minima_of(ends: &[Candidate]) -> Vec<LocalMinimum> {
     minima
 }
 
-/// What `work` makes of each item, on several threads, in the order of the items.
+/// Applies `work` to each item on several threads; the results are in the order of the items.
 fn side_by_side<T: Send, R: Send>(
     items: Vec<T>,
     threads: usize,

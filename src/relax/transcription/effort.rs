@@ -29,13 +29,13 @@ pub struct ControlEffort<'m, C: Scalar, S: Scalar> {
     state: Vec<Wide<S>>,
     /// Half the second derivatives in `u`, `v` and `a`.
     squares_of: [DVector<Wide<S>>; 3],
-    /// Whether those in `v` and `a` are not all zero.
+    /// True if those in `v` and `a` are not all zero.
     with_motion: bool,
     /// $\partial l / \partial u$, that is $w$ of the gradient.
     slopes: DVector<Wide<S>>,
     /// $w$ of $\Phi(w)$.
     weights: DVector<Wide<S>>,
-    /// What else than the effort has as second derivatives in `u`.
+    /// The second derivatives of another term in `u`.
     stiffness: DVector<Wide<S>>,
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
@@ -108,7 +108,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     }
 
     /// The derivatives of the effort and of another cost of the control. The metrics and the costs are those of the effort.
-    pub(super) fn derivatives_with(
+    fn with_term(
         &mut self,
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
@@ -256,7 +256,7 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
     }
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
-        alone(self, point, out)
+        alone(point, out, |points, all| self.all_derivatives(points, all))
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
@@ -268,11 +268,28 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
         points: Points<'_, S>,
         out: &mut PointsDerivatives<S>,
     ) -> Result<()> {
-        self.derivatives_with(points, out, &mut |_, _, _| false)
+        self.with_term(points, out, &mut |_, _, _| false)
     }
 }
 
 impl CostWithControl for ControlEffort<'_, f64, f64> {
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
+        let (states, mut cost) = (point.states(), [0.0]);
+        let mut controls = DMatrix::zeros(u.len(), 1);
+        self.values_with_control(point.points(&states), &mut cost, &mut controls)?;
+        u.copy_from_slice(controls.as_slice());
+        Ok(cost[0])
+    }
+
+    fn derivatives_with(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<f64> {
+        alone(point, out, |points, all| self.with_term(points, all, term))
+    }
+
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,
@@ -282,24 +299,24 @@ impl CostWithControl for ControlEffort<'_, f64, f64> {
         self.values_and_controls(points, costs, Some(controls))
     }
 
-    fn derivatives_with(
+    fn all_derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
     ) -> Result<()> {
-        ControlEffort::derivatives_with(self, points, out, term)
+        self.with_term(points, out, term)
     }
 }
 
-/// The derivatives at a single point of a cost that is for many.
+/// The derivatives at a single point by what has them for many.
 pub(in crate::relax) fn alone<S: Scalar>(
-    cost: &mut impl PointCost<S>,
     point: Point<'_, S>,
     out: &mut PointDerivatives<S>,
+    derivatives: impl FnOnce(Points<'_, S>, &mut PointsDerivatives<S>) -> Result<()>,
 ) -> Result<S> {
     let (states, mut all) = (point.states(), PointsDerivatives::new(point.q.len(), 1));
-    cost.all_derivatives(point.points(&states), &mut all)?;
+    derivatives(point.points(&states), &mut all)?;
     out.hessian = all.hessians.get(0);
     out.metric = all.metrics.get(0);
     out.gradient.copy_from_slice(all.gradients.as_slice());

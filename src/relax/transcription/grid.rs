@@ -147,7 +147,7 @@ impl<S: Scalar> Grid<S> {
         self.products.get_or_init(new)
     }
 
-    /// How many functions each segment has for itself.
+    /// The number of functions that each segment has for itself.
     pub(in crate::relax) fn bubbles(&self) -> usize {
         self.table.nrows() - 4
     }

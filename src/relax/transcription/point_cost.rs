@@ -75,17 +75,9 @@ pub(in crate::relax) const LANES: usize = 4;
 pub(in crate::relax) type Wide<S> = Lanes<S, LANES>;
 
 impl<S: Scalar> Points<'_, S> {
-    /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; says how many there are.
+    /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; returns how many there are.
     pub(in crate::relax) fn gather(&self, start: usize, state: &mut [Wide<S>]) -> usize {
-        let (size, count) = (state.len(), LANES.min(self.count() - start));
-        for lane in 0..LANES {
-            let point = start + lane.min(count - 1);
-            let from = &self.states.as_slice()[point * size..(point + 1) * size];
-            for (to, from) in state.iter_mut().zip(from) {
-                to.0[lane] = *from;
-            }
-        }
-        count
+        Lanes::gather(self.states.as_slice(), start, state)
     }
 }
 
@@ -237,31 +229,62 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 }
 
 /// A running cost that knows the control, so that limits of the control can be kept as well.
+///
+/// As with [`PointCost`], one point at a time is all that has to be there.
 pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
+    /// The cost, and the control into `u`.
+    ///
+    /// # Errors
+    /// The point is for another robot.
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64>;
+
+    /// The cost, and all of `out`, of the cost and of another `term` in the control alone; cost and metric are those of the cost.
+    ///
+    /// # Errors
+    /// The point or `out` is for another robot.
+    fn derivatives_with(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<f64>;
+
     /// The costs at all points, and the controls there into the columns of `controls`, `N` by `M`.
     ///
     /// # Errors
-    /// The points are for another robot.
+    /// As [`value_with_control`](Self::value_with_control).
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,
         costs: &mut [f64],
         controls: &mut DMatrix<f64>,
-    ) -> Result<()>;
+    ) -> Result<()> {
+        for (g, (cost, mut u)) in costs.iter_mut().zip(controls.column_iter_mut()).enumerate() {
+            *cost = self.value_with_control(points.point(g), u.as_mut_slice())?;
+        }
+        Ok(())
+    }
 
-    /// All of `out`, of the cost and of another `term` in the control alone; costs and metrics are those of the cost.
+    /// All of `out`, except the metrics where nobody reads them, as [`derivatives_with`](Self::derivatives_with).
     ///
     /// # Errors
-    /// The points are for another robot.
-    fn derivatives_with(
+    /// As there.
+    fn all_derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> Result<()>;
+    ) -> Result<()> {
+        let mut single = PointDerivatives::new(points.states.nrows());
+        for g in 0..points.count() {
+            let cost = self.derivatives_with(points.point(g), &mut single, term)?;
+            out.set(g, cost, &single);
+        }
+        Ok(())
+    }
 }
 
-/// What a term in the control alone adds to the derivatives of a cost at a point.
+/// The derivatives of a term in the control alone at a point.
 #[derive(Clone, Debug)]
 pub struct ControlDerivatives<S> {
     /// The gradient in `u`, `N` entries.

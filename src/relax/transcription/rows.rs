@@ -19,9 +19,9 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at the points that are side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
-    /// What a row is multiplied with: it is then of the order of 0.1 where it is badly violated.
+    /// The factor of a row: with it the row is of the order of 0.1 where it is badly violated.
     pub scales: Vec<f64>,
-    /// Whether a row is an equality.
+    /// True if a row is an equality.
     pub equalities: Vec<bool>,
     /// One of the multiplied row in rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
@@ -116,7 +116,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// The weighted derivatives of the rows of the state at the points from `start` on, side by side; says how many these are.
+    /// The weighted derivatives of the rows of the state at the points from `start` on, side by side.
     pub fn weighted_derivatives(
         &mut self,
         points: Points<'_, f64>,

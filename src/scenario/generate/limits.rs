@@ -4,6 +4,7 @@ use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
 use super::{CLEAR, Candidate, HIT, direction, round_up, round_vector, rounded};
 use crate::constraint::Capsule;
+use crate::dynamics::path_to_base;
 use crate::error::Result;
 use crate::model::{Joint, Model};
 use crate::scenario::RobotShape;
@@ -19,22 +20,22 @@ const LEAST_HORIZON: f64 = 0.5;
 const RANGE: f64 = 0.9;
 /// The share of the torque limits that the known motion takes at most without obstacle, and with one.
 const TORQUE_SHARES: [f64; 2] = [0.9, 0.95];
-/// How far the path around an obstacle leaves the line at most, rad or m.
+/// The largest distance of the path around an obstacle from the line, rad or m.
 const BEND: f64 = 0.9;
 /// The radius of the links of a robot that reaches 1 m or more, m; links, obstacles and margins of others are smaller by their reach.
 const LINK_RADIUS: f64 = 0.05;
 /// The radii of its obstacles, m.
 const RADII: Range<f64> = 0.04..0.12;
-/// How far their centres are from the links at most, m.
+/// The largest distance of their centres from the links, m.
 const OFF: f64 = 0.1;
 /// The reach below which a robot has no links to speak of, m.
 const LEAST_REACH: f64 = 0.05;
-/// How many bent paths are tried for a pair.
+/// The number of bent paths that are tried for a pair.
 const BENDS: usize = 8;
-/// How many places are tried for the obstacle of one path.
+/// The number of places that are tried for the obstacle of one path.
 const PLACES: usize = 20;
 
-/// Where the ends of a joint are drawn from: most of its range, of at most one turn.
+/// The range from which the ends of a joint are drawn: most of its own, of at most one turn.
 fn range(joint: &Joint<f64>) -> [f64; 2] {
     let limits = joint.limits();
     let (lower, upper) = match (limits.lower.max(-PI), limits.upper.min(PI)) {
@@ -110,10 +111,9 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
         let capsule = moving_capsule(capsules.len(), rng);
         // Only what moves this link is bent.
         let mut wish = vec![0.0; model.dof()];
-        let mut body = capsules[capsule].body;
-        while let Some(joint) = body {
+        let moving = capsules[capsule].body.into_iter();
+        for joint in moving.flat_map(|body| path_to_base(model, body)) {
             wish[joint] = rng.random_range(-BEND..BEND);
-            body = model.joints()[joint].parent();
         }
         let witness = Witness::bent(model, straight.ends.clone(), wish, horizon);
         if !witness.keeps_limits(TORQUE_SHARES[1])? {

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use witness::Witness;
 
-/// How often a family draws a motion and obstacles before it gives a seed up.
+/// The number of draws of a motion and obstacles before a family gives a seed up.
 const ATTEMPTS: usize = 5000;
 /// How many scenarios of a family are listed.
 const LISTED: u64 = 10;
@@ -49,9 +49,9 @@ pub struct Family {
     pub about: &'static str,
     /// The robot, where no other is asked for.
     robot: &'static str,
-    /// Whether another one may be.
+    /// True if another one may be.
     any_robot: bool,
-    /// Whether the limits of the robot are enforced; what is known to be a solution keeps them then.
+    /// True if the limits of the robot are enforced; what is known to be a solution keeps them then.
     within_limits: bool,
     flow: FlowParameters,
     feedback: Feedback,
@@ -71,7 +71,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// What `witness` solves, with links of this radius and no obstacle yet.
+    /// The problem that `witness` solves, with links of this radius and no obstacle yet.
     fn new(witness: Witness, link_radius: f64) -> Self {
         let rest = vec![0.0; witness.model.dof()];
         Self {

@@ -41,14 +41,14 @@ impl<'a> Paths<'a> {
         })
     }
 
-    /// Whether the bent path stays `margin` clear of a sphere, m.
+    /// Tells whether the bent path stays `margin` clear of a sphere, m.
     pub(super) fn free(&self, centre: Vector3<f64>, radius: f64, margin: f64) -> Result<bool> {
         Ok(self.bent.clearance(centre, radius)? >= margin)
     }
 }
 
 impl Swept {
-    /// What a robot with links of this radius sweeps.
+    /// The space that a robot with links of this radius sweeps.
     fn new(witness: &Witness, radius: f64) -> Result<Self> {
         let model = witness.model;
         let places = (0..PLACES).map(|k| {

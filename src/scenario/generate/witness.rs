@@ -11,7 +11,7 @@ const PEAK: f64 = 1.25;
 const VELOCITY_SHARE: f64 = 0.98;
 /// By how much the horizon of a generated scenario exceeds the least one of the velocity limits. [`PEAK`] is below it.
 pub(super) const HORIZON_RATIO: f64 = 1.3;
-/// How fast a joint without velocity limit is taken to be, rad/s or m/s.
+/// The velocity limit of a joint that has none, rad/s or m/s.
 const NOMINAL_SPEED: f64 = 3.0;
 /// At how many times the limits are looked at.
 const TIMES: usize = 241;
@@ -24,9 +24,9 @@ const STRIDE: usize = 24;
 /// relaxation has it among its motions.
 pub(super) struct Witness<'a> {
     pub model: &'a Model,
-    /// Where it starts and ends.
+    /// Its start and its end.
     pub ends: [Vec<f64>; 2],
-    /// How far each joint leaves the line in the middle.
+    /// The distance of each joint from the line in the middle.
     pub bend: Vec<f64>,
     /// Its duration, s.
     pub horizon: f64,
@@ -100,14 +100,14 @@ impl<'a> Witness<'a> {
         [start + along(0), along(1) * rate, along(2) * rate * rate]
     }
 
-    /// Whether a joint keeps its limits of position and velocity at the time `k` of [`TIMES`].
+    /// Tells whether a joint keeps its limits of position and velocity at the time `k` of [`TIMES`].
     fn joint_keeps(&self, i: usize, k: usize) -> bool {
         let [q, v, _] = self.joint(i, k as f64 / (TIMES - 1) as f64);
         let limits = self.model.joints()[i].limits();
         v.abs() <= VELOCITY_SHARE * limits.velocity && (limits.lower..=limits.upper).contains(&q)
     }
 
-    /// Whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
+    /// Tells whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
     pub(super) fn keeps_limits(&self, torque: f64) -> Result<bool> {
         let mut data = Data::new(self.model);
         let n = self.model.dof();
