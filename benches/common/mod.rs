@@ -27,8 +27,8 @@ pub fn wave(count: usize, frequency: f64) -> Vec<f64> {
 
 /// The robots that are built in but for the single pendulum, and chains of 32, 64 and 128 joints.
 pub fn models() -> Vec<Model> {
-    let built_in = builtin_robots().skip(1).filter_map(builtin_robot);
-    let built_in = built_in.map(|robot| robot.expect("it loads").0);
+    let built_in = builtin_robots().skip(1);
+    let built_in = built_in.map(|name| builtin_robot(name).expect("it loads"));
     let chains = [32, 64, 128].map(|n| random_chain(n, 1).expect("it has joints"));
     built_in.chain(chains).collect()
 }

@@ -150,7 +150,7 @@ pub type FlowOutcome = std::result::Result<FlowSolution, Box<FlowFailure>>;
 pub fn flow(
     problem: &Problem<'_>,
     settings: &FlowSettings,
-    observe: &mut dyn FnMut(FlowRecord),
+    observe: &mut dyn FnMut(&FlowRecord),
 ) -> Result<FlowOutcome> {
     let model = problem.model();
     let jacobian = &mut *settings.jacobian.build(model);
@@ -171,7 +171,7 @@ pub fn flow_constrained<K: Constraint>(
     problem: &Problem<'_>,
     settings: &FlowSettings,
     constraints: &Penalised<K>,
-    observe: &mut dyn FnMut(FlowRecord),
+    observe: &mut dyn FnMut(&FlowRecord),
 ) -> Result<FlowOutcome> {
     let model = problem.model();
     constraints.refuse_equalities(model)?;
@@ -191,7 +191,7 @@ pub fn flow_with(
     settings: &FlowSettings,
     rhs: &mut dyn RightHandSide<f64, f64>,
     jacobian: &mut dyn NodeJacobian,
-    observe: &mut dyn FnMut(FlowRecord),
+    observe: &mut dyn FnMut(&FlowRecord),
 ) -> Result<FlowOutcome> {
     let integrator = &mut *settings.integrator.build();
     flow_with_integrator(problem, settings, rhs, jacobian, integrator, observe)
@@ -208,7 +208,7 @@ pub fn flow_with_integrator(
     rhs: &mut dyn RightHandSide<f64, f64>,
     jacobian: &mut dyn NodeJacobian,
     integrator: &mut dyn Integrator,
-    observe: &mut dyn FnMut(FlowRecord),
+    observe: &mut dyn FnMut(&FlowRecord),
 ) -> Result<FlowOutcome> {
     settings.check()?;
     let model = problem.model();
@@ -235,7 +235,7 @@ pub fn flow_with_integrator(
         collocation,
         history: Vec::new(),
     };
-    observe(recorder.record(0.0, &unknowns)?);
+    observe(&recorder.record(0.0, &unknowns)?);
     let mut error = None;
     let outcome = integrator.integrate(
         &mut system,
@@ -247,7 +247,7 @@ pub fn flow_with_integrator(
             absolute: settings.tolerance,
         },
         &mut |s, y| match recorder.record(s, y) {
-            Ok(record) => observe(record),
+            Ok(record) => observe(&record),
             Err(e) => error = Some(e),
         },
     );

@@ -59,12 +59,12 @@ static NONE: Constraints<()> = Constraints {
 /// ```
 /// use aghf::motion::Problem;
 /// use aghf::relax::{RelaxSettings, Relaxation};
-/// let (model, _) = aghf::urdf::builtin_robot("pendulum_2").ok_or("built in")?.map_err(|e| e.to_string())?;
-/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0).map_err(|e| e.to_string())?;
+/// let model = aghf::urdf::builtin_robot("pendulum_2")?;
+/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
 /// let settings = RelaxSettings { degree: 9, ..RelaxSettings::default() };
-/// let solution = Relaxation::new(&problem).settings(settings).solve().map_err(|e| e.to_string())?;
+/// let solution = Relaxation::new(&problem).settings(settings).solve()?;
 /// assert!(solution.converged);
-/// # Ok::<(), String>(())
+/// # Ok::<(), aghf::Error>(())
 /// ```
 pub struct Relaxation<'a, K, P> {
     problem: &'a Problem<'a>,

@@ -45,7 +45,7 @@ pub struct SolveReport {
 pub fn solve(
     scenario: &Scenario,
     options: &SolveOptions,
-    observe: &mut dyn FnMut(Record),
+    observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     options.check()?;
     scenario.check_feasible()?;
@@ -61,7 +61,7 @@ pub fn solve(
 fn solve_by_flow(
     scenario: &Scenario,
     options: &SolveOptions,
-    observe: &mut dyn FnMut(Record),
+    observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
     let settings: &FlowSettings = &options.flow_settings(scenario);
@@ -76,7 +76,7 @@ fn solve_by_flow(
             torque: penalty,
         },
     };
-    let observe = &mut |record| observe(Record::Flow(record));
+    let observe = &mut |record: &FlowRecord| observe(&Record::Flow(*record));
     let started = Instant::now();
     let outcome = if scenario.is_free() {
         flow(&problem, settings, observe)?
@@ -142,7 +142,7 @@ fn solve_by_flow(
 fn solve_by_relaxation(
     scenario: &Scenario,
     settings: &RelaxSettings,
-    observe: &mut dyn FnMut(Record),
+    observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
     let started = Instant::now();
@@ -150,7 +150,7 @@ fn solve_by_relaxation(
         state: scenario.state_constraints()?,
         torque: scenario.torque_limits(),
     };
-    let observe = &mut |iteration: &Iteration| observe(Record::Relax(*iteration));
+    let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
     let (model, kept) = (&scenario.model, &constraints);
     let cost = match &scenario.file.running_cost {
         None => ControlEffort::new(model),

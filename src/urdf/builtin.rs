@@ -1,7 +1,7 @@
 //! The robots in `robots/`, built into the library.
 
-use super::{LoadReport, parse_urdf};
-use crate::error::Result;
+use super::parse_urdf;
+use crate::error::{Error, Result};
 use crate::model::Model;
 
 /// Names and URDF texts of the robots that are built in.
@@ -30,12 +30,18 @@ pub fn builtin_robots() -> impl Iterator<Item = &'static str> {
     ROBOTS.iter().map(|(name, _)| *name)
 }
 
-/// The robot called `name`, if it is built in.
+/// The built-in robot of this name; [`load_robot`](super::load_robot) has the notes on it as well.
 ///
 /// # Errors
-/// None that a release should show: the files are tested.
-pub fn builtin_robot(name: &str) -> Option<Result<(Model, LoadReport)>> {
-    builtin_robot_text(name).map(|text| parse_urdf(text, name))
+/// None is called so; the message lists those that there are.
+pub fn builtin_robot(name: &str) -> Result<Model> {
+    let text = builtin_robot_text(name).ok_or_else(|| {
+        let all: Vec<_> = builtin_robots().collect();
+        let condition = format!("no built-in robot is called so, but {}", all.join(", "));
+        Error::input(name, "robot", condition)
+    })?;
+    let (model, _) = parse_urdf(text, name)?;
+    Ok(model)
 }
 
 /// The URDF text of the robot called `name`, if it is built in.

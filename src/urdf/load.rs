@@ -1,19 +1,19 @@
 //! Robots by name or by path.
 
-use super::{LoadReport, UrdfOptions, builtin_robot, load_urdf_with};
+use super::{LoadReport, UrdfOptions, builtin_robot_text, load_urdf_with, parse_urdf};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use std::path::Path;
 
-/// The robot that is built in under this name, or else the one in the URDF file at this path below `folder`.
+/// The built-in robot of this name, or else the one in the URDF file at this path.
 ///
 /// # Errors
 /// Names the file, the element and what is wrong with it.
-pub fn load_robot(name_or_path: &str, folder: &Path) -> Result<(Model, LoadReport)> {
-    load_robot_with(name_or_path, folder, UrdfOptions::default())
+pub fn load_robot(name_or_path: &str) -> Result<(Model, LoadReport)> {
+    load_robot_with(name_or_path, Path::new(""), UrdfOptions::default())
 }
 
-/// As [`load_robot`], a URDF file being read as `options` say.
+/// As [`load_robot`], with paths relative to `folder` and a URDF file read as `options` say.
 ///
 /// # Errors
 /// As [`load_robot`].
@@ -22,8 +22,8 @@ pub fn load_robot_with(
     folder: &Path,
     options: UrdfOptions,
 ) -> Result<(Model, LoadReport)> {
-    if let Some(robot) = builtin_robot(name_or_path) {
-        return robot;
+    if let Some(text) = builtin_robot_text(name_or_path) {
+        return parse_urdf(text, name_or_path);
     }
     let path = folder.join(name_or_path);
     if !path.exists() {

@@ -9,7 +9,6 @@ mod regularity;
 mod tree;
 mod write;
 
-#[cfg(feature = "output")]
 pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use load::{load_robot, load_robot_with};

@@ -67,7 +67,7 @@
 //! use aghf::urdf::builtin_robot;
 //! use aghf::verify::{CheckOptions, check_all};
 //!
-//! let (model, _) = builtin_robot("pendulum_2").expect("it is built in")?;
+//! let model = builtin_robot("pendulum_2")?;
 //! let options = CheckOptions { samples: 2, ..CheckOptions::default() };
 //! for finding in check_all(&model, &options)? {
 //!     assert!(finding.passes(), "{}: {:e}", finding.quantity, finding.error);

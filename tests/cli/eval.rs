@@ -149,9 +149,7 @@ fn the_form_of_the_flow_agrees_with_that_of_the_state() {
     for key in KEYS {
         assert_eq!(out[key], state[key], "{key}");
     }
-    let (model, _) = builtin_robot("kinova_gen3")
-        .expect("built in")
-        .expect("it loads");
+    let model = builtin_robot("kinova_gen3").expect("built in");
     let [x, xdot, xddot] = ["x", "xdot", "xddot"].map(|key| vector(&input[key]));
     let curve = Node {
         x: x.as_slice(),

@@ -30,10 +30,7 @@ pub fn config(cases: u32) -> Config {
 
 /// A robot that is built in.
 pub fn robot(name: &str) -> Model {
-    let (model, _) = builtin_robot(name)
-        .expect("it is built in")
-        .expect("it loads");
-    model
+    builtin_robot(name).expect("it is built in")
 }
 
 /// One slider of mass `mass` along x, so without gravity: $u = m \ddot q$.

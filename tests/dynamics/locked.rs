@@ -124,8 +124,7 @@ fn a_joint_locked_to_the_base_and_limits() {
 
 #[test]
 fn joints_that_cannot_be_locked_are_refused_by_name() {
-    let arm = builtin_robot("kinova_gen3");
-    let (arm, _) = arm.expect("built in").expect("it loads");
+    let arm = builtin_robot("kinova_gen3").expect("built in");
     let all: Vec<_> = (0..7).map(|i| (i, 0.0)).collect();
     for (locked, words) in [
         (

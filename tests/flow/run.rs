@@ -45,7 +45,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     let problem = swing_up(&model);
     let mut seen = Vec::new();
     let solution = flow(&problem, &FlowSettings::new(9, 1e5, 10.0), &mut |record| {
-        seen.push(record)
+        seen.push(*record)
     });
     let solution = solution.expect("valid").expect("it reaches its end");
     assert_eq!(seen, solution.history);

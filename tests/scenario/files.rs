@@ -1,7 +1,7 @@
 //! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
 
 use aghf::scenario::{EnforcedLimits, RobotShape, Scenario, SolveOptions};
-use aghf::urdf::load_robot;
+use aghf::urdf::{UrdfOptions, load_robot_with};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -392,6 +392,7 @@ fn a_robot_is_looked_for_beside_the_scenario() {
     let scenario = load_text("beside", &scenario).expect("it is there");
     assert_eq!(scenario.model.joints()[0].name(), "shoulder");
     assert_eq!(scenario.model.name(), "pendulum_2", "as the file says");
-    let (model, _) = load_robot("arms/mine.urdf", &folder).expect("it is there");
+    let (model, _) =
+        load_robot_with("arms/mine.urdf", &folder, UrdfOptions::default()).expect("it is there");
     assert_eq!(model.joints()[0].name(), "shoulder");
 }

@@ -145,9 +145,7 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
 
 #[test]
 fn the_least_horizon_of_a_robot() {
-    let (kinova, _) = builtin_robot("kinova_gen3")
-        .expect("built in")
-        .expect("it loads");
+    let kinova = builtin_robot("kinova_gen3").expect("built in");
     let (start, mut goal) = ([0.5; 7], [0.5; 7]);
     assert_eq!(
         least_horizon(&kinova, &start, &goal).expect("lengths agree"),

@@ -110,7 +110,7 @@ fn the_summary_of_a_relaxation_is_consistent() {
         num_starts: Some(2),
         ..Default::default()
     };
-    let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
+    let outcome = solve(&scenario, &options, &mut |r| seen.push(*r)).expect("it is good");
     let s = &outcome.summary;
     assert!(s.success && s.failure.is_none(), "{s:?}");
     assert_eq!((s.method, s.p), (Method::Relax, 9));
@@ -190,7 +190,7 @@ fn the_summary_of_a_swing_up_is_consistent() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let mut seen = Vec::new();
     let options = by_flow();
-    let outcome = solve(&scenario, &options, &mut |r| seen.push(r)).expect("it is good");
+    let outcome = solve(&scenario, &options, &mut |r| seen.push(*r)).expect("it is good");
     let s = &outcome.summary;
     let (d, history) = flow_details(&outcome);
     assert!(

@@ -4,7 +4,7 @@ use crate::common::robot;
 use aghf::dynamics::{Data, crba, rnea};
 use aghf::model::{Joint, JointKind, JointSpec, Limits, Model, pendulum, random_tree};
 use aghf::spatial::{Inertia, Placement};
-use aghf::urdf::{LoadNote, builtin_robot, builtin_robots, parse_urdf};
+use aghf::urdf::{LoadNote, builtin_robots, load_robot, parse_urdf};
 use nalgebra::{DMatrix, Vector3};
 use std::path::Path;
 
@@ -48,7 +48,7 @@ fn joints_are_numbered_depth_first_by_name_whatever_the_order_of_the_file() {
     for name in builtin_robots() {
         let (head, mut parts) = elements(&urdf(name));
         assert!(parts.len() >= 3, "{name}: {} elements", parts.len());
-        let (expected, notes) = builtin_robot(name).expect("built in").expect("it loads");
+        let (expected, notes) = load_robot(name).expect("built in");
         for turn in 0..4 {
             match turn {
                 0 => parts.reverse(),
@@ -101,9 +101,7 @@ fn siblings_are_in_alphabetical_order_of_joint_names() {
 
 #[test]
 fn kinova_has_seven_joints_in_a_row() {
-    let (model, report) = builtin_robot("kinova_gen3")
-        .expect("built in")
-        .expect("it loads");
+    let (model, report) = load_robot("kinova_gen3").expect("built in");
     let names = [
         "joint_1", "joint_2", "joint_3", "joint_4", "joint_5", "joint_6", "joint_7",
     ];

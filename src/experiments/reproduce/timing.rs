@@ -10,7 +10,6 @@ use crate::model::Model;
 use crate::urdf::load_robot;
 use crate::verify::duals::State;
 use std::hint::black_box;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// The penalty; it changes no time.
@@ -161,7 +160,7 @@ pub(super) fn scaling(settings: &Settings, progress: &mut dyn FnMut(&str)) -> Re
         points: Vec::new(),
     });
     for robot in SCALING_ROBOTS.into_iter().filter(|r| settings.chooses(r)) {
-        let (model, _) = load_robot(robot, Path::new(""))?;
+        let (model, _) = load_robot(robot)?;
         let states: Vec<State> = (0..settings.configurations)
             .map(|i| State::random(&model, settings.seed, i))
             .collect();
