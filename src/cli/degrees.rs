@@ -1,16 +1,21 @@
 //! `aghf degrees`.
 
+use super::output::OutArgs;
 use super::{RobotArgs, print};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::experiments::{Size, by_size, size_table, write_sizes};
 use clap::Args;
 use indicatif::ProgressBar;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
+
+/// The file that is written.
+const FILE: &str = "degrees.csv";
 
 /// How much less effort a scenario takes with higher degrees and more pieces.
 ///
-/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts.
+/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. The folder, out/degrees/SCENARIO unless
+/// there is one, gets degrees.csv.
 #[derive(Debug, Args)]
 pub(super) struct Degrees {
     /// A scenario that is built in, or the path of a JSON file.
@@ -23,9 +28,8 @@ pub(super) struct Degrees {
     /// How many starts to try [default: 8].
     #[arg(long)]
     starts: Option<usize>,
-    /// The folder for degrees.csv [default: out/degrees/SCENARIO].
-    #[arg(long)]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: OutArgs,
 }
 
 impl Degrees {
@@ -33,6 +37,8 @@ impl Degrees {
         let scenario = self.robot.scenario(&self.scenario)?;
         let sizes = self.sizes.iter().map(|size| size.parse());
         let sizes = sizes.collect::<Result<Vec<Size>>>()?;
+        let default = Path::new("out/degrees").join(&scenario.name);
+        let folder = self.out.folder(&default, &[FILE])?;
         let progress = ProgressBar::new(sizes.len() as u64);
         let rows = by_size(&scenario, &sizes, self.starts, &mut |size| {
             progress.set_message(size.to_string());
@@ -40,10 +46,7 @@ impl Degrees {
         })?;
         progress.finish_and_clear();
         print(&size_table(&rows))?;
-        let folder =
-            (self.out).unwrap_or_else(|| PathBuf::from("out/degrees").join(&scenario.name));
-        std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
-        let file = folder.join("degrees.csv");
+        let file = folder.path().join(FILE);
         write_sizes(&rows, &file)?;
         print(&format!("wrote {}", file.display()))?;
         Ok(ExitCode::SUCCESS)

@@ -4,16 +4,19 @@ mod check;
 mod choice;
 mod degrees;
 mod eval;
+mod output;
 mod prove;
 mod reproduce;
 mod robots;
+mod sample;
 mod scenarios;
 mod solve;
+mod stages;
 mod sweep;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, SolveOptions};
 use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
@@ -43,6 +46,7 @@ const EXIT_CODES: &str =
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Sample(sample::Sample),
     Sweep(sweep::Sweep),
     Degrees(degrees::Degrees),
     Robots(robots::Robots),
@@ -83,7 +87,13 @@ struct RobotArgs {
 impl RobotArgs {
     /// The scenario that is built in or generated under this name, or else the one in this file.
     fn scenario(&self, scenario: &str) -> Result<Scenario, Error> {
-        Scenario::load_for(scenario, self.robot.as_deref(), self.mimic)
+        let (scenario, _) = self.scenario_with_options(scenario)?;
+        Ok(scenario)
+    }
+
+    /// The same with the options of the solve where the file is the summary of one.
+    fn scenario_with_options(&self, scenario: &str) -> Result<(Scenario, SolveOptions), Error> {
+        Scenario::load_with_options(scenario, self.robot.as_deref(), self.mimic)
     }
 }
 
@@ -93,6 +103,7 @@ pub fn main() -> ExitCode {
     let command = Cli::parse().command;
     let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
         Command::Solve(solve) => solve.run(),
+        Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Degrees(degrees) => degrees.run(),
         Command::Robots(robots) => robots.run(),

@@ -1,12 +1,13 @@
 //! `aghf reproduce`.
 
+use super::output::OutArgs;
 use super::print;
-use crate::error::{Error, Result};
-use crate::experiments::reproduce::{Settings, reproduce};
+use crate::error::Result;
+use crate::experiments::reproduce::{Reproduction, Settings, reproduce};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -21,8 +22,8 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// spreads a table over machines. --quick takes the paper's best sets and our own instead.
 ///
 /// Then solves every scenario, built in or generated, with the best sets, and times the right-hand side of the flow and its Jacobian
-/// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). The folder gets report.md, which is what is printed,
-/// solves.csv, scaling.csv, fits.csv, figure_4.svg and figure_5.svg.
+/// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). The folder, out/reproduce unless there is one, gets
+/// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg and figure_5.svg.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
     /// Search no grids and measure less: takes about a minute.
@@ -51,9 +52,8 @@ pub(super) struct Reproduce {
         hide_default_value = true
     )]
     only: String,
-    /// The folder for the files.
-    #[arg(long, default_value = "out/reproduce")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutArgs,
 }
 
 impl Reproduce {
@@ -76,7 +76,9 @@ impl Reproduce {
             sweeps: self.sweeps,
         };
         // Better to learn now than in the end that it cannot be written.
-        std::fs::create_dir_all(&self.out).map_err(|e| Error::io(&self.out, e))?;
+        let folder = self
+            .out
+            .folder(Path::new("out/reproduce"), &Reproduction::FILES)?;
         let progress = ProgressBar::new_spinner();
         let watched = std::io::stderr().is_terminal();
         let mut told = Instant::now();
@@ -89,7 +91,7 @@ impl Reproduce {
             }
         })?;
         progress.finish_and_clear();
-        reproduction.write(&self.out)?;
+        reproduction.write(folder.path())?;
         print(reproduction.markdown().trim_end())?;
         Ok(ExitCode::SUCCESS)
     }

@@ -3,7 +3,7 @@
 use super::{UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::output::{robot_table, write_text};
+use crate::output::{refuse_existing, robot_table, write_text};
 use crate::urdf::{LoadReport, builtin_robots};
 use clap::Args;
 use serde_json::json;
@@ -20,6 +20,9 @@ pub(super) struct Robots {
     /// Write the robot to this file as a URDF of what the dynamics read, fixed joints merged.
     #[arg(long, requires = "robot")]
     urdf: Option<PathBuf>,
+    /// Replace that file if it is there already.
+    #[arg(long, requires = "urdf")]
+    force: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -31,6 +34,9 @@ impl Robots {
             Some(robot) => vec![robot],
             None => builtin_robots().collect(),
         };
+        if let Some(path) = &self.urdf {
+            refuse_existing(path, self.force)?;
+        }
         let mut all = Vec::new();
         for name in names {
             let (model, report) = self.reading.load(name)?;

@@ -1,33 +1,42 @@
 //! `aghf solve`.
 
 use super::choice::choice;
+use super::output::{OutArgs, SamplingArgs};
+use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::flow::jacobian::JacobianKind;
-use crate::motion::Guess;
+use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
-use crate::output::{summary_table, write_report};
+use crate::output::{REPORT_FILES, summary_table, write_report};
 use crate::relax::Iteration;
 use crate::scenario::{Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::PathBuf;
+use signal_hook::consts;
+use signal_hook::flag::{register, register_conditional_shutdown};
+use std::path::Path;
 use std::process::ExitCode;
+#[cfg(unix)]
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Solve a scenario and write the trajectory that was found.
 ///
-/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's.
+/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's. The folder, out/SCENARIO unless
+/// there is one, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows) and summary.json, from which
+/// the solve can be repeated. If the solve fails they are trajectory.failed.csv and summary.failed.json, beside those of an earlier success.
+/// Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
-    /// A scenario that is built in, or the path of a JSON file.
+    /// A scenario that is built in, or the path of a JSON file: a scenario, or the summary.json of a solve, which is repeated.
     #[arg(default_value = "kinova_free_01")]
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// How to solve it.
-    #[arg(long, value_parser = choice::<Method>(), default_value_t)]
-    method: Method,
+    /// How to solve it [default: relax].
+    #[arg(long, value_parser = choice::<Method>())]
+    method: Option<Method>,
     /// Degree of the polynomial, or of each segment [default: 16 for relax].
     #[arg(long, alias = "p")]
     degree: Option<usize>,
@@ -43,7 +52,10 @@ pub(super) struct Solve {
     /// Of relax: how many starts to try [default: 16 up to 7 joints and fewer beyond, 1 within limits of the joints; more while none ends within the constraints].
     #[arg(long)]
     starts: Option<usize>,
-    /// Of relax: try starts for so long, s, and keep the best. Of flow: stop after that, as a failure.
+    /// Of relax: the number from which the starts are drawn [default: 0].
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Stop after so long, s, as by Ctrl-C, with the best motion so far. Until then relax tries further starts.
     #[arg(long)]
     seconds: Option<f64>,
     /// Of relax: how many threads work on starts, with the same result [default: all cores].
@@ -70,12 +82,16 @@ pub(super) struct Solve {
     /// Of flow: sharpness of the activation of the constraints.
     #[arg(long, allow_negative_numbers = true)]
     c_cons: Option<f64>,
-    /// The folder for trajectory.csv and summary.json [default: out/SCENARIO].
-    #[arg(long)]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    #[command(flatten)]
+    out: OutArgs,
     /// Print the summary as JSON and nothing else.
     #[arg(long)]
     json: bool,
+    /// Tell of every stage of the search in a line of the standard error.
+    #[arg(long, short)]
+    verbose: bool,
 }
 
 impl Default for Solve {
@@ -84,12 +100,13 @@ impl Default for Solve {
         Self {
             scenario: "kinova_free_01".to_owned(),
             robot: RobotArgs::default(),
-            method: Method::default(),
+            method: None,
             degree: None,
             segments: None,
             degree_tolerance: None,
             tolerance: None,
             starts: None,
+            seed: None,
             seconds: None,
             threads: None,
             jacobian: None,
@@ -99,57 +116,44 @@ impl Default for Solve {
             guess: None,
             k_cons: None,
             c_cons: None,
-            out: None,
+            sampling: SamplingArgs::default(),
+            out: OutArgs::default(),
             json: false,
+            verbose: false,
         }
     }
 }
 
 impl Solve {
     pub(super) fn run(self) -> Result<ExitCode> {
-        let scenario = self.robot.scenario(&self.scenario)?;
-        let duration = |seconds| {
-            Duration::try_from_secs_f64(seconds).map_err(|_| {
-                let condition = format!("it is {seconds}, a time that is not negative is needed");
-                Error::input("options", "seconds", condition)
-            })
-        };
-        let time_limit = self.seconds.map(duration).transpose()?;
-        let options = SolveOptions {
-            method: self.method,
-            degree: self.degree,
-            segments: self.segments,
-            degree_tolerance: self.degree_tolerance,
-            tolerance: self.tolerance,
-            num_starts: self.starts,
-            jacobian: self.jacobian,
-            integrator: self.integrator,
-            k: self.k,
-            s_max: self.s_max,
-            guess: self.guess,
-            k_cons: self.k_cons,
-            c_cons: self.c_cons,
-            threads: self.threads,
-            time_limit,
-        };
-        let progress = if self.json {
+        let (scenario, repeated) = self.robot.scenario_with_options(&self.scenario)?;
+        let options = self.options(repeated)?;
+        let sampling = self.sampling.sampling();
+        // Better to learn now than in the end that it cannot be written.
+        let _ = sampling.times(scenario.file.horizon_s)?;
+        let default = Path::new("out").join(&scenario.name);
+        let folder = self.out.folder(&default, &REPORT_FILES)?;
+        stop_on_signals(&options.interrupt)?;
+        let progress = if self.json || self.verbose {
             ProgressBar::hidden()
         } else {
-            match self.method {
+            match options.method {
                 Method::Flow => bar(options.flow_settings(&scenario).s_max),
                 Method::Relax => ProgressBar::new_spinner(),
             }
         };
+        let mut stages = Stages::default();
         let outcome = solve(&scenario, &options, &mut |record| {
-            progress.set_message(message(&record));
+            if self.verbose {
+                stages.observe(record);
+            }
+            progress.set_message(message(record));
             progress.inc(1);
         })?;
+        stages.finish();
         progress.finish_and_clear();
 
-        let folder = self
-            .out
-            .unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
-        let files = write_report(&scenario.model, &outcome, &folder)?;
+        let files = write_report(&scenario.model, &outcome, folder.path(), sampling)?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {
@@ -164,6 +168,61 @@ impl Solve {
             ExitCode::from(FAILED)
         })
     }
+
+    /// The options that were given, and those of the solve that is repeated where there is one by the same method.
+    fn options(&self, repeated: SolveOptions) -> Result<SolveOptions> {
+        let duration = |seconds| {
+            Duration::try_from_secs_f64(seconds).map_err(|_| {
+                let condition = format!("it is {seconds}, a time that is not negative is needed");
+                Error::input("options", "seconds", condition)
+            })
+        };
+        let time_limit = self.seconds.map(duration).transpose()?;
+        let method = self.method.unwrap_or(repeated.method);
+        let other = if method == repeated.method {
+            repeated
+        } else {
+            SolveOptions::default()
+        };
+        Ok(SolveOptions {
+            method,
+            degree: self.degree.or(other.degree),
+            segments: self.segments.or(other.segments),
+            degree_tolerance: self.degree_tolerance.or(other.degree_tolerance),
+            tolerance: self.tolerance.or(other.tolerance),
+            num_starts: self.starts.or(other.num_starts),
+            jacobian: self.jacobian.or(other.jacobian),
+            integrator: self.integrator.or(other.integrator),
+            k: self.k.or(other.k),
+            s_max: self.s_max.or(other.s_max),
+            guess: self.guess.or(other.guess),
+            k_cons: self.k_cons.or(other.k_cons),
+            c_cons: self.c_cons.or(other.c_cons),
+            threads: self.threads.or(other.threads),
+            seed: self.seed.or(other.seed),
+            time_limit: time_limit.or(other.time_limit),
+            interrupt: other.interrupt,
+        })
+    }
+}
+
+/// Lets Ctrl-C, and other requests to end, stop a search with the best motion so far, and a second one end the program at once. A file
+/// that becomes too large is then an error of writing.
+fn stop_on_signals(interrupt: &Interrupt) -> Result<()> {
+    let failed = |e| Error::io("signals", e);
+    #[cfg(unix)]
+    register(consts::SIGXFSZ, Arc::default()).map_err(failed)?;
+    for signal in [
+        consts::SIGINT,
+        consts::SIGTERM,
+        #[cfg(unix)]
+        consts::SIGHUP,
+    ] {
+        // In this order: the first one finds the flag down.
+        register_conditional_shutdown(signal, 128 + signal, interrupt.flag()).map_err(failed)?;
+        register(signal, interrupt.flag()).map_err(failed)?;
+    }
+    Ok(())
 }
 
 /// How far a solve has come.

@@ -50,16 +50,16 @@ fn add_segment(
     let action = |s: &Sample| lagrangian_of_control(&s.qdot, &s.v, &s.u, k);
     let (chebyshev, begin) = (curve.chebyshev(), curve.breakpoints()[segment]);
     let nodes = chebyshev.times().iter().map(|t| (segment, begin + t));
-    let at_nodes = samples_at(model, curve, nodes)?;
-    for (sample, weight) in at_nodes.iter().zip(chebyshev.weights()) {
-        effort.action_at_nodes += weight * action(sample)?;
+    for (sample, weight) in samples_at(model, curve, nodes).zip(chebyshev.weights()) {
+        effort.action_at_nodes += weight * action(&sample?)?;
     }
     // Even, for Simpson's rule.
     let intervals = 2 * INTERVALS.div_ceil(2 * curve.segments());
     let length = chebyshev.horizon();
     let times = (0..=intervals).map(|i| (segment, begin + length * i as f64 / intervals as f64));
     let third = length / intervals as f64 / 3.0;
-    for (i, sample) in samples_at(model, curve, times)?.iter().enumerate() {
+    for (i, sample) in samples_at(model, curve, times).enumerate() {
+        let sample = &sample?;
         let simpson = match i {
             _ if i == 0 || i == intervals => third,
             _ if i % 2 == 1 => 4.0 * third,

@@ -8,11 +8,11 @@ use crate::constraint::Constraint;
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
-use crate::motion::{Guess, Problem};
+use crate::motion::{Guess, Interrupt, Problem, Stopped, Watch};
 use crate::ode::{Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
 use nalgebra::DMatrix;
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How many values of `s` the output has between its first and `s_max`, on a logarithmic grid.
 const OUTPUTS: usize = 50;
@@ -20,7 +20,7 @@ const OUTPUTS: usize = 50;
 const FIRST_OUTPUT: f64 = 1e-6;
 
 /// The parameters of the flow.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FlowSettings {
     /// The degree of the polynomial.
     pub p: usize,
@@ -38,6 +38,8 @@ pub struct FlowSettings {
     pub integrator: IntegratorKind,
     /// The wall time after which the flow stops where it is, as a failure.
     pub time_limit: Option<Duration>,
+    /// What stops it likewise when it is raised.
+    pub interrupt: Interrupt,
 }
 
 impl FlowSettings {
@@ -56,6 +58,7 @@ impl FlowSettings {
             jacobian: JacobianKind::default(),
             integrator: IntegratorKind::default(),
             time_limit: None,
+            interrupt: Interrupt::default(),
         }
     }
 
@@ -121,8 +124,8 @@ pub struct FlowFailure {
     pub history: Vec<FlowRecord>,
     /// The reason why it stopped.
     pub reason: String,
-    /// True if that was the time limit.
-    pub timed_out: bool,
+    /// What stopped it, if it was not the integration itself.
+    pub stopped: Option<Stopped>,
     /// The work that the integrator did.
     pub statistics: Statistics,
 }
@@ -223,9 +226,8 @@ pub fn flow_with_integrator(
         blocks: NodeBlocks::new(model.dof()),
         collocation: collocation.clone(),
         k: settings.k,
-        started: Instant::now(),
-        time_limit: settings.time_limit,
-        timed_out: false,
+        watch: Watch::start(settings.time_limit, &settings.interrupt),
+        stopped: None,
         error: None,
     };
     let mut recorder = Recorder {
@@ -260,7 +262,7 @@ pub fn flow_with_integrator(
             history: recorder.history,
             statistics,
         }),
-        Err(failure) => Err(Box::new(recorder.failure(failure, system.timed_out)?)),
+        Err(failure) => Err(Box::new(recorder.failure(failure, system.stopped)?)),
     })
 }
 
@@ -287,9 +289,8 @@ struct CollocatedFlow<'a> {
     blocks: NodeBlocks,
     collocation: Collocation<f64, f64>,
     k: f64,
-    started: Instant,
-    time_limit: Option<Duration>,
-    timed_out: bool,
+    watch: Watch,
+    stopped: Option<Stopped>,
     error: Option<Error>,
 }
 
@@ -331,9 +332,8 @@ impl Ode for CollocatedFlow<'_> {
     }
 
     fn stop(&mut self) -> Option<String> {
-        let limit = self.time_limit.filter(|l| self.started.elapsed() >= *l)?;
-        self.timed_out = true;
-        Some(format!("time limit of {} s reached", limit.as_secs_f64()))
+        self.stopped = self.watch.stopped();
+        self.stopped.map(|stopped| stopped.to_string())
     }
 }
 
@@ -374,7 +374,7 @@ impl Recorder<'_, '_> {
         Curve::new(self.chebyshev.clone(), self.collocation.xi().clone())
     }
 
-    fn failure(mut self, failure: Failure, timed_out: bool) -> Result<FlowFailure> {
+    fn failure(mut self, failure: Failure, stopped: Option<Stopped>) -> Result<FlowFailure> {
         self.record(failure.s, &failure.y)?;
         let m = self.problem.start().len();
         Ok(FlowFailure {
@@ -383,7 +383,7 @@ impl Recorder<'_, '_> {
             last_good: self.curve()?,
             history: self.history,
             reason: failure.reason,
-            timed_out,
+            stopped,
             statistics: failure.statistics,
         })
     }

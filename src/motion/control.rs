@@ -47,7 +47,7 @@ pub fn control_at(
 /// The curve is for another robot.
 pub fn sample(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<Sample>> {
     let times = (0..=intervals).map(|i| curve.horizon() * i as f64 / intervals as f64);
-    samples_at(model, curve, times.map(|t| (curve.segment_at(t), t)))
+    samples_at(model, curve, times.map(|t| (curve.segment_at(t), t))).collect()
 }
 
 /// The curve at times, each by the polynomial of the segment before it.
@@ -55,22 +55,20 @@ pub(crate) fn samples_at(
     model: &Model,
     curve: &Curve,
     times: impl Iterator<Item = (usize, f64)>,
-) -> Result<Vec<Sample>> {
+) -> impl Iterator<Item = Result<Sample>> {
     let n = model.dof();
     let mut data = Data::new(model);
-    times
-        .map(|(segment, t)| {
-            let (x, xdot) = curve.at_in(segment, t);
-            let mut u = vec![0.0; n];
-            control_at(model, &mut data, &x, &xdot, &mut u)?;
-            Ok(Sample {
-                t,
-                q: x.as_slice()[..n].to_vec(),
-                v: x.as_slice()[n..].to_vec(),
-                a: xdot.as_slice()[n..].to_vec(),
-                u,
-                qdot: xdot.as_slice()[..n].to_vec(),
-            })
+    times.map(move |(segment, t)| {
+        let (x, xdot) = curve.at_in(segment, t);
+        let mut u = vec![0.0; n];
+        control_at(model, &mut data, &x, &xdot, &mut u)?;
+        Ok(Sample {
+            t,
+            q: x.as_slice()[..n].to_vec(),
+            v: x.as_slice()[n..].to_vec(),
+            a: xdot.as_slice()[n..].to_vec(),
+            u,
+            qdot: xdot.as_slice()[..n].to_vec(),
         })
-        .collect()
+    })
 }

@@ -2,12 +2,16 @@
 //! does it, and whether the motion keeps its constraints.
 
 mod control;
+mod interrupt;
 mod problem;
 mod simulate;
 mod violations;
 
 pub(crate) use control::samples_at;
 pub use control::{Sample, control_at, sample};
+#[cfg(feature = "solvers")]
+pub(crate) use interrupt::Watch;
+pub use interrupt::{Interrupt, Stopped};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
 pub use violations::{Violation, violations};

@@ -1,9 +1,15 @@
 //! What a user sees of a result: tables and files.
 
 mod files;
+mod folder;
+mod json;
 mod table;
+mod trajectory;
 
+pub use files::write_text;
 pub(crate) use files::write_whole;
-pub use files::{write_json, write_report, write_text};
+pub use folder::{OutputFolder, refuse_existing};
+pub use json::write_json;
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
 pub(crate) use table::{short, table};
+pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

@@ -42,7 +42,7 @@ pub use transcription::{
 
 use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::error::Result;
-use crate::motion::Problem;
+use crate::motion::{Problem, Watch};
 use interior_point::{Candidate, Context, minimise};
 use path::path_of;
 use strategy::{Tried, multistart, refine, search};
@@ -141,10 +141,12 @@ impl<'a, K: Constraint + Clone + Sync, P: CostWithControl> Relaxation<'a, K, P> 
         settings.check(problem)?;
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
+        let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let context = Context {
             problem,
             grids: &grids,
             rows: &rows,
+            watch: &watch,
         };
         let mut iterations = Vec::new();
         let observe = &mut self.observe;
@@ -171,7 +173,7 @@ impl<'a, K: Constraint + Clone + Sync, P: CostWithControl> Relaxation<'a, K, P> 
         })?;
         if let Some(free) = settings.free_horizon {
             let first = Tried::new(free, problem.horizon(), found);
-            let (best, settled) = search(free, constrained, first, |horizon, from| {
+            let (best, settled) = search(free, constrained, first, &watch, |horizon, from| {
                 let problem = &problem.with_horizon(horizon)?;
                 let from = from.found.on_horizon(problem, horizon / from.horizon);
                 let context = Context { problem, ..context };
@@ -191,6 +193,7 @@ impl<'a, K: Constraint + Clone + Sync, P: CostWithControl> Relaxation<'a, K, P> 
             points: found.points,
             quadrature_error: found.quadrature_error,
             converged: found.converged,
+            stopped: watch.stopped(),
             adapted,
             unknowns: found.path.basis.free().len() * problem.model().dof(),
             complementarity: found

@@ -46,17 +46,19 @@ impl Path {
     }
 
     /// The start of this number: this curve, or the same with bends, of several sizes in turn.
-    pub fn start(&self, amplitude: f64, number: u64) -> Self {
+    pub fn start(&self, amplitude: f64, seed: u64, number: u64) -> Self {
         if number == 0 {
             return self.clone();
         }
         let size = START_SIZES[number as usize % START_SIZES.len()];
-        self.bent(amplitude * size, number)
+        let size = amplitude * size;
+        let mut rng = ChaCha8Rng::seed_from_u64(number);
+        rng.set_stream(seed);
+        self.bent(size, &mut rng)
     }
 
     /// The same with bends: each joint is moved by random multiples, up to `size` for the longest, of the bubbles.
-    pub fn bent(&self, size: f64, seed: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    fn bent(&self, size: f64, rng: &mut ChaCha8Rng) -> Self {
         let mut bent = self.clone();
         let times = (0..=64).map(|i| i as f64 / 32.0 - 1.0);
         let tables: Vec<_> = times.map(|s| self.basis.local(s)).collect();

@@ -5,7 +5,7 @@ use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result};
-use crate::motion::Problem;
+use crate::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
 
 /// The settings of a relaxation.
@@ -27,8 +27,12 @@ pub struct RelaxSettings {
     pub quadrature_tolerance: f64,
     /// The number of starts: the line, and bent ones.
     pub num_starts: usize,
-    /// The time for which starts are tried, those that were asked for and then more; none is begun after it.
+    /// The number from which the bends of the starts are drawn.
+    pub seed: u64,
+    /// The time after which the search stops with the best motion so far. Until then it tries further starts.
     pub time_limit: Option<Duration>,
+    /// What stops it likewise when it is raised.
+    pub interrupt: Interrupt,
     /// The number of threads that work on starts; the result does not depend on it.
     pub threads: usize,
     /// The amplitude of the bent ones, rad or m.
@@ -51,7 +55,9 @@ impl Default for RelaxSettings {
             iterations: 500,
             quadrature_tolerance: 1e-3,
             num_starts: 16,
+            seed: 0,
             time_limit: None,
+            interrupt: Interrupt::default(),
             threads: 1,
             start_amplitude: 2.5,
             start: None,
@@ -230,6 +236,12 @@ fn degrees() -> impl Iterator<Item = usize> {
 /// One iteration of the minimiser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration {
+    /// The number of the start, from 0; `None` when the best of them is carried on to another degree or horizon.
+    pub start: Option<usize>,
+    /// The horizon, s.
+    pub horizon: f64,
+    /// The number of segments.
+    pub segments: usize,
     /// The degree of the segments.
     pub degree: usize,
     /// The number of points of quadrature on each segment.
@@ -268,6 +280,8 @@ pub struct RelaxSolution {
     pub quadrature_error: f64,
     /// True if the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
+    /// What stopped it, if it did not come to its end; the motion is then the best so far.
+    pub stopped: Option<Stopped>,
     /// The degrees on the way, where the degree is adaptive.
     pub adapted: Option<DegreeRefinement>,
     /// The number of unknowns.

@@ -4,12 +4,13 @@ use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use super::{EnforcedLimits, Environment};
+use super::provenance::is_summary;
+use super::{EnforcedLimits, Environment, SolveOptions, Solved};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::model::{Model, Reduced};
 use crate::motion::{Feedback, Guess, Problem};
-use crate::urdf::{Mimic, UrdfOptions, load_robot_with};
+use crate::urdf::{Mimic, UrdfOptions, load_robot_with, robot_text};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -168,6 +169,10 @@ pub struct Scenario {
     pub model: Model,
     /// The obstacles that it has to keep clear of.
     pub environment: Environment,
+    /// The name of the robot if it is built in, or else its absolute path.
+    pub robot_place: String,
+    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
+    pub robot_xxh64: String,
 }
 
 impl Scenario {
@@ -185,34 +190,50 @@ impl Scenario {
     /// # Errors
     /// As [`load`](Self::load), and if a robot is given for a scenario that names its own.
     pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
+        let (scenario, _) = Self::load_with_options(name_or_path, robot, mimic)?;
+        Ok(scenario)
+    }
+
+    /// As [`load_for`](Self::load_for), with the options of the solve where the file is the summary of one, and the defaults elsewhere.
+    ///
+    /// # Errors
+    /// As [`load_for`](Self::load_for), and as [`Solved::load`] for a summary.
+    pub fn load_with_options(
+        name_or_path: &str,
+        robot: Option<&str>,
+        mimic: Option<Mimic>,
+    ) -> Result<(Self, SolveOptions)> {
+        let options = SolveOptions::default();
         if let Some(generated) = generate_for(name_or_path, robot, mimic.unwrap_or_default()) {
-            return Self::new(generated?, name_or_path, Path::new(""));
+            let scenario = Self::new(generated?, name_or_path, Path::new(""))?;
+            return Ok((scenario, options));
         }
         if robot.is_some() {
             let condition = "the scenario names its robot; only generated ones can be for another";
             return Err(Error::input(name_or_path, "robot", condition));
         }
         let path = Path::new(name_or_path);
-        let (mut file, folder) = match builtin_scenario(name_or_path) {
-            Some(text) => (
-                read_json::<ScenarioFile>(text, name_or_path)?,
-                Path::new(""),
-            ),
-            None => {
-                let folder = path.parent().unwrap_or(Path::new(""));
-                (read_json(&read_text(path)?, name_or_path)?, folder)
-            }
+        let (text, folder) = match builtin_scenario(name_or_path) {
+            Some(text) => (text.to_owned(), Path::new("")),
+            None => (read_text(path)?, path.parent().unwrap_or(Path::new(""))),
         };
+        if is_summary(&text) {
+            let solved = Solved::parse(&text, name_or_path, mimic)?;
+            return Ok((solved.scenario, solved.options));
+        }
+        let mut file: ScenarioFile = read_json(&text, name_or_path)?;
         file.mimic = mimic.unwrap_or(file.mimic);
-        Self::new(file, name_or_path, folder)
+        Ok((Self::new(file, name_or_path, folder)?, options))
     }
 
     /// A scenario of what a file says. `path` names it in errors; robots are looked for in `folder`.
-    fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
+    pub(super) fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
-        let (robot, _) = load_robot_with(&file.robot, folder, options)
-            .map_err(|e| Error::input(path, "robot", e.to_string()))?;
+        let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
+        let (robot, _) = load_robot_with(&file.robot, folder, options).map_err(of_robot)?;
+        let (robot_place, text) = robot_text(&file.robot, folder).map_err(of_robot)?;
+        let robot_xxh64 = twox_hash::XxHash64::oneshot(0, text.as_bytes());
         let environment = Environment::new(&robot, &file, path)?;
         let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
         let states = [
@@ -265,6 +286,8 @@ impl Scenario {
             file,
             model,
             environment,
+            robot_place,
+            robot_xxh64: format!("{robot_xxh64:016x}"),
         })
     }
 
@@ -306,7 +329,7 @@ impl Scenario {
 }
 
 /// The text of the scenario in the file at this path.
-fn read_text(path: &Path) -> Result<String> {
+pub(super) fn read_text(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).map_err(|e| {
         if e.kind() == std::io::ErrorKind::NotFound {
             let condition = "there is neither a file nor a built-in scenario of this name";

@@ -1,6 +1,7 @@
 #![doc = include_str!("keys.md")]
 
 mod builtin;
+mod curve_file;
 mod environment;
 mod feasibility;
 mod file;
@@ -10,10 +11,12 @@ mod limits;
 mod objective;
 mod options;
 mod preflight;
+mod provenance;
 mod report;
 mod summary;
 
 pub use builtin::builtin_scenarios;
+pub use curve_file::CurveFile;
 pub use environment::Environment;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{
@@ -24,5 +27,6 @@ pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
 pub use preflight::least_horizon;
+pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, solve};
 pub use summary::{Details, FlowDetails, RelaxDetails, Summary};

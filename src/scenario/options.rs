@@ -4,9 +4,10 @@ use super::Scenario;
 use crate::error::{Error, Result};
 use crate::flow::jacobian::JacobianKind;
 use crate::flow::{FlowSettings, Penalty};
-use crate::motion::Guess;
+use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
 use crate::relax::RelaxSettings;
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 crate::names::named_enum! {
@@ -20,38 +21,63 @@ pub enum Method("method") {
 }
 
 /// The choice of a method, and values that override the parameters of a scenario or the defaults of the method.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct SolveOptions {
     /// The method.
     pub method: Method,
     /// Degree of the polynomial, or of each segment.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<usize>,
     /// Of the relaxation: of how many polynomials the motion is made.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<usize>,
     /// Of the relaxation: by how much the effort may change, relative, from one degree to the next; the degree grows until then.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub degree_tolerance: Option<f64>,
     /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     /// Of the relaxation: how many starts there are.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub num_starts: Option<usize>,
     /// Of the relaxation: the number of threads that work on starts; all cores where there is none. The result is the same with any.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
     /// Of the flow: how the Jacobian is computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<JacobianKind>,
     /// Of the flow: what integrates it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<IntegratorKind>,
     /// Of the flow: penalty of (11).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub k: Option<f64>,
     /// Of the flow: how far it runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub s_max: Option<f64>,
     /// Of the flow: the curve to start from.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub guess: Option<Guess>,
     /// Of the flow: weight of the constraints in (A2).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub k_cons: Option<f64>,
     /// Of the flow: sharpness of their activation in (A3).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub c_cons: Option<f64>,
-    /// The wall time after which a flow stops, as a failure, and a relaxation begins no further starts, which it does until then.
+    /// Of the relaxation: the number from which its starts are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// The wall time after which a flow stops, as a failure, and a relaxation with the best motion so far; until then it tries starts.
+    #[serde(
+        rename = "time_limit_s",
+        with = "seconds",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub time_limit: Option<Duration>,
+    /// What stops either likewise when it is raised.
+    #[serde(skip)]
+    pub interrupt: Interrupt,
 }
 
 impl SolveOptions {
@@ -68,6 +94,7 @@ impl SolveOptions {
             jacobian: self.jacobian.unwrap_or_default(),
             integrator: self.integrator.unwrap_or_default(),
             time_limit: self.time_limit,
+            interrupt: self.interrupt.clone(),
         }
     }
 
@@ -98,11 +125,54 @@ impl SolveOptions {
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             num_starts: self.num_starts.unwrap_or(default.num_starts),
+            seed: self.seed.unwrap_or(default.seed),
             time_limit: self.time_limit,
+            interrupt: self.interrupt.clone(),
             threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,
             free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
+        }
+    }
+
+    /// The same with what is not given said: repeated with these, a solve of `scenario` is the same whatever the defaults become.
+    #[must_use]
+    pub fn in_full(&self, scenario: &Scenario) -> Self {
+        let common = Self {
+            method: self.method,
+            degree_tolerance: self.degree_tolerance,
+            threads: self.threads,
+            time_limit: self.time_limit,
+            ..Self::default()
+        };
+        match self.method {
+            Method::Relax => {
+                let settings = self.relax_settings(scenario);
+                Self {
+                    degree: Some(settings.degree),
+                    segments: Some(settings.segments),
+                    tolerance: Some(settings.tolerance),
+                    num_starts: Some(settings.num_starts),
+                    seed: Some(settings.seed),
+                    ..common
+                }
+            }
+            Method::Flow => {
+                let settings = self.flow_settings(scenario);
+                let penalty = self.penalty(scenario);
+                Self {
+                    degree: Some(settings.p),
+                    tolerance: Some(settings.tolerance),
+                    jacobian: Some(settings.jacobian),
+                    integrator: Some(settings.integrator),
+                    k: Some(settings.k),
+                    s_max: Some(settings.s_max),
+                    guess: Some(settings.guess),
+                    k_cons: Some(penalty.k_cons),
+                    c_cons: Some(penalty.c_cons),
+                    ..common
+                }
+            }
         }
     }
 
@@ -114,6 +184,7 @@ impl SolveOptions {
                     ("segments", self.segments.is_some()),
                     ("degree_tolerance", self.degree_tolerance.is_some()),
                     ("num_starts", self.num_starts.is_some()),
+                    ("seed", self.seed.is_some()),
                     ("threads", self.threads.is_some()),
                 ];
                 ("flow", foreign.to_vec())
@@ -138,6 +209,22 @@ impl SolveOptions {
             }
             None => Ok(()),
         }
+    }
+}
+
+/// A duration as a number of seconds.
+mod seconds {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+    use std::time::Duration;
+
+    pub fn serialize<S: Serializer>(value: &Option<Duration>, to: S) -> Result<S::Ok, S::Error> {
+        value.map(|duration| duration.as_secs_f64()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Duration>, D::Error> {
+        let seconds = Option::<f64>::deserialize(from)?;
+        let duration = |s| Duration::try_from_secs_f64(s).map_err(D::Error::custom);
+        seconds.map(duration).transpose()
     }
 }
 

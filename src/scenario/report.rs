@@ -1,7 +1,7 @@
 //! Solving a scenario and testing whether that was a success.
 
 use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
-use super::{Feasibility, Method, Scenario, SolveOptions};
+use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions};
 use crate::constraint::Constraints;
 use crate::curve::Curve;
 use crate::error::Result;
@@ -9,7 +9,7 @@ use crate::flow::{
     EffortSummary, FlowRecord, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of,
     flow, flow_constrained,
 };
-use crate::motion::{Feedback, replay_error, simulate};
+use crate::motion::{Feedback, Stopped, replay_error, simulate};
 use crate::relax::{ControlEffort, Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
@@ -34,8 +34,10 @@ pub struct SolveReport {
     pub curve: Curve,
     /// The progress on the way.
     pub history: Vec<Record>,
-    /// True if the time limit stopped it.
-    pub timed_out: bool,
+    /// True if the method came to its end.
+    pub completed: bool,
+    /// What stopped it, if something did.
+    pub stopped: Option<Stopped>,
 }
 
 /// Solves `scenario` and tests the result by forward simulation. `observe` is called as the solve proceeds.
@@ -54,7 +56,7 @@ pub fn solve(
             scenario.check_for_flow()?;
             solve_by_flow(scenario, options, observe)
         }
-        Method::Relax => solve_by_relaxation(scenario, &options.relax_settings(scenario), observe),
+        Method::Relax => solve_by_relaxation(scenario, options, observe),
     }
 }
 
@@ -84,11 +86,11 @@ fn solve_by_flow(
         flow_constrained(&problem, settings, &constraints, observe)?
     };
     let solve_seconds = started.elapsed().as_secs_f64();
-    let mut timed_out = false;
+    let mut stopped = None;
     let (solution, failure) = match outcome {
         Ok(solution) => (solution, None),
         Err(failure) => {
-            timed_out = failure.timed_out;
+            stopped = failure.stopped;
             let reason = failure.to_string();
             let kept = FlowSolution {
                 curve: failure.last_good,
@@ -131,20 +133,18 @@ fn solve_by_flow(
         details,
         solve_seconds,
         failure,
+        stopped,
     };
-    let outcome = report_of(scenario, found)?;
-    Ok(SolveReport {
-        timed_out,
-        ..outcome
-    })
+    report_of(scenario, options, found)
 }
 
 fn solve_by_relaxation(
     scenario: &Scenario,
-    settings: &RelaxSettings,
+    options: &SolveOptions,
     observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
+    let settings = &options.relax_settings(scenario);
     let started = Instant::now();
     let constraints = Constraints {
         state: scenario.state_constraints()?,
@@ -163,7 +163,14 @@ fn solve_by_relaxation(
         .observe(observe)
         .solve()?;
     let solve_seconds = started.elapsed().as_secs_f64();
+    let stopped = solution.stopped;
     let failure = failure_of(&solution, settings);
+    let failure = match (failure, stopped) {
+        (Some(failure), Some(stopped)) => Some(format!(
+            "{stopped}: the motion is the best until then; {failure}"
+        )),
+        (failure, _) => failure,
+    };
     let RelaxSolution {
         curve, iterations, ..
     } = solution;
@@ -198,8 +205,9 @@ fn solve_by_relaxation(
         details,
         solve_seconds,
         failure,
+        stopped,
     };
-    report_of(scenario, found)
+    report_of(scenario, options, found)
 }
 
 /// Why a relaxation did not find a minimum, if it did not.
@@ -214,17 +222,36 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         ..
     } = solution;
     if *largest_violation > RelaxSettings::FEASIBLE {
-        let starts = start_costs.len().max(1);
+        let starts = match start_costs.len() {
+            0 | 1 => "the one start did not lead".to_owned(),
+            starts => format!("none of {starts} starts led"),
+        };
         return Some(format!(
-            "none of {starts} starts led to a motion within the constraints, which is the end of the search and no proof that there is none"
+            "{starts} to a motion within the constraints, which is the end of the search and no proof that there is none"
         ));
     }
     if !converged {
-        let (tolerance, quadrature_tolerance) = (settings.tolerance, settings.quadrature_tolerance);
-        return Some(format!(
-            "where the search ended the gradient norm is {gradient_norm:.1e}, {tolerance:e} was asked for, \
-             and the quadrature is off by {quadrature_error:.1e}, {quadrature_tolerance:e} was asked for"
-        ));
+        let off = [
+            ("gradient norm", *gradient_norm, settings.tolerance),
+            (
+                "error of the quadrature",
+                *quadrature_error,
+                settings.quadrature_tolerance,
+            ),
+        ];
+        let off = off
+            .into_iter()
+            .filter(|(_, reached, asked)| !(reached <= asked));
+        let off: Vec<_> = off
+            .map(|(what, reached, asked)| {
+                format!("the {what} is {reached:.1e}, {asked:e} was asked for")
+            })
+            .collect();
+        return Some(if off.is_empty() {
+            "the search ended before a minimum was sure".to_owned()
+        } else {
+            format!("where the search ended {}", off.join(", "))
+        });
     }
     (*smallest_curvature <= 0.0).then(|| {
         format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum")
@@ -239,10 +266,11 @@ struct Solution {
     details: Details,
     solve_seconds: f64,
     failure: Option<String>,
+    stopped: Option<Stopped>,
 }
 
 /// What can be measured of a curve, whatever found it.
-fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
+fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Result<SolveReport> {
     let Solution {
         curve,
         effort,
@@ -250,6 +278,7 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         details,
         solve_seconds,
         failure,
+        stopped,
     } = found;
     let model = &scenario.model;
     let final_error = |feedback| -> Result<Option<f64>> {
@@ -266,25 +295,28 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         Details::Relax(_) => (Method::Relax, RelaxSettings::FEASIBLE),
     };
     let feasible = feasibility.holds(tolerance);
-    // A failed search with all that it violates; a flow that came to its end is judged by `success`.
-    let failure = match (method, feasibility.reason(tolerance)) {
-        (Method::Relax, Some(reason)) => Some(match failure {
-            Some(failure) => format!("{failure}; {reason}"),
-            None => reason,
-        }),
-        _ => failure,
-    };
+    let missed = (!reached).then(|| match final_error_inf {
+        Some(error) => format!(
+            "the forward simulation with feedback ends {error:.2e} from the goal, beyond {success_threshold}"
+        ),
+        None => "the forward simulation with feedback stopped before its end".to_owned(),
+    });
+    let completed = failure.is_none();
     // The simulation is what a flow is judged by. A motion of the relaxation is what it is: the simulation tests how sensitive it is.
-    let success = failure.is_none() && feasible && (reached || method == Method::Relax);
+    let success = completed && feasible && (reached || method == Method::Relax);
     let mut notes = scenario.notes(method);
-    if success && !reached {
-        notes.push(match final_error_inf {
-            Some(error) => format!(
-                "the forward simulation with feedback ends {error:.2e} from the goal, beyond {success_threshold}: the motion needs a better controller"
-            ),
-            None => "the forward simulation with feedback stopped before its end: the motion needs a better controller".to_owned(),
-        });
+    if let (true, Some(missed)) = (success, &missed) {
+        notes.push(format!("{missed}: the motion needs a better controller"));
     }
+    // With all that is violated, and with the simulation where it is what decides.
+    let missed = missed.filter(|_| completed && method == Method::Flow);
+    let reasons = [failure, feasibility.reason(tolerance), missed];
+    let reasons: Vec<String> = reasons.into_iter().flatten().collect();
+    let failure = (!success).then(|| reasons.join("; "));
+    if let (true, Some(stopped)) = (success, stopped) {
+        notes.push(format!("{stopped}: the motion is the best until then"));
+    }
+    let joints = model.joints().iter().map(|joint| joint.name().to_owned());
     let summary = Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
@@ -304,11 +336,14 @@ fn report_of(scenario: &Scenario, found: Solution) -> Result<SolveReport> {
         feasibility,
         outside_limits: scenario.outside_limits(),
         notes,
+        provenance: Provenance::new(scenario, options),
+        curve: CurveFile::new(&curve, joints.collect()),
     };
     Ok(SolveReport {
         summary,
         curve,
         history,
-        timed_out: false,
+        completed,
+        stopped,
     })
 }

@@ -1,6 +1,6 @@
 //! What came of a solve, in numbers.
 
-use super::{Feasibility, Method};
+use super::{CurveFile, Feasibility, Method, Provenance};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Feedback, Guess};
 use crate::ode::IntegratorKind;
@@ -40,15 +40,19 @@ pub struct Summary {
     /// The details of the method; their fields stand beside the others in JSON.
     #[serde(flatten)]
     pub details: Details,
-    /// The reason why the method did not come to its end, if it did not.
+    /// The reasons why it is no success, if it is none.
     pub failure: Option<String>,
     /// The clearance of the curve from obstacles and the limits that it breaks.
     #[serde(flatten)]
     pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.
     pub outside_limits: Vec<String>,
-    /// The keys of the scenario that the method did not look at, in words.
+    /// The keys of the scenario that the method did not look at, and whatever else is worth knowing, in words.
     pub notes: Vec<String>,
+    /// All that the solve depended on.
+    pub provenance: Provenance,
+    /// The motion.
+    pub curve: CurveFile,
 }
 
 /// The part of a summary that only one method has.

@@ -32,3 +32,19 @@ pub fn load_robot_with(
     }
     load_urdf_with(&path, options)
 }
+
+/// The name of the robot that is built in under this name, or else the absolute path of the file at this path below `folder`, and
+/// its text.
+///
+/// # Errors
+/// The file cannot be read.
+#[cfg(feature = "output")]
+pub(crate) fn robot_text(name_or_path: &str, folder: &Path) -> Result<(String, String)> {
+    if let Some(text) = builtin_robot_text(name_or_path) {
+        return Ok((name_or_path.to_owned(), text.to_owned()));
+    }
+    let path = folder.join(name_or_path);
+    let place = std::path::absolute(&path).map_err(|e| Error::io(&path, e))?;
+    let text = std::fs::read_to_string(&path).map_err(|e| Error::io(path, e))?;
+    Ok((place.to_string_lossy().into_owned(), text))
+}

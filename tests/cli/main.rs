@@ -6,6 +6,7 @@ mod command;
 mod bad_input;
 mod check;
 mod eval;
+mod files;
 mod robots;
 mod solve;
 mod sweep;

@@ -284,11 +284,16 @@ fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
         "{}",
         run.stdout
     );
-    let expected =
-        ["summary.json", "trajectory.csv"].map(|f| format!("out/pendulum_5_swingup/{f}"));
+    let expected = ["summary.failed.json", "trajectory.failed.csv"];
+    let expected = expected.map(|f| format!("out/pendulum_5_swingup/{f}"));
     assert_eq!(files(&folder), expected.clone().into());
-    assert_eq!(json_file(&folder.join(&expected[0]))["success"], false);
-    assert_eq!(csv_file(&folder.join(&expected[1])).1.len(), 201);
+    let summary = json_file(&folder.join(&expected[0]));
+    assert_eq!(summary["success"], false);
+    let text = std::fs::read_to_string(folder.join(&expected[1])).expect("it is there");
+    let (first, table) = text.split_once('\n').expect("it has lines");
+    let reason = summary["failure"].as_str().expect("there is a reason");
+    assert_eq!(first, format!("# failed: {reason}"));
+    assert_eq!(table.lines().count(), 202);
 }
 
 #[test]

@@ -340,7 +340,7 @@ fn the_flow_heeds_constraints() {
         fastest(&slow)
     );
     for (name, kind) in JacobianKind::by_name() {
-        let other = limited(limit, &settings.with_jacobian(kind));
+        let other = limited(limit, &settings.clone().with_jacobian(kind));
         assert!((other.x() - slow.x()).amax() < 1e-3, "{name}");
     }
 }

@@ -323,7 +323,11 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
         .expect("the end");
     for (name, kind) in IntegratorKind::by_name() {
         // The settings choose it by name, and the same one can be handed over.
-        let named = flow(&problem, &settings.with_integrator(kind), &mut |_| ());
+        let named = flow(
+            &problem,
+            &settings.clone().with_integrator(kind),
+            &mut |_| (),
+        );
         let named = named.expect("sound").expect("it reaches its end");
         let given = run(&settings, &mut *kind.build());
         assert_eq!(named.curve.x(), given.curve.x(), "{name}");

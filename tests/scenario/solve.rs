@@ -141,28 +141,28 @@ fn options_of_the_other_method_are_errors() {
         (
             SolveOptions {
                 k: Some(1.0),
-                ..base
+                ..base.clone()
             },
             "k",
         ),
         (
             SolveOptions {
                 s_max: Some(1.0),
-                ..base
+                ..base.clone()
             },
             "s_max",
         ),
         (
             SolveOptions {
                 guess: Some(Default::default()),
-                ..base
+                ..base.clone()
             },
             "guess",
         ),
         (
             SolveOptions {
                 jacobian: Some(Default::default()),
-                ..base
+                ..base.clone()
             },
             "jacobian",
         ),
@@ -274,56 +274,56 @@ fn bad_options_are_errors() {
         (
             SolveOptions {
                 degree: Some(0),
-                ..base
+                ..base.clone()
             },
             "p: it is 0",
         ),
         (
             SolveOptions {
                 degree: Some(1),
-                ..base
+                ..base.clone()
             },
             "p: it is 1, at least 2",
         ),
         (
             SolveOptions {
                 k: Some(-1.0),
-                ..base
+                ..base.clone()
             },
             "k: it is -1, a positive number",
         ),
         (
             SolveOptions {
                 k: Some(f64::INFINITY),
-                ..base
+                ..base.clone()
             },
             "k: it is inf",
         ),
         (
             SolveOptions {
                 s_max: Some(0.0),
-                ..base
+                ..base.clone()
             },
             "s_max: it is 0",
         ),
         (
             SolveOptions {
                 s_max: Some(nan),
-                ..base
+                ..base.clone()
             },
             "s_max: it is NaN",
         ),
         (
             SolveOptions {
                 tolerance: Some(nan),
-                ..base
+                ..base.clone()
             },
             "tolerance: it is NaN",
         ),
         (
             SolveOptions {
                 tolerance: Some(-1e-4),
-                ..base
+                ..base.clone()
             },
             "tolerance: it is -0.0001",
         ),
@@ -355,7 +355,7 @@ fn the_same_solve_gives_the_same_bits() {
             "pendulum_1_swingup",
             &SolveOptions {
                 degree: Some(5),
-                ..options
+                ..options.clone()
             },
         );
         assert_eq!(shown(&solved(name, &options)), first, "{name}");

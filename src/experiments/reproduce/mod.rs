@@ -138,6 +138,16 @@ pub fn reproduce(
 }
 
 impl Reproduction {
+    /// The names of the files that are written.
+    pub const FILES: [&'static str; 6] = [
+        "report.md",
+        "solves.csv",
+        "scaling.csv",
+        "fits.csv",
+        "figure_4.svg",
+        "figure_5.svg",
+    ];
+
     /// Whether a robot of Figures 4 and 5 was among those chosen.
     fn has_times(&self) -> bool {
         self.series.iter().any(|s| !s.points.is_empty())
@@ -156,15 +166,16 @@ impl Reproduction {
     /// A file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        let [report, solves, scaling, fits, figure_4, figure_5] = Self::FILES;
         let mut contents = vec![
-            ("report.md", Ok(self.markdown())),
-            ("solves.csv", tables::solves(&self.systems)),
-            ("scaling.csv", tables::scaling(self)),
-            ("fits.csv", tables::fits(&self.series)),
+            (report, Ok(self.markdown())),
+            (solves, tables::solves(&self.systems)),
+            (scaling, tables::scaling(self)),
+            (fits, tables::fits(&self.series)),
         ];
         if self.has_times() {
-            contents.push(("figure_4.svg", plot::figure(4, &self.series)));
-            contents.push(("figure_5.svg", plot::figure(5, &self.series)));
+            contents.push((figure_4, plot::figure(4, &self.series)));
+            contents.push((figure_5, plot::figure(5, &self.series)));
         }
         let mut files = Vec::new();
         for (name, text) in contents {

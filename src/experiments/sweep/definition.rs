@@ -1,6 +1,5 @@
 //! Reading a sweep, and its grid.
 
-use super::identity::robot_text;
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result};
 use crate::motion::Guess;
@@ -105,8 +104,6 @@ pub struct Sweep {
     pub file: SweepFile,
     /// The scenarios.
     pub scenarios: Vec<Scenario>,
-    /// The texts of their robots.
-    pub(super) robots: Vec<String>,
     /// The grid: each scenario in turn with all parameters, in the same order.
     pub sets: Vec<ParameterSet>,
 }
@@ -138,11 +135,11 @@ impl Sweep {
         check(&file).map_err(|(key, condition)| Error::input(path, key, condition))?;
         let stem = Path::new(path).file_stem().unwrap_or_default();
         let name = (file.name.clone()).unwrap_or_else(|| stem.to_string_lossy().into_owned());
-        let (mut scenarios, mut robots) = (Vec::<Scenario>::new(), Vec::new());
+        let mut scenarios = Vec::<Scenario>::new();
         for (i, entry) in file.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
             let refuse = |condition: String| Error::input(path, &key, condition);
-            for (place, folder) in named(entry, folder).map_err(refuse)? {
+            for (place, _) in named(entry, folder).map_err(refuse)? {
                 let scenario = Scenario::load(&place).map_err(|e| refuse(e.to_string()))?;
                 if scenarios.iter().any(|other| other.name == scenario.name) {
                     return Err(refuse(format!("'{}' is there already", scenario.name)));
@@ -153,8 +150,6 @@ impl Sweep {
                     let condition = format!("k_cons and c_cons: '{name}' has no constraints");
                     return Err(refuse(condition));
                 }
-                let robot = robot_text(&scenario.file.robot, &folder);
-                robots.push(robot.map_err(|e| refuse(e.to_string()))?);
                 scenarios.push(scenario);
             }
         }
@@ -181,7 +176,6 @@ impl Sweep {
             name,
             file,
             scenarios,
-            robots,
             sets,
         })
     }

@@ -2,18 +2,7 @@
 
 use super::Sweep;
 use crate::error::{Error, Result};
-use crate::urdf::builtin_robot_text;
 use serde_json::{Value, json};
-use std::path::Path;
-
-/// The text of the robot that is built in under this name, or else of the file at this path below `folder`.
-pub(super) fn robot_text(name_or_path: &str, folder: &Path) -> Result<String> {
-    if let Some(text) = builtin_robot_text(name_or_path) {
-        return Ok(text.to_owned());
-    }
-    let path = folder.join(name_or_path);
-    std::fs::read_to_string(&path).map_err(|e| Error::io(path, e))
-}
 
 impl Sweep {
     /// All that the results depend on: the version of this library, the grid, the scenarios and their robots.
@@ -27,12 +16,11 @@ impl Sweep {
             grid.retain(|key, _| key != "scenarios" && key != "name");
         }
         let mut scenarios = Vec::new();
-        for (scenario, robot) in self.scenarios.iter().zip(&self.robots) {
-            let hash = twox_hash::XxHash64::oneshot(0, robot.as_bytes());
+        for scenario in &self.scenarios {
             scenarios.push(json!({
                 "name": scenario.name,
                 "file": json_value(&scenario.file)?,
-                "robot_xxh64": format!("{hash:016x}"),
+                "robot_xxh64": scenario.robot_xxh64,
             }));
         }
         Ok(json!({

@@ -2,6 +2,7 @@
 
 use super::{ParameterSet, Parameters, Sweep};
 use crate::motion::Guess;
+use crate::motion::Stopped;
 use crate::scenario::SolveReport;
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +125,7 @@ impl Row {
     pub fn new(sweep: &Sweep, set: &ParameterSet, outcome: &SolveReport) -> Self {
         let s = &outcome.summary;
         let flow = s.details.flow();
-        if outcome.timed_out {
+        if matches!(outcome.stopped, Some(Stopped::TimeLimit(_))) {
             let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
             return Self {
                 outcome: RowOutcome::TimeLimit,
@@ -135,7 +136,7 @@ impl Row {
             reason: s.failure.as_deref().map(one_line),
             outcome: if s.success {
                 RowOutcome::Success
-            } else if s.failure.is_some() {
+            } else if !outcome.completed {
                 RowOutcome::Failed
             } else if s.final_error_inf.is_some_and(|e| e < s.success_threshold) {
                 RowOutcome::Infeasible

@@ -22,6 +22,9 @@ impl Iterate {
             coefficients,
             merit: f64::NAN,
             iteration: Iteration {
+                start: None,
+                horizon: f64::NAN,
+                segments: 0,
                 degree: 0,
                 points: 0,
                 cost: f64::NAN,

@@ -34,7 +34,7 @@ use super::tuning::POINTS;
 use super::{CostWithControl, Iteration};
 use crate::constraint::Constraint;
 use crate::error::Result;
-use crate::motion::Problem;
+use crate::motion::{Problem, Watch};
 use search::{End, search};
 
 /// The demands on one minimisation.
@@ -63,6 +63,7 @@ pub(super) struct Context<'c, 'a, K, P> {
     pub problem: &'c Problem<'a>,
     pub grids: &'c Grids,
     pub rows: &'c Rows<'a, K, P>,
+    pub watch: &'c Watch,
 }
 
 impl<K, P> Clone for Context<'_, '_, K, P> {
@@ -88,6 +89,10 @@ pub(super) fn minimise<K: Constraint + Clone, P: CostWithControl>(
         check_integral(candidate.cost)?;
         match end {
             End::Done => return Ok(candidate),
+            _ if context.watch.stopped().is_some() => {
+                candidate.converged = false;
+                return Ok(candidate);
+            }
             End::Coarse => {
                 // Multipliers at other points and a weak barrier hold the curve where it is.
                 candidate.points = candidate.points * 3 / 2;

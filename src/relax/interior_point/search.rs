@@ -7,6 +7,7 @@ use super::newton::{Merit, Newton, move_by};
 use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
 use crate::error::Result;
+use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
     AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, CONSTRAINED_STEPS, FINE, FIRST_BARRIER,
@@ -44,6 +45,7 @@ struct Search<'g, 'a, K, P> {
     constrained: bool,
     /// The gradient in the metric of the Hessian, with which rows come into it as well: what the last step promised, if it was a whole one.
     decrement: f64,
+    watch: &'g Watch,
 }
 
 /// Minimises from a candidate with as many points as it says.
@@ -57,6 +59,7 @@ pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
         problem,
         grids,
         rows,
+        watch,
     } = context;
     let (n, horizon, points) = (problem.model().dof(), problem.horizon(), candidate.points);
     let basis = candidate.path.basis.clone();
@@ -89,6 +92,7 @@ pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
         rates: stage.slope.then(|| candidate.path.rates(problem)),
         constrained: rows.count() > 0,
         decrement: f64::INFINITY,
+        watch,
     }
     .run(candidate, observe)
 }
@@ -107,7 +111,8 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
         let mut now = Iterate::new(candidate.path.coefficients.clone());
         let (mut steps, mut end) = (0_usize, None);
         while end.is_none() {
-            let out = steps >= stage.iterations || self.is_stuck(steps);
+            let late = steps >= stage.iterations || self.watch.stopped().is_some();
+            let out = late || self.is_stuck(steps);
             self.evaluate(&mut now, steps, out)?;
             let stationary = now.at_last_barrier && now.iteration.gradient_norm <= stage.tolerance;
             let done = stationary || out;
@@ -180,6 +185,9 @@ impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
             let gradient_norm = self.newton.gradient_norm(cost).min(self.decrement);
             now.at_last_barrier = !self.constrained || self.is_last_barrier(cost);
             now.iteration = Iteration {
+                start: None,
+                horizon: self.horizon,
+                segments: self.grid.segments,
                 degree: self.grid.table.nrows() - 1,
                 points: self.grid.points(),
                 cost,

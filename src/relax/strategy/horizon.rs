@@ -1,6 +1,7 @@
 //! A horizon that is found with the motion.
 
 use crate::error::{Error, Result};
+use crate::motion::Watch;
 use crate::relax::interior_point::Candidate;
 use crate::relax::transcription::{place, points};
 use crate::relax::tuning::{HORIZON_SLOPE, POSSIBLE, REACH, SAME_HORIZON, SMALLEST_COST, TRIES};
@@ -145,11 +146,13 @@ impl Tried {
 }
 
 /// Looks for a horizon at which the cost is stationary, or a bound that keeps it from falling further; says whether there is one.
-/// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near.
+/// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near. The best so far is not settled when
+/// the search is stopped.
 pub(in crate::relax) fn search(
     free: FreeHorizon,
     constrained: bool,
     first: Tried,
+    watch: &Watch,
     mut attempt: impl FnMut(f64, &Tried) -> Result<Tried>,
 ) -> Result<(Tried, bool)> {
     let kind = usize::from(constrained);
@@ -173,6 +176,9 @@ pub(in crate::relax) fn search(
         let next = a.horizon * (-reach * push.signum()).exp();
         let next = next.clamp(free.shortest, free.longest);
         let there = attempt(next, &a)?;
+        if watch.stopped().is_some() {
+            return Ok((better(there, a), false));
+        }
         if there.push() * push <= 0.0 {
             break there;
         }
@@ -190,12 +196,15 @@ pub(in crate::relax) fn search(
         let close = (from - to).abs() <= least;
         if settled(&b) || close {
             // A jump of the quadrature, or the limit of what is possible.
-            let found = if b.sound() { b } else { a };
+            let found = better(b, a);
             let good = found.sound();
             return Ok((found, good));
         }
         let next = to - at_b * (to - from) / (at_b - at_a);
         let there = attempt(next.exp(), if b.sound() { &b } else { &a })?;
+        if watch.stopped().is_some() {
+            return Ok((better(there, better(b, a)), false));
+        }
         if there.push() * b.push() < 0.0 {
             (a, at_a) = (b, at_b);
         } else {
@@ -205,4 +214,9 @@ pub(in crate::relax) fn search(
         b = there;
     }
     Ok((b, false))
+}
+
+/// The later of two if it is worth anything, or else the earlier one.
+fn better(later: Tried, earlier: Tried) -> Tried {
+    if later.sound() { later } else { earlier }
 }

@@ -10,7 +10,6 @@ use serde::Serialize;
 use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
-use std::time::Instant;
 
 /// A minimum that starts led to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -41,7 +40,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
     rungs: &[Rung],
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
-    let began = Instant::now();
+    let stopped = || context.watch.stopped().is_some();
     let constrained = context.rows.count() > 0;
     let line = Path::line(context.problem, rungs[0].basis.clone());
     let mut least = vec![f64::INFINITY; rungs.len()];
@@ -56,20 +55,26 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
             None => next..(next + MORE_STARTS).min(MOST_STARTS),
         };
         next = wave.end;
-        let start = |i| Candidate::new(line.start(settings.start_amplitude, i as u64));
-        let mut climbing: Vec<Candidate> = wave.map(start).collect();
+        let start = |i| {
+            let path = line.start(settings.start_amplitude, settings.seed, i as u64);
+            (i, Candidate::new(path))
+        };
+        let mut climbing: Vec<(usize, Candidate)> = wave.map(start).collect();
         for (level, rung) in rungs.iter().enumerate() {
-            let found = side_by_side(climbing, settings.threads, |mut candidate| {
+            let found = side_by_side(climbing, settings.threads, |(number, mut candidate)| {
                 candidate.path = candidate.path.in_basis(rung.basis.clone());
                 let mut iterations = Vec::new();
                 let found = minimise(context, candidate, rung.stage, &mut |i| iterations.push(i))?;
-                Ok((found, iterations))
+                Ok((number, found, iterations))
             });
             climbing = Vec::new();
             for found in found {
-                let (candidate, iterations) = found?;
-                iterations.into_iter().for_each(&mut *log);
-                if level == 0 {
+                let (number, candidate, iterations) = found?;
+                for iteration in iterations {
+                    let start = Some(number);
+                    log(Iteration { start, ..iteration });
+                }
+                if level == 0 && !stopped() {
                     first_costs.push(candidate.cost);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end.
@@ -85,20 +90,17 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
                     least[level] = least[level].min(candidate.cost);
                 }
                 if goes_on || (constrained && !found_before) {
-                    climbing.push(candidate);
+                    climbing.push((number, candidate));
                 }
             }
         }
-        ends.append(&mut climbing);
+        ends.extend(climbing.into_iter().map(|(_, end)| end));
         let found = ends.iter().any(|end| end.converged);
-        let late = settings
-            .time_limit
-            .is_some_and(|limit| began.elapsed() >= limit);
         let more = match settings.time_limit {
             Some(_) => true,
             None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),
         };
-        if late || !more {
+        if stopped() || !more {
             break;
         }
     }
@@ -111,12 +113,15 @@ pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithCont
     })
 }
 
-/// The order of candidates: those that ended as they should come first, by their cost, then the others by their violation.
+/// The order of candidates: those that ended as they should come first, by their cost, then the others by what they violate.
 fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     let by_cost = a.cost.total_cmp(&b.cost);
     match (a.converged, b.converged) {
         (true, true) => by_cost,
-        (false, false) => a.violation.total_cmp(&b.violation).then(by_cost),
+        (false, false) => {
+            let [a, b] = [a, b].map(|end| end.violation.max(RelaxSettings::FEASIBLE));
+            a.total_cmp(&b).then(by_cost)
+        }
         (a, b) => b.cmp(&a),
     }
 }

@@ -1,0 +1,64 @@
+//! A line for every stage of a search, where nobody watches a terminal.
+
+use crate::relax::Iteration;
+use crate::scenario::Record;
+
+/// Tells of the stages of a search on the standard error.
+#[derive(Default)]
+pub(super) struct Stages {
+    /// The last iteration of the stage that is in progress, and how many there were.
+    current: Option<(Iteration, usize)>,
+}
+
+impl Stages {
+    /// Takes note of what happened. A stage of the relaxation is one start at one degree; one of the flow a value of `s`.
+    pub fn observe(&mut self, record: &Record) {
+        let iteration = match record {
+            Record::Flow(r) => {
+                eprintln!(
+                    "s {:.2e}: action at the nodes {:.6e}",
+                    r.s, r.action_at_nodes
+                );
+                return;
+            }
+            Record::Relax(iteration) => iteration,
+        };
+        let key = |i: &Iteration| (i.start, i.horizon, i.segments, i.degree);
+        match &mut self.current {
+            Some((last, count)) if key(last) == key(iteration) => {
+                *last = *iteration;
+                *count += 1;
+            }
+            _ => {
+                self.finish();
+                self.current = Some((*iteration, 1));
+            }
+        }
+    }
+
+    /// Tells of the last stage.
+    pub fn finish(&mut self) {
+        let Some((last, count)) = self.current.take() else {
+            return;
+        };
+        let of = last.start.map_or_else(
+            || format!("horizon {:.4} s", last.horizon),
+            |start| format!("start {}", start + 1),
+        );
+        let Iteration {
+            segments,
+            degree,
+            cost,
+            gradient_norm,
+            ..
+        } = last;
+        let segments = if segments == 1 {
+            String::new()
+        } else {
+            format!("{segments} segments of ")
+        };
+        eprintln!(
+            "{of}, {segments}degree {degree}: {count} iterations, cost {cost:.6e}, gradient norm {gradient_norm:.1e}"
+        );
+    }
+}

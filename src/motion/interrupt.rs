@@ -1,0 +1,75 @@
+//! A request to stop, seen by all threads that look for a motion.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A request to stop a search. All clones are one request, so that one of them can be raised from another thread, such as
+/// that of a signal.
+#[derive(Clone, Debug, Default)]
+pub struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Asks for the search to stop.
+    pub fn raise(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Tells whether it is to stop.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// The flag itself, as libraries for signals take it.
+    #[must_use]
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+}
+
+/// The reason why a search was stopped before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// Its time was over.
+    TimeLimit(Duration),
+    /// Its [`Interrupt`] was raised.
+    Interrupt,
+}
+
+impl std::fmt::Display for Stopped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TimeLimit(limit) => write!(f, "time limit of {} s reached", limit.as_secs_f64()),
+            Self::Interrupt => f.write_str("interrupted"),
+        }
+    }
+}
+
+/// A search in time: when it began, and what may stop it.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    began: Instant,
+    limit: Option<Duration>,
+    interrupt: Interrupt,
+}
+
+impl Watch {
+    /// From now on.
+    pub fn start(limit: Option<Duration>, interrupt: &Interrupt) -> Self {
+        Self {
+            began: Instant::now(),
+            limit,
+            interrupt: interrupt.clone(),
+        }
+    }
+
+    /// The reason to stop, once there is one.
+    pub fn stopped(&self) -> Option<Stopped> {
+        if self.interrupt.is_raised() {
+            return Some(Stopped::Interrupt);
+        }
+        let late = |limit: &Duration| self.began.elapsed() >= *limit;
+        self.limit.filter(late).map(Stopped::TimeLimit)
+    }
+}

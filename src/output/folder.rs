@@ -1,0 +1,104 @@
+//! Folders for results, in which nothing is lost.
+
+use crate::error::{Error, Result};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The most folders of one name.
+const MOST: usize = 10_000;
+
+/// A folder that is known to take files before the work begins. It is removed again if it was made here and nothing was written.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    made: bool,
+}
+
+impl OutputFolder {
+    /// This folder, which is made if need be, for files of these names.
+    ///
+    /// # Errors
+    /// One of them is there already and may not be replaced; the folder cannot be made, or no file be written in it.
+    pub fn open(path: &Path, files: &[&str], replace: bool) -> Result<Self> {
+        let there = files.iter().map(|file| path.join(file));
+        if let Some(file) = there.into_iter().find(|file| !replace && file.exists()) {
+            return Err(exists(&file));
+        }
+        let made = !path.exists();
+        fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
+        Self::new(path, made)
+    }
+
+    /// A folder that was not there before: this one, or else the same with `-2`, `-3` and so on after its name.
+    ///
+    /// # Errors
+    /// No folder can be made, or no file be written in it.
+    pub fn fresh(path: &Path) -> Result<Self> {
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+        }
+        for number in 1..=MOST {
+            let mut name = path.as_os_str().to_owned();
+            if number > 1 {
+                name.push(format!("-{number}"));
+            }
+            // Another process that looks for a folder at the same time finds this one taken.
+            match fs::create_dir(&name) {
+                Ok(()) => return Self::new(Path::new(&name), true),
+                Err(e) if e.kind() == ErrorKind::AlreadyExists => (),
+                Err(e) => return Err(Error::io(name, e)),
+            }
+        }
+        let condition = format!("there are {MOST} folders of this name already");
+        Err(Error::input(
+            path.display().to_string(),
+            "folder",
+            condition,
+        ))
+    }
+
+    fn new(path: &Path, made: bool) -> Result<Self> {
+        let folder = Self {
+            path: path.to_owned(),
+            made,
+        };
+        let probe = path.join(format!("probe.{}.partial", std::process::id()));
+        let written = fs::write(&probe, b"probe");
+        // Whatever was written of it, or nothing.
+        let _ = fs::remove_file(&probe);
+        written.map_err(|e| Error::io(path, e))?;
+        Ok(folder)
+    }
+
+    /// Its path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if self.made {
+            // Only an empty one can be removed, and one that is not has results.
+            let _ = fs::remove_dir(&self.path);
+        }
+    }
+}
+
+/// Refuses a file that is there already, unless it may be replaced.
+///
+/// # Errors
+/// Names the file.
+pub fn refuse_existing(path: &Path, replace: bool) -> Result<()> {
+    if path.exists() && !replace {
+        return Err(exists(path));
+    }
+    Ok(())
+}
+
+fn exists(path: &Path) -> Error {
+    let condition = "it exists already; --force replaces it";
+    Error::input(path.display().to_string(), "output", condition)
+}

@@ -1,0 +1,153 @@
+//! A motion as a table, and the files of a solve.
+
+use super::files::{Partial, write_whole};
+use super::write_json;
+use crate::curve::Curve;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::motion::samples_at;
+use crate::scenario::SolveReport;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The times of the rows of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// So many at equal distances, both ends of the motion included.
+    Samples(usize),
+    /// So many per second, in Hz, from the start, and one at the end.
+    Rate(f64),
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self::Samples(201)
+    }
+}
+
+impl Sampling {
+    /// The most rows of a table: several GB of text for an arm.
+    pub const MOST: usize = 10_000_000;
+
+    /// The times of a motion of this horizon, all in s.
+    ///
+    /// # Errors
+    /// The number or the rate is out of range.
+    pub fn times(self, horizon: f64) -> Result<impl Iterator<Item = f64> + use<>> {
+        let most = Self::MOST;
+        let refuse = |what: &str, condition: String| Err(Error::input("options", what, condition));
+        // Times are quotients, so that none is off by more than its rounding.
+        let (count, of_end, end) = match self {
+            Self::Samples(samples) if !(2..=most).contains(&samples) => {
+                let condition = format!("it is {samples}, at least 2 and at most {most} is needed");
+                return refuse("samples", condition);
+            }
+            Self::Samples(samples) => (samples - 1, (samples - 1) as f64 / horizon, horizon),
+            Self::Rate(rate) => {
+                if !(rate.is_finite() && rate > 0.0) {
+                    return refuse("rate", format!("it is {rate}, a positive number is needed"));
+                }
+                let count = (horizon * rate).ceil();
+                if count >= most as f64 {
+                    let condition = format!("{rate} Hz over {horizon} s are more than {most} rows");
+                    return refuse("rate", condition);
+                }
+                (count as usize, rate, horizon)
+            }
+        };
+        let inner = (0..count).map(move |i| (i as f64 / of_end).min(end));
+        Ok(inner.chain([end]))
+    }
+}
+
+/// The names of the files of a solve: the table and the summary of a success, and those of a failure.
+pub const REPORT_FILES: [&str; 4] = [
+    "trajectory.csv",
+    "summary.json",
+    "trajectory.failed.csv",
+    "summary.failed.json",
+];
+
+/// Writes the table of a motion: a row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s), `a_JOINT` (rad/s^2 or
+/// m/s^2) and `u_JOINT` (N m or N) of all joints in their order. Where the motion is a `failure` the first line says so and why, after
+/// a `#`. Rows are computed as they are written.
+///
+/// # Errors
+/// The writer fails, or the curve is for another robot.
+pub fn write_trajectory(
+    model: &Model,
+    curve: &Curve,
+    times: impl Iterator<Item = f64>,
+    failure: Option<&str>,
+    mut writer: impl Write,
+) -> io::Result<()> {
+    if let Some(reason) = failure {
+        let reason = reason.replace(['\n', '\r'], " ");
+        writeln!(writer, "# failed: {reason}")?;
+    }
+    let mut csv = csv::Writer::from_writer(writer);
+    let columns = ["q", "v", "a", "u"].iter().flat_map(|quantity| {
+        let joints = model.joints().iter();
+        joints.map(move |joint| format!("{quantity}_{}", joint.name()))
+    });
+    csv.write_record(std::iter::once("t".to_owned()).chain(columns))?;
+    let times = times.map(|t| (curve.segment_at(t), t));
+    for sample in samples_at(model, curve, times) {
+        let s = sample.map_err(io::Error::other)?;
+        let row = [&s.q, &s.v, &s.a, &s.u].into_iter().flatten();
+        let row = std::iter::once(&s.t).chain(row);
+        csv.write_record(row.map(|x| format!("{x:?}")))?;
+    }
+    csv.flush()
+}
+
+/// Writes the table of a motion to the file at `path`, as [`write_trajectory`].
+///
+/// # Errors
+/// As [`write_trajectory`].
+pub fn write_table(
+    model: &Model,
+    curve: &Curve,
+    times: impl Iterator<Item = f64>,
+    failure: Option<&str>,
+    path: &Path,
+) -> Result<()> {
+    write_whole(path, |file| {
+        write_trajectory(model, curve, times, failure, file)
+    })
+}
+
+/// Writes `trajectory.csv`, see [`write_trajectory`], and `summary.json` into `folder` and returns where they are; of a solve that is no
+/// success `trajectory.failed.csv` and `summary.failed.json`, so that the files of an earlier success stay.
+///
+/// # Errors
+/// A file cannot be written, and none is; or the sampling is out of range.
+pub fn write_report(
+    model: &Model,
+    outcome: &SolveReport,
+    folder: &Path,
+    sampling: Sampling,
+) -> Result<Vec<PathBuf>> {
+    let summary = &outcome.summary;
+    let names = if summary.success {
+        &REPORT_FILES[..2]
+    } else {
+        &REPORT_FILES[2..]
+    };
+    let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
+    let times = sampling.times(outcome.curve.horizon())?;
+    let failure = summary.failure.as_deref();
+    let parts = [
+        Partial::write(&paths[0], |file| {
+            write_trajectory(model, &outcome.curve, times, failure, file)
+        })?,
+        Partial::write(&paths[1], |file| {
+            write_json(summary, &mut *file)?;
+            file.write_all(b"\n")
+        })?,
+    ];
+    for part in parts {
+        part.complete()?;
+    }
+    Ok(paths)
+}

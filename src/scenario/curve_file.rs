@@ -1,0 +1,79 @@
+//! A curve as it is written to a file.
+
+use crate::curve::Curve;
+use crate::error::{Error, Result};
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// A curve of `E` segments of degree `p` in a file: its states $[q; v]$ at the nodes, which determine it, and its coefficients.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CurveFile {
+    /// `T`, s.
+    pub horizon_s: f64,
+    /// `E`.
+    pub segments: usize,
+    /// `p`.
+    pub degree: usize,
+    /// The names of the `N` joints.
+    pub joints: Vec<String>,
+    /// The times of the nodes, `p + 1` per segment, s.
+    pub nodes_s: Vec<f64>,
+    /// The state at each of them, `2 N` entries, rad or m and rad/s or m/s.
+    pub states: Vec<Vec<f64>>,
+    /// The coefficients of Chebyshev polynomials of each segment, of each of the `2 N` entries of the state, see
+    /// [`Curve::coefficients`].
+    pub coefficients: Vec<Vec<Vec<f64>>>,
+}
+
+impl CurveFile {
+    /// A curve of a robot with these joints.
+    pub(super) fn new(curve: &Curve, joints: Vec<String>) -> Self {
+        let begins = curve.breakpoints().iter().take(curve.segments());
+        let nodes = curve.chebyshev().times();
+        let coefficients = |segment| rows(&curve.coefficients(segment));
+        Self {
+            horizon_s: curve.horizon(),
+            segments: curve.segments(),
+            degree: curve.chebyshev().degree(),
+            joints,
+            nodes_s: begins
+                .flat_map(|begin| nodes.iter().map(move |t| begin + t))
+                .collect(),
+            states: rows(&curve.x().transpose()),
+            coefficients: (0..curve.segments()).map(coefficients).collect(),
+        }
+    }
+
+    /// The curve through the states. `file` names it in errors.
+    ///
+    /// # Errors
+    /// The states are not those of such a curve of a robot of `dof` joints.
+    pub(super) fn curve(&self, dof: usize, file: &str) -> Result<Curve> {
+        let refuse = |element: String, condition: String| Error::input(file, element, condition);
+        for (i, state) in self.states.iter().enumerate() {
+            if state.len() != 2 * dof {
+                let condition = format!(
+                    "{} numbers are given, the robot has {dof} joints",
+                    state.len()
+                );
+                return Err(refuse(format!("curve.states[{i}]"), condition));
+            }
+        }
+        let nodes = self.degree.saturating_add(1).saturating_mul(self.segments);
+        if self.states.len() != nodes {
+            let condition = format!("{} are given, {nodes} are needed", self.states.len());
+            return Err(refuse("curve.states".to_owned(), condition));
+        }
+        let x = DMatrix::from_fn(2 * dof, nodes, |i, j| self.states[j][i]);
+        Curve::piecewise(self.horizon_s, self.segments, x)
+            .map_err(|e| refuse("curve".to_owned(), e.to_string()))
+    }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix
+        .row_iter()
+        .map(|row| row.iter().copied().collect())
+        .collect()
+}

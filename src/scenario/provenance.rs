@@ -1,0 +1,128 @@
+//! All that a solve depended on, so that it can be repeated.
+
+use super::json::read_json;
+use super::{CurveFile, Scenario, ScenarioFile, SolveOptions};
+use crate::curve::Curve;
+use crate::error::{Error, Result};
+use crate::urdf::Mimic;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The key of a summary that scenarios do not have.
+const KEY: &str = "provenance";
+
+/// All that a solve depended on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// The version of this library.
+    pub version: String,
+    /// The commit that it was built from, with `-modified` if files had changed since; empty if it was not built from a repository.
+    pub commit: String,
+    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
+    pub robot_xxh64: String,
+    /// The options, those that were not given included.
+    pub options: SolveOptions,
+    /// The scenario. Its robot is built in, or at an absolute path.
+    pub scenario: ScenarioFile,
+}
+
+impl Provenance {
+    /// That of a solve with these options.
+    pub(super) fn new(scenario: &Scenario, options: &SolveOptions) -> Self {
+        let mut file = scenario.file.clone();
+        file.robot.clone_from(&scenario.robot_place);
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: git_version::git_version!(
+                args = [
+                    "--always",
+                    "--dirty=-modified",
+                    "--abbrev=12",
+                    "--exclude=*"
+                ],
+                fallback = ""
+            )
+            .to_owned(),
+            robot_xxh64: scenario.robot_xxh64.clone(),
+            options: options.in_full(scenario),
+            scenario: file,
+        }
+    }
+}
+
+/// A solve as its `summary.json` has it.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The scenario as it was solved.
+    pub scenario: Scenario,
+    /// The options with which it was solved.
+    pub options: SolveOptions,
+    /// The motion.
+    pub curve: Curve,
+    /// The reason why the solve was no success, if it was none.
+    pub failure: Option<String>,
+}
+
+/// The part of a summary from which a solve is repeated.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    scenario: String,
+    failure: Option<String>,
+    provenance: Provenance,
+    curve: CurveFile,
+}
+
+impl Solved {
+    /// The solve in a file that [`write_report`](crate::output::write_report) wrote.
+    ///
+    /// # Errors
+    /// Names the file, the key and what is wrong with it: among others if the file of the robot is not what it was.
+    pub fn load(path: &str) -> Result<Self> {
+        let text = super::file::read_text(Path::new(path))?;
+        if !is_summary(&text) {
+            let condition = "it is missing, so this is no summary of a solve";
+            return Err(Error::input(path, KEY, condition));
+        }
+        Self::parse(&text, path, None)
+    }
+
+    /// The solve of a summary with this text, or with another choice for mimic joints; `path` names it in errors.
+    pub(super) fn parse(text: &str, path: &str, mimic: Option<Mimic>) -> Result<Self> {
+        let Kept {
+            scenario: name,
+            failure,
+            provenance,
+            curve,
+        } = read_json(text, path)?;
+        let Provenance {
+            robot_xxh64,
+            options,
+            scenario: mut file,
+            ..
+        } = provenance;
+        file.mimic = mimic.unwrap_or(file.mimic);
+        let mut scenario = Scenario::new(file, path, Path::new(""))?;
+        scenario.name = name;
+        if scenario.robot_xxh64 != robot_xxh64 {
+            let condition = format!(
+                "its text is not what it was: the hash is {}, that of the solve {robot_xxh64}",
+                scenario.robot_xxh64
+            );
+            return Err(Error::input(path, scenario.robot_place, condition));
+        }
+        let curve = curve.curve(scenario.model.dof(), path)?;
+        Ok(Self {
+            scenario,
+            options,
+            curve,
+            failure,
+        })
+    }
+}
+
+/// Tells whether a text is the summary of a solve and no scenario.
+pub(super) fn is_summary(text: &str) -> bool {
+    let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
+    value.is_some_and(|value| value.get(KEY).is_some())
+}
