@@ -241,7 +241,7 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         ];
         let off = off
             .into_iter()
-            .filter(|(_, reached, asked)| !(reached <= asked));
+            .filter(|(_, reached, asked)| reached.is_nan() || reached > asked);
         let off: Vec<_> = off
             .map(|(what, reached, asked)| {
                 format!("the {what} is {reached:.1e}, {asked:e} was asked for")

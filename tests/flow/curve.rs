@@ -285,3 +285,28 @@ fn gauss_legendre_is_exact_to_its_degree() {
         }
     }
 }
+
+/// The sum of the Chebyshev polynomials by their recurrence is the curve, also between the nodes.
+#[test]
+fn the_coefficients_are_those_of_the_curve() {
+    let (curve, _) = three_parts();
+    for segment in 0..3 {
+        let coefficients = curve.coefficients(segment);
+        assert_eq!(coefficients.shape(), (2, 5));
+        let (begin, end) = (
+            curve.breakpoints()[segment],
+            curve.breakpoints()[segment + 1],
+        );
+        for i in 0..=20 {
+            let share = f64::from(i) / 20.0;
+            let s = 2.0 * share - 1.0;
+            let mut polynomials = vec![1.0, s];
+            for k in 2..5 {
+                polynomials.push(2.0 * s * polynomials[k - 1] - polynomials[k - 2]);
+            }
+            let sum = &coefficients * DVector::from_vec(polynomials);
+            let (x, _) = curve.at_in(segment, begin + share * (end - begin));
+            assert_close!(&sum, &x, 1e-14);
+        }
+    }
+}

@@ -373,3 +373,23 @@ fn a_flow_stops_at_its_time_limit_and_says_so() {
         "a clock changes nothing"
     );
 }
+
+#[test]
+fn a_flow_that_is_interrupted_keeps_its_curve() {
+    let model = robot("pendulum_2");
+    let problem = swing_up(&model);
+    let settings = FlowSettings::new(7, 1e5, 10.0);
+    let interrupt = settings.interrupt.clone();
+    let failure = flow(&problem, &settings, &mut |record| {
+        if record.s > 1e-3 {
+            interrupt.raise();
+        }
+    });
+    let failure = failure.expect("good input").expect_err("it is stopped");
+    assert_eq!(failure.stopped, Some(Stopped::Interrupt));
+    assert!(failure.s > 1e-3 && failure.s < 10.0, "{}", failure.s);
+    let words = format!("the flow stopped at s = {:e}: interrupted", failure.s);
+    assert_eq!(failure.to_string(), words);
+    let guess = problem.guess(Default::default(), failure.last_good.chebyshev());
+    assert_ne!(failure.last_good.x(), &guess);
+}

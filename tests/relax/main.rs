@@ -7,6 +7,7 @@ mod common;
 mod constrained;
 mod free_end;
 mod interior_point;
+mod interrupt;
 mod minima;
 mod multistart;
 mod objective;

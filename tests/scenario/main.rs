@@ -11,6 +11,7 @@ mod generated_limits;
 mod limits;
 mod locked;
 mod objective;
+mod output;
 mod preflight;
 mod reproduce;
 mod solve;

@@ -1,0 +1,139 @@
+//! Searches that are stopped before their end.
+
+use crate::common::relax::{degree, solved};
+use aghf::motion::{Interrupt, Stopped};
+use aghf::relax::{FreeHorizon, Iteration, RelaxSettings, RelaxSolution, Relaxation};
+use aghf::scenario::Scenario;
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+/// The solution where the interrupt is raised at the first iteration of which `when` is true.
+fn stopped_when(settings: RelaxSettings, when: impl Fn(&Iteration) -> bool) -> RelaxSolution {
+    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
+    let problem = scenario.problem().expect("valid");
+    let interrupt = Interrupt::default();
+    let settings = RelaxSettings {
+        interrupt: interrupt.clone(),
+        ..settings
+    };
+    let raise = |iteration: &Iteration| {
+        if when(iteration) {
+            interrupt.raise();
+        }
+    };
+    let solution = Relaxation::new(&problem)
+        .settings(settings)
+        .observe(raise)
+        .solve()
+        .expect("good input");
+    assert_eq!(solution.stopped, Some(Stopped::Interrupt));
+    let x = solution.curve.x();
+    assert_eq!(x.column(0).as_slice(), problem.start());
+    assert_eq!(x.column(x.ncols() - 1).as_slice(), problem.goal());
+    solution
+}
+
+#[test]
+fn a_search_without_time_is_its_first_guess() {
+    let scenario = Scenario::load("kinova_cross_01").expect("built in");
+    let problem = scenario.problem().expect("valid");
+    let settings = RelaxSettings {
+        time_limit: Some(Duration::ZERO),
+        num_starts: 3,
+        ..degree(16)
+    };
+    let solution = solved(&problem, &settings);
+    assert_eq!(solution.stopped, Some(Stopped::TimeLimit(Duration::ZERO)));
+    assert!(!solution.converged && solution.minima.is_empty());
+    assert!(
+        solution.iterations.iter().all(|i| i.step == 0.0),
+        "nothing moved"
+    );
+    assert!(solution.cost.is_finite() && solution.cost > 0.0);
+}
+
+#[test]
+fn what_was_found_before_the_interrupt_is_kept() {
+    let settings = |num_starts| RelaxSettings {
+        num_starts,
+        ..degree(9)
+    };
+    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
+    let few = solved(&scenario.problem().expect("valid"), &settings(8));
+    assert_eq!(few.stopped, None);
+    let all: BTreeSet<_> = few.iterations.iter().map(|i| i.start).collect();
+    assert_eq!(all, (0..8).map(Some).collect());
+    // Starts come in waves of eight.
+    let stopped = stopped_when(settings(400), |i| i.start >= Some(8));
+    assert!(stopped.converged);
+    assert_eq!((stopped.cost, &stopped.minima), (few.cost, &few.minima));
+    assert!(
+        stopped.iterations.iter().all(|i| i.start < Some(16)),
+        "none was begun after it"
+    );
+}
+
+/// The best of them goes on to the degree that was asked for without another step.
+#[test]
+fn a_search_that_is_stopped_on_the_way_ends_at_its_degree() {
+    let solution = stopped_when(
+        RelaxSettings {
+            num_starts: 2,
+            ..degree(16)
+        },
+        |_| true,
+    );
+    assert!(!solution.converged);
+    assert_eq!(solution.curve.chebyshev().degree(), 16);
+    let after: Vec<_> = solution
+        .iterations
+        .iter()
+        .filter(|i| i.degree > 6)
+        .collect();
+    assert!(!after.is_empty() && after.iter().all(|i| i.step == 0.0));
+}
+
+#[test]
+fn the_best_horizon_until_the_interrupt_is_kept() {
+    let free = FreeHorizon {
+        shortest: 0.5,
+        longest: 20.0,
+        weight: 30.0,
+    };
+    let settings = RelaxSettings {
+        num_starts: 1,
+        free_horizon: Some(free),
+        ..degree(9)
+    };
+    let first = stopped_when(settings.clone(), |i| i.start.is_none());
+    assert_eq!(first.curve.horizon(), 2.0, "no other was finished");
+    let other = first.iterations.iter().find(|i| i.start.is_none());
+    let tried = other.expect("another was tried").horizon;
+    assert_ne!(tried, 2.0);
+    // A search of which three horizons are known to the end.
+    let later = |i: &Iteration| i.start.is_none() && i.horizon != tried;
+    let second = stopped_when(settings, later);
+    assert_eq!(second.curve.horizon(), tried);
+    for solution in [first, second] {
+        assert!(!solution.converged, "the horizon is not settled");
+        assert!(solution.gradient_norm <= 1e-8, "the motion is");
+    }
+}
+
+#[test]
+fn a_seed_bends_the_starts() {
+    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
+    let problem = scenario.problem().expect("valid");
+    let of = |seed| {
+        let settings = RelaxSettings {
+            seed,
+            num_starts: 3,
+            ..degree(6)
+        };
+        solved(&problem, &settings).start_costs
+    };
+    let costs = [of(0), of(1), of(1)];
+    assert_eq!(costs[1], costs[2]);
+    let shared = costs[0].iter().filter(|cost| costs[1].contains(cost));
+    assert_eq!(shared.count(), 1, "the line has no bends: {costs:?}");
+}
