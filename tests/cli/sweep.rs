@@ -375,12 +375,18 @@ fn shards_are_joined_to_the_whole() {
 
 #[test]
 fn a_set_that_runs_out_of_time_is_a_row() {
-    let folder = folder_with("time", &GRID.replace("600", "1e-9"));
-    let rows = timeless(&sweep(&folder, &[], "results.csv"));
-    assert_eq!(rows.len(), 61);
-    for row in &rows[1..] {
-        let end = "line-configuration,,,time-limit,time limit of 0.000000001 s reached,,,,,,,,,";
-        assert!(row.ends_with(end), "{row}");
+    for (test, grid, columns) in [("time", GRID, [6, 9]), ("relax_time", RELAX, [11, 13])] {
+        let folder = folder_with(test, &grid.replace("600", "1e-9"));
+        let rows = timeless(&sweep(&folder, &[], "results.csv"));
+        assert_eq!(rows.len(), 61);
+        // Nothing is measured.
+        let [parameters, measured] = columns;
+        let reason = ",time-limit,time limit of 0.000000001 s reached";
+        for row in &rows[1..] {
+            let (before, after) = row.split_once(reason).unwrap_or_else(|| panic!("{row}"));
+            assert_eq!(before.matches(',').count(), 1 + parameters, "{row}");
+            assert_eq!(after, ",".repeat(measured), "{row}");
+        }
     }
 }
 

@@ -202,7 +202,7 @@ fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
         ("table_09_quick", 5, 12),
         ("table_10_quick", 5, 12),
         ("relax_quick", 5, 6),
-        ("relax_limits_quick", 10, 6),
+        ("relax_limits_quick", 9, 6),
     ];
     assert!(builtin_sweeps().eq(tables.iter().map(|t| t.0)));
     for (name, scenarios, sets) in tables {

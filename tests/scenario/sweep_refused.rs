@@ -117,7 +117,7 @@ fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
         (
             "[9, 16]",
             "[9, 65]",
-            "degree[1]: it is 65, at least 3 and at most 64",
+            "degree[1]: it is 65, at least 4 and at most 64",
         ),
         (
             "[9, 16]",

@@ -29,7 +29,7 @@ fn point(parameters: &Parameters) -> RelaxPoint {
 #[test]
 fn a_grid_has_every_combination_with_seeds_slowest() {
     let sweep = load("combinations", FULL).expect("good");
-    assert_eq!((sweep.method(), sweep.sets.len()), (Method::Relax, 128));
+    assert_eq!((sweep.method(), sweep.sets.len()), (Method::Relax, 256));
     let points: Vec<RelaxPoint> = sweep.sets.iter().map(|s| point(&s.parameters)).collect();
     let first = RelaxPoint {
         degree: Some(9),
@@ -55,19 +55,19 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
         limit_torque: Some(1.0),
         ..first
     };
-    assert_eq!((points[0], points[127]), (first, last));
+    assert_eq!((points[0], points[255]), (first, last));
     let second = RelaxPoint {
         limit_torque: Some(1.0),
         ..first
     };
     assert_eq!(points[1], second, "the last list runs fastest");
-    assert!(points[..64].iter().all(|p| p.seed == Some(7)));
+    assert!(points[..128].iter().all(|p| p.seed == Some(7)));
     for (i, p) in points.iter().enumerate() {
         assert!(!points[..i].contains(p), "set {i} is there twice");
     }
 
     // What a set asks for is what is solved.
-    let set = &sweep.sets[127];
+    let set = &sweep.sets[255];
     let options = sweep.options(&set.parameters);
     assert_eq!(options.method, Method::Relax);
     assert_eq!((options.degree, options.segments), (Some(16), Some(2)));
@@ -75,6 +75,7 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
         (options.num_starts, options.tolerance),
         (Some(3), Some(1e-6))
     );
+    assert_eq!(options.seed, Some(8));
     assert_eq!(options.threads, Some(1), "sets share the cores");
     let scenario = sweep.scenario(set);
     let cost = scenario.file.running_cost.as_ref().expect("a cost");
@@ -152,6 +153,37 @@ enforced_limits.position = [false]
     }
     assert!(efforts[0] < efforts[1], "less velocity takes more effort");
     assert!(efforts[0] < efforts[3], "so does less acceleration");
+}
+
+/// A search is stopped where it is, though it has many starts left, and tries no more than it was asked for while there is time.
+#[test]
+fn a_set_is_stopped_at_its_time() {
+    let text = |starts, timeout| {
+        format!(
+            "method = \"relax\"\nscenarios = [\"kinova_free_01\"]\ntimeout_s = {timeout}\ndegree = [{}]\nstarts = [{starts}]",
+            if starts == 1 { 6 } else { 64 }
+        )
+    };
+    let sweep = load("late", &text(1000, 0.3)).expect("good");
+    let [row] = &solved(&sweep, &sweep.sets)[..] else {
+        panic!("one set");
+    };
+    assert_eq!((row.outcome, row.minimised), (RowOutcome::TimeLimit, None));
+    assert!(
+        row.solve_seconds < 100.0,
+        "it would take far longer: {row:?}"
+    );
+    let sweep = load("late", &text(1, 3600.0)).expect("good");
+    let [row] = &solved(&sweep, &sweep.sets)[..] else {
+        panic!("one set");
+    };
+    let Work::Relax(work) = row.work else {
+        panic!("{row:?}");
+    };
+    assert_eq!(
+        (row.outcome, work.starts_tried),
+        (RowOutcome::Success, Some(1))
+    );
 }
 
 /// Three seeds of two sets in two scenarios: seeds are repetitions, of which the median counts.
