@@ -213,3 +213,26 @@ fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
         assert_eq!(sweep.sets.len(), scenarios * sets);
     }
 }
+
+/// Results that earlier versions began go on: what was swept has the keys that it had then, and the columns too.
+#[test]
+fn sweeps_of_the_flow_are_what_they_were() {
+    let keys = |text: &str| -> Vec<String> {
+        let sweep = load("identity", text).expect("good");
+        let identity = sweep.identity().expect("it is JSON");
+        let grid = identity["grid"].as_object().expect("an object");
+        grid.keys().cloned().collect()
+    };
+    assert_eq!(keys(GRID), ["guess", "k", "p", "s_max", "timeout_s"]);
+    let named = GRID.replace("600", "600\nmethod = \"flow\"\nname = \"other\"");
+    assert_eq!(keys(&named), keys(GRID));
+    assert!(keys(FULL).contains(&"method".to_owned()));
+    let grid = load("identity", GRID).expect("good");
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.serialize(Row::failed(&grid, &grid.sets[0], "", 0.0))
+        .expect("it is flat");
+    let text = String::from_utf8(csv.into_inner().expect("it is in memory")).expect("text");
+    let header = "set,scenario,p,k,s_max,guess,k_cons,c_cons,outcome,reason,final_error_inf,open_loop_error_inf,\
+         control_effort,action,dynamics_defect,smallest_clearance_m,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
+    assert_eq!(text.lines().next(), Some(header));
+}
