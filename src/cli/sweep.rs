@@ -9,7 +9,7 @@ use crate::experiments::sweep::{
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -20,7 +20,8 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// Solve scenarios with every combination of parameters of a grid, on all cores, and rank the parameters.
 ///
 /// Built in: table_09_pendulums, table_10_kinova, table_11_digit, table_12_kinova_obstacles, table_13_digit_obstacles,
-/// table_09_quick, table_10_quick. The tables are the paper's. A sweep that was interrupted goes on where it was.
+/// table_09_quick, table_10_quick, relax_quick, relax_limits_quick. The tables are the paper's, for the flow; the last two are for the
+/// relaxation. A sweep that was interrupted goes on where it was.
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
     /// A sweep that is built in, or the path of a TOML file.
@@ -44,6 +45,7 @@ pub(super) struct Sweep {
 
 impl Sweep {
     pub(super) fn run(self) -> Result<ExitCode> {
+        let began = Instant::now();
         let sweep = Grid::load(&self.sweep)?;
         let folder = (self.out).unwrap_or_else(|| PathBuf::from("out/sweeps").join(&sweep.name));
         let shard = self.shard.unwrap_or(Shard::WHOLE);
@@ -55,20 +57,16 @@ impl Sweep {
             merge(&sweep, &files, &folder)?
         } else {
             let results = Results::open(&sweep, shard, &folder)?;
-            let missing = results.missing();
-            let all = (sweep.sets.iter())
-                .filter(|set| shard.has(set.index))
-                .count();
-            let progress = Progress::new(all, missing.len());
-            run(&sweep, &missing, self.jobs, &|row| {
+            let progress = Progress::new(&results);
+            run(&sweep, &results.missing(), self.jobs, &|row| {
+                let outcome = row.outcome;
                 results.append(row)?;
-                progress.advance();
+                progress.advance(outcome);
                 Ok(())
             })?;
             progress.bar.finish_and_clear();
             results.finish()?
         };
-        print(&outcomes(&rows))?;
         let mut files = vec![path];
         if shard == Shard::WHOLE {
             let ranking = ranking(&sweep, &rows);
@@ -81,49 +79,76 @@ impl Sweep {
         for file in files {
             print(&format!("wrote {}", file.display()))?;
         }
+        print(&summary(&rows, began.elapsed(), &folder))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
-/// How many solves ended in which way.
-fn outcomes(rows: &[Row]) -> String {
+/// The last line: how many solves ended in which way, how long it took, and where all is.
+fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
     let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();
-    let counts = RowOutcome::ALL.map(|outcome| format!("{} {}", count(outcome), outcome.name()));
-    format!("{} sets: {}", rows.len(), counts.join(", "))
+    let mut ends = format!(
+        "{} of {} sets solved",
+        count(RowOutcome::Success),
+        rows.len()
+    );
+    for outcome in RowOutcome::ALL {
+        if outcome != RowOutcome::Success && count(outcome) > 0 {
+            ends += &format!(", {} {}", count(outcome), outcome.name());
+        }
+    }
+    let (seconds, folder) = (time.as_secs_f64(), folder.display());
+    format!("{ends}; {seconds:.1} s; results in {folder}")
 }
 
 /// A bar where somebody watches, and a line now and then where nobody does.
 struct Progress {
     bar: ProgressBar,
-    /// When the last line was told; `None` where there is a bar.
-    told: Option<Mutex<Instant>>,
+    /// `None` where there is a bar.
+    lines: Option<Mutex<Lines>>,
+}
+
+/// What the lines say.
+struct Lines {
+    /// When the last one was printed.
+    printed: Instant,
+    solved: usize,
 }
 
 impl Progress {
-    fn new(all: usize, missing: usize) -> Self {
+    fn new(results: &Results<'_>) -> Self {
+        let rows = results.rows();
+        let all = rows.len() + results.missing().len();
         let style = "{elapsed:>4} {bar:30} {pos} of {len} sets, {eta} left";
         let style = ProgressStyle::with_template(style);
         let bar = ProgressBar::new(all as u64)
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-            .with_position((all - missing) as u64);
+            .with_position(rows.len() as u64);
         bar.reset_eta();
         let watched = std::io::stderr().is_terminal();
+        let good = |row: &&Row| row.outcome == RowOutcome::Success;
+        let lines = Lines {
+            printed: Instant::now(),
+            solved: rows.iter().filter(good).count(),
+        };
         Self {
             bar,
-            told: (!watched).then(|| Mutex::new(Instant::now())),
+            lines: (!watched).then_some(Mutex::new(lines)),
         }
     }
 
-    fn advance(&self) {
+    fn advance(&self, outcome: RowOutcome) {
         self.bar.inc(1);
-        let Some(Ok(mut told)) = self.told.as_ref().map(Mutex::lock) else {
+        let Some(Ok(mut lines)) = self.lines.as_ref().map(Mutex::lock) else {
             return;
         };
-        if told.elapsed() >= LINE_EVERY {
-            *told = Instant::now();
+        lines.solved += usize::from(outcome == RowOutcome::Success);
+        if lines.printed.elapsed() >= LINE_EVERY {
+            lines.printed = Instant::now();
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
             let left = indicatif::HumanDuration(self.bar.eta());
-            eprintln!("{done} of {all} sets, {left} left");
+            let solved = lines.solved;
+            eprintln!("{done} of {all} sets tried, {solved} solved, {left} left");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! How to extend the mathematics: one page for each thing that a user can replace, with an example that is compiled and run as a test.
+//! How to run [many solves](sweeps), on one machine or several, is a page as well.
 //!
-//! Every page has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
+//! Every page of the former has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
 //! goes, and what the limits are.
 //!
 //! | to replace | implement | verified by |
@@ -62,3 +63,6 @@ pub mod integrator {}
 
 #[doc = include_str!("joint.md")]
 pub mod joint {}
+
+#[doc = include_str!("sweeps.md")]
+pub mod sweeps {}

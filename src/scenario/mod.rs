@@ -22,7 +22,7 @@ pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{
     FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile, SphereObstacle,
 };
-pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios};
+pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};

@@ -15,6 +15,16 @@ k = [1e4, 1e5, 1e7]
 s_max = [1e-2, 1e-1, 1, 10, 50]
 "#;
 
+/// 60 sets of the relaxation, as fast.
+const RELAX: &str = r#"
+method = "relax"
+scenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]
+timeout_s = 600
+degree = [5, 6, 7]
+starts = [1, 2, 3, 4, 5]
+running_cost.velocity = [0, 0.5]
+"#;
+
 fn write(path: PathBuf, text: &str) -> PathBuf {
     std::fs::write(&path, text).expect("the folder is writable");
     path
@@ -54,8 +64,24 @@ fn sweep(folder: &Path, arguments: &[&str], results: &str) -> PathBuf {
 
 #[test]
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
+    let whole = killed("flow", GRID);
+    let has = |outcome: &str| whole.iter().any(|line| line.contains(outcome));
+    for outcome in ["success", "goal-missed"] {
+        assert!(has(outcome), "no {outcome}");
+    }
+}
+
+#[test]
+fn so_does_one_of_the_relaxation() {
+    let whole = killed("relax", RELAX);
+    let good = whole.iter().filter(|line| line.contains(",success,"));
+    assert_eq!(good.count(), 60);
+}
+
+/// Kills a sweep of 60 sets of pendulums many times, compares its results with those of one that went through, and returns those.
+fn killed(test: &str, grid: &str) -> Vec<String> {
     let whole = timeless(&sweep(
-        &folder_with("whole", GRID),
+        &folder_with(&format!("{test}_whole"), grid),
         &["--jobs", "1"],
         "results.csv",
     ));
@@ -63,14 +89,8 @@ fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     for (i, line) in whole[1..].iter().enumerate() {
         assert!(line.starts_with(&format!("{i},pendulum_")), "{line}");
     }
-    for outcome in ["success", "goal-missed"] {
-        assert!(
-            whole.iter().any(|line| line.contains(outcome)),
-            "no {outcome}"
-        );
-    }
 
-    let folder = folder_with("killed", GRID);
+    let folder = folder_with(&format!("{test}_killed"), grid);
     let results = folder.join("out/sweeps/grid/results.csv");
     let lines = || std::fs::read_to_string(&results).map_or(0, |text| text.matches('\n').count());
     let mut kills = 0;
@@ -103,6 +123,32 @@ fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     let found = files(&folder.join("out/sweeps/grid"));
     let found: Vec<_> = found.iter().filter(|f| !f.ends_with(".partial")).collect();
     assert_eq!(found, expected);
+    whole
+}
+
+/// The last line says how many sets were solved, how the others ended, how long it took and where the results are.
+#[test]
+fn the_last_line_sums_up() {
+    let folder = folder_with("summary", GRID);
+    let last = |arguments: &[&str]| {
+        let run = aghf(&folder, &[&["sweep", "grid.toml"], arguments].concat());
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+        run.stdout.lines().last().expect("lines").to_owned()
+    };
+    let line = last(&[]);
+    let rows = timeless(&folder.join("out/sweeps/grid/results.csv"));
+    let count = |outcome: &str| {
+        let of = |line: &&String| line.contains(&format!(",{outcome},"));
+        rows.iter().filter(of).count()
+    };
+    let (good, missed) = (count("success"), count("goal-missed"));
+    assert!(good > 0 && missed > 0);
+    let start = format!("{good} of 60 sets solved, {missed} goal-missed");
+    assert!(line.starts_with(&start), "{line}");
+    assert!(line.contains(" s; results in out/sweeps/grid"), "{line}");
+    let part = last(&["--shard", "1/3", "--out", "part"]);
+    assert!(part.contains(" of 20 sets solved"), "{part}");
+    assert!(part.ends_with("results in part"), "{part}");
 }
 
 #[test]
@@ -329,12 +375,18 @@ fn shards_are_joined_to_the_whole() {
 
 #[test]
 fn a_set_that_runs_out_of_time_is_a_row() {
-    let folder = folder_with("time", &GRID.replace("600", "1e-9"));
-    let rows = timeless(&sweep(&folder, &[], "results.csv"));
-    assert_eq!(rows.len(), 61);
-    for row in &rows[1..] {
-        let end = "line-configuration,,,time-limit,time limit of 0.000000001 s reached,,,,,,,,,";
-        assert!(row.ends_with(end), "{row}");
+    for (test, grid, columns) in [("time", GRID, [6, 9]), ("relax_time", RELAX, [11, 13])] {
+        let folder = folder_with(test, &grid.replace("600", "1e-9"));
+        let rows = timeless(&sweep(&folder, &[], "results.csv"));
+        assert_eq!(rows.len(), 61);
+        // Nothing is measured.
+        let [parameters, measured] = columns;
+        let reason = ",time-limit,time limit of 0.000000001 s reached";
+        for row in &rows[1..] {
+            let (before, after) = row.split_once(reason).unwrap_or_else(|| panic!("{row}"));
+            assert_eq!(before.matches(',').count(), 1 + parameters, "{row}");
+            assert_eq!(after, ",".repeat(measured), "{row}");
+        }
     }
 }
 

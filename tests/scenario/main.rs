@@ -16,4 +16,7 @@ mod preflight;
 mod reproduce;
 mod solve;
 mod sweep;
+mod sweep_files;
+mod sweep_refused;
+mod sweep_relax;
 mod written;

@@ -1,85 +1,101 @@
 //! Sweep files, rankings and tables of results.
 
+use crate::sweep_files::{FULL, GRID, folder, load};
 use aghf::experiments::sweep::{
-    Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_of, ranking_table, write_rows,
+    FlowWork, Ranked, RelaxWork, Row, RowOutcome, Sweep, Work, best, builtin_sweeps, ranking,
+    ranking_of, ranking_table, write_ranking, write_rows,
 };
+use aghf::scenario::Method;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
 
-const GRID: &str = r#"
-scenarios = ["pendulum_2_swingup", "pendulum_3_swingup"]
-timeout_s = 600
-p = [5, 7]
-k = [1e3, 1e5, 1e7]
-s_max = [1, 10]
-"#;
-
-/// A folder for the files of one test.
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("sweep")
-        .join(test);
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    folder
-}
-
-/// Writes a sweep file and loads it.
-fn load(test: &str, text: &str) -> aghf::Result<Sweep> {
-    let path = folder(test).join("grid.toml");
-    std::fs::write(&path, text).expect("the folder is writable");
-    Sweep::load(path.to_str().expect("it is text"))
-}
-
-/// The table for data frames says what the text does, with numbers as numbers.
-#[test]
-fn a_json_file_has_what_a_csv_has() {
-    let grid = load("json", GRID).expect("good");
-    let full = Row {
+/// A row with a value in every column.
+fn full(grid: &Sweep, set: usize, work: Work) -> Row {
+    Row {
         outcome: RowOutcome::Success,
         final_error_inf: Some(1e-300),
         open_loop_error_inf: Some(f64::INFINITY),
         control_effort: Some(0.1),
-        action: Some(-0.0),
+        minimised: Some(-0.0),
         dynamics_defect: Some(f64::MAX),
         smallest_clearance_m: Some(-0.02),
+        work,
+        ..Row::failed(grid, &grid.sets[set], "none, \"or\" one", 0.25)
+    }
+}
+
+/// The table for data frames says what the text does, with numbers as numbers; every column of a full row has a value, and the names of
+/// columns are the same wherever they are.
+#[test]
+fn a_json_file_has_what_a_csv_has() {
+    let flow = load(
+        "json",
+        &GRID
+            .replace("p =", "k_cons = [5]\nc_cons = [6]\np =")
+            .replace("pendulum_2_swingup", "kinova_obstacles_01")
+            .replace(", \"pendulum_3_swingup\"", ""),
+    );
+    let relax = load("json", FULL);
+    let work_of_flow = Work::Flow(FlowWork {
         steps: Some(3),
         omega_evaluations: Some(4),
         jacobian_evaluations: Some(usize::MAX / 2),
-        k_cons: Some(5.0),
-        c_cons: Some(6.0),
-        ..Row::failed(&grid, &grid.sets[23], "none, \"or\" one", 0.25)
-    };
-    let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
-    assert_eq!(
-        rows[0].reason.as_deref(),
-        Some("no time"),
-        "a row is a line"
-    );
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    rows.iter()
-        .for_each(|row| csv.serialize(row).expect("it is flat"));
-    let text = csv.into_inner().expect("it is in memory");
-    let mut csv = csv::Reader::from_reader(text.as_slice());
-    let names = csv.headers().expect("a header").clone();
+    });
+    let work_of_relaxation = Work::Relax(RelaxWork {
+        horizon_s: Some(2.0),
+        gradient_norm: Some(1e-9),
+        largest_violation: Some(0.0),
+        starts_tried: Some(8),
+        minima: Some(2),
+        iterations: Some(12),
+        factorisations: Some(13),
+    });
+    for (grid, work, columns) in [
+        (flow.expect("good"), work_of_flow, 20),
+        (relax.expect("good"), work_of_relaxation, 29),
+    ] {
+        let full = full(&grid, 1, work);
+        let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
+        let reason = rows[0].reason.as_deref();
+        assert_eq!(reason, Some("no time"), "a row is a line");
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        rows.iter()
+            .for_each(|row| csv.serialize(row).expect("it is flat"));
+        let text = csv.into_inner().expect("it is in memory");
+        let mut csv = csv::Reader::from_reader(text.as_slice());
+        let names = csv.headers().expect("a header").clone();
+        assert_eq!(names.len(), columns);
 
-    let path = folder("json").join("rows.json");
-    write_rows(&rows, &path).expect("the folder is writable");
-    let text = std::fs::read_to_string(&path).expect("it is there");
-    let table: Vec<serde_json::Map<String, Value>> = serde_json::from_str(&text).expect("rows");
-    assert_eq!(table.len(), 2);
-    for (row, record) in table.iter().zip(csv.records()) {
-        let record = record.expect("good");
-        assert_eq!(row.len(), names.len());
-        for (name, text) in names.iter().zip(&record) {
-            match &row[name] {
-                Value::Null => assert!(["", "inf"].contains(&text), "{name}: {text}"),
-                Value::Number(x) => {
-                    assert_eq!(text.parse::<f64>().ok(), x.as_f64(), "{name}");
+        let path = folder("json").join("rows.json");
+        write_rows(&rows, &path).expect("the folder is writable");
+        let text = std::fs::read_to_string(&path).expect("it is there");
+        let table: Vec<serde_json::Map<String, Value>> = serde_json::from_str(&text).expect("rows");
+        assert_eq!(table.len(), 2);
+        for (row, record) in table.iter().zip(csv.records()) {
+            let record = record.expect("good");
+            assert_eq!(row.len(), names.len());
+            for (name, text) in names.iter().zip(&record) {
+                match &row[name] {
+                    Value::Null => assert!(["", "inf"].contains(&text), "{name}: {text}"),
+                    Value::Number(x) => {
+                        assert_eq!(text.parse::<f64>().ok(), x.as_f64(), "{name}");
+                    }
+                    Value::String(x) => assert_eq!(text, x, "{name}"),
+                    other => panic!("{name}: {other:?}"),
                 }
-                Value::String(x) => assert_eq!(text, x, "{name}"),
-                other => panic!("{name}: {other:?}"),
             }
         }
+        let empty = |name: &&str| table[1][*name].is_null();
+        let missing: Vec<_> = names.iter().filter(empty).collect();
+        assert_eq!(missing, ["open_loop_error_inf"], "that is infinite");
+        // A ranking has the columns of the parameters under the same names.
+        let path = folder("json").join("ranking.csv");
+        write_ranking(&ranking(&grid, &rows[..1]), &path).expect("the folder is writable");
+        let mut ranked = csv::Reader::from_path(&path).expect("it is there");
+        let ranked = ranked.headers().expect("a header").clone();
+        let end = names.iter().position(|name| name == "outcome");
+        let end = end.expect("a column");
+        let own = ranked.iter().skip(1).take(end - 2);
+        assert!(own.eq(names.iter().skip(2).take(end - 2)), "{ranked:?}");
     }
 }
 
@@ -115,6 +131,7 @@ fn the_ranking_is_by_success_then_time() {
             ..Row::failed(&grid, set, "", seconds)
         })
         .collect();
+    let k = |r: &Ranked| r.parameters.flow().expect("of the flow").k;
     let ranked = ranking(&grid, &rows);
     let of = |scope: &str| {
         ranked
@@ -124,7 +141,7 @@ fn the_ranking_is_by_success_then_time() {
     };
     let all = of("all");
     assert_eq!(
-        all.iter().map(|r| r.k).collect::<Vec<_>>(),
+        all.iter().map(|r| k(r)).collect::<Vec<_>>(),
         [1e4, 1e5, 1e7, 1e3]
     );
     assert_eq!(
@@ -136,7 +153,7 @@ fn the_ranking_is_by_success_then_time() {
         (Some(1.5), Some(55.0))
     );
     assert_eq!(
-        (all[0].final_error_inf, all[0].action),
+        (all[0].final_error_inf, all[0].minimised),
         (Some(60.0 / 1e4), None)
     );
     assert_eq!(
@@ -150,18 +167,18 @@ fn the_ranking_is_by_success_then_time() {
     );
     let one = of("pendulum_2_swingup");
     assert_eq!(
-        one.iter().map(|r| r.k).collect::<Vec<_>>(),
+        one.iter().map(|r| k(r)).collect::<Vec<_>>(),
         [1e7, 1e4, 1e5, 1e3]
     );
     // The same for a part of the scenarios, and of a table of which no other part is there.
     let three: Vec<f64> = ranking_of(&grid, &rows[4..], "pendulum_3")
         .iter()
-        .map(|r| r.k)
+        .map(k)
         .collect();
     assert_eq!(three, [1e4, 1e5, 1e3, 1e7]);
     let all: Vec<_> = all.into_iter().cloned().collect();
     let [fastest, least] = best(&all).expect("some succeed");
-    assert_eq!((fastest.k, least.k), (1e4, 1e5));
+    assert_eq!((k(fastest), k(least)), (1e4, 1e5));
     assert_eq!(best(&all[3..]), None, "none succeeds");
     let table = ranking_table(&ranked);
     let lines: Vec<Vec<_>> = table
@@ -175,87 +192,7 @@ fn the_ranking_is_by_success_then_time() {
 }
 
 #[test]
-fn bad_sweep_files_are_refused_by_name_and_key() {
-    for (from, to, words) in [
-        (
-            "timeout_s",
-            "timeout",
-            "grid.toml: timeout: ; unknown field `timeout`",
-        ),
-        ("p = [5, 7]", "", "grid.toml: sweep: ; missing field `p`"),
-        ("p = [5, 7]", "p = [5, 7", "grid.toml: line 5: "),
-        ("p = [5, 7]", "p = [5, 7.5]", "grid.toml: p[1]: ; 7.5"),
-        (
-            "p = [5, 7]",
-            "p = [5, 1]",
-            "grid.toml: p[1]: it is 1, at least 2",
-        ),
-        ("p = [5, 7]", "p = []", "grid.toml: p: it is an empty list"),
-        (
-            "p = [5, 7]",
-            "p = [5, 7, 5]",
-            "grid.toml: p[2]: the value is there already",
-        ),
-        (
-            "1, 10",
-            "1, 1.0",
-            "grid.toml: s_max[1]: the value is there already",
-        ),
-        ("1e3", "-1e3", "grid.toml: k[0]: it is -1000, a positive"),
-        ("1e3", "nan", "grid.toml: k[0]: it is NaN, a positive"),
-        ("1e3", "\"much\"", "grid.toml: k[0]: ; much"),
-        ("600", "0", "grid.toml: timeout_s: it is 0, a positive"),
-        ("600", "1e300", "grid.toml: timeout_s: it is 1"),
-        ("600", "600\nname = \"../up\"", "grid.toml: name: '../up'"),
-        (
-            "600",
-            "600\nmethod = \"magic\"",
-            "grid.toml: method: ; unknown field `method`",
-        ),
-        (
-            "600",
-            "600\nguess = [\"line-state\", \"circle\"]",
-            "grid.toml: guess[1]: ; circle",
-        ),
-        (
-            "600",
-            "600\nk_cons = [1e5]",
-            "grid.toml: scenarios[0]: k_cons and c_cons: 'pendulum_2_swingup' has no constraints",
-        ),
-        ("600", "600\nc_cons = [0]", "grid.toml: c_cons[0]: it is 0"),
-        (
-            "\"pendulum_2_swingup\"",
-            "\"pendulum_x*\"",
-            "grid.toml: scenarios[0]: no built-in scenario matches",
-        ),
-        (
-            "\"pendulum_2_swingup\"",
-            "\"no.json\"",
-            "grid.toml: scenarios[0]: ; no.json; neither",
-        ),
-        (
-            "\"pendulum_2_swingup\"",
-            "\"pendulum_3*\"",
-            "grid.toml: scenarios[1]: 'pendulum_3_swingup' is there",
-        ),
-    ] {
-        assert!(GRID.contains(from), "{from}");
-        let error = load("bad", &GRID.replace(from, to)).expect_err(words);
-        let error = error.to_string();
-        let all = words.split("; ").all(|word| error.contains(word));
-        assert!(all, "{error}; want {words}");
-    }
-    let error = Sweep::load("table_99")
-        .expect_err("there is none")
-        .to_string();
-    assert!(
-        error.starts_with("table_99: sweep: there is neither"),
-        "{error}"
-    );
-}
-
-#[test]
-fn the_tables_of_the_paper_are_built_in() {
+fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
     let tables = [
         ("table_09_pendulums", 5, 7 * 8 * 10),
         ("table_10_kinova", 5, 7 * 7 * 17),
@@ -264,12 +201,38 @@ fn the_tables_of_the_paper_are_built_in() {
         ("table_13_digit_obstacles", 2, 7 * 6 * 9 * 6 * 3),
         ("table_09_quick", 5, 12),
         ("table_10_quick", 5, 12),
+        ("relax_quick", 5, 6),
+        ("relax_limits_quick", 9, 6),
     ];
     assert!(builtin_sweeps().eq(tables.iter().map(|t| t.0)));
     for (name, scenarios, sets) in tables {
         let sweep = Sweep::load(name).expect("built in");
+        assert_eq!(sweep.method() == Method::Flow, name.starts_with("table"));
         assert_eq!(sweep.scenarios.len(), scenarios, "{name}");
         assert_eq!(sweep.sets_a_scenario(), sets, "{name}");
         assert_eq!(sweep.sets.len(), scenarios * sets);
     }
+}
+
+/// Results that earlier versions began go on: what was swept has the keys that it had then, and the columns too.
+#[test]
+fn sweeps_of_the_flow_are_what_they_were() {
+    let keys = |text: &str| -> Vec<String> {
+        let sweep = load("identity", text).expect("good");
+        let identity = sweep.identity().expect("it is JSON");
+        let grid = identity["grid"].as_object().expect("an object");
+        grid.keys().cloned().collect()
+    };
+    assert_eq!(keys(GRID), ["guess", "k", "p", "s_max", "timeout_s"]);
+    let named = GRID.replace("600", "600\nmethod = \"flow\"\nname = \"other\"");
+    assert_eq!(keys(&named), keys(GRID));
+    assert!(keys(FULL).contains(&"method".to_owned()));
+    let grid = load("identity", GRID).expect("good");
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.serialize(Row::failed(&grid, &grid.sets[0], "", 0.0))
+        .expect("it is flat");
+    let text = String::from_utf8(csv.into_inner().expect("it is in memory")).expect("text");
+    let header = "set,scenario,p,k,s_max,guess,k_cons,c_cons,outcome,reason,final_error_inf,open_loop_error_inf,\
+         control_effort,action,dynamics_defect,smallest_clearance_m,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
+    assert_eq!(text.lines().next(), Some(header));
 }

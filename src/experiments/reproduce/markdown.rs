@@ -3,6 +3,7 @@
 use super::format::{distinct, figures, in_words};
 use super::timing::{BATCH_SECONDS, BATCHES};
 use super::{Reproduction, ScenarioResult, Search, Series, SystemResult, fit};
+use crate::experiments::sweep::FlowPoint;
 use crate::scenario::Limit;
 
 /// A table of Markdown.
@@ -64,10 +65,11 @@ fn searches(searches: &[Search]) -> String {
         let [fastest, least] = match &search.best {
             None => ["none succeeds".to_owned(), String::new()],
             Some(best) => best.each_ref().map(|r| {
-                let constraints = r.k_cons.zip(r.c_cons);
+                let FlowPoint { p, k, s_max, .. } = r.point;
+                let constraints = r.point.k_cons.zip(r.point.c_cons);
                 format!(
                     "{}, {:.0} %",
-                    set(r.p, r.k, r.s_max, constraints),
+                    set(p, k, s_max, constraints),
                     100.0 * r.success_rate
                 )
             }),

@@ -11,7 +11,7 @@ mod systems;
 mod tables;
 mod timing;
 
-pub use searches::Search;
+pub use searches::{BestSet, Search};
 pub use solves::{Origin, ScenarioResult, SystemResult};
 pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};
 pub use timing::{Quantity, Series, Times};

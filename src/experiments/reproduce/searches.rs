@@ -3,7 +3,7 @@
 use super::{Settings, System};
 use crate::error::Result;
 use crate::experiments::sweep::{
-    ParameterSet, Ranked, Results, Shard, Sweep, best, ranking_of, run,
+    FlowPoint, ParameterSet, Ranked, Results, Shard, Sweep, best, ranking_of, run,
 };
 use std::sync::{Mutex, PoisonError};
 
@@ -22,7 +22,29 @@ pub struct Search {
     pub solve_seconds: f64,
     /// The fastest set among those that succeed in most scenarios, and the one of least effort; `None` where no set
     /// succeeds in any.
-    pub best: Option<[Ranked; 2]>,
+    pub best: Option<[BestSet; 2]>,
+}
+
+/// One of the best sets of a grid.
+#[derive(Clone, Debug)]
+pub struct BestSet {
+    /// The parameters.
+    pub point: FlowPoint,
+    /// The part of the solves with them that succeeded.
+    pub success_rate: f64,
+    /// Mean wall time of those, s.
+    pub solve_seconds: Option<f64>,
+}
+
+impl BestSet {
+    /// `None` for a set of another method.
+    fn new(ranked: &Ranked) -> Option<Self> {
+        Some(Self {
+            point: *ranked.parameters.flow()?,
+            success_rate: ranked.success_rate,
+            solve_seconds: ranked.solve_seconds,
+        })
+    }
 }
 
 /// Solves the scenarios of `system` with the grid of the first sweep that has them all, on all cores, unless that was done
@@ -63,6 +85,7 @@ pub(super) fn search(
         sets: ranking.len(),
         succeeding: ranking.iter().filter(|r| r.success_rate == 1.0).count(),
         solve_seconds: own.map(|row| row.solve_seconds).sum(),
-        best: best(&ranking).map(|best| best.map(Ranked::clone)),
+        best: best(&ranking)
+            .and_then(|[fastest, least]| Some([BestSet::new(fastest)?, BestSet::new(least)?])),
     }))
 }

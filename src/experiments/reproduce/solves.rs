@@ -4,8 +4,8 @@ use super::Settings;
 use super::searches::{Search, search};
 use super::systems::{SYSTEMS, System};
 use super::timing::median;
-use crate::error::Result;
-use crate::experiments::sweep::{Ranked, Sweep};
+use crate::error::{Error, Result};
+use crate::experiments::sweep::{FlowPoint, Sweep};
 use crate::scenario::{
     Feasibility, FlowParameters, Limit, Method, Scenario, ScenarioFile, SolveOptions, solve,
 };
@@ -105,6 +105,10 @@ pub(super) fn solves(
 ) -> Result<(Vec<Search>, Vec<SystemResult>)> {
     let sweeps = (settings.grids.iter()).map(|grid| Sweep::load(grid));
     let sweeps = sweeps.collect::<Result<Vec<_>>>()?;
+    if let Some(i) = sweeps.iter().position(|s| s.method() != Method::Flow) {
+        let condition = "the paper's experiments are those of the flow";
+        return Err(Error::input(&settings.grids[i], "method", condition));
+    }
     let (mut searches, mut all) = (Vec::new(), Vec::new());
     for system in SYSTEMS.into_iter().filter(|s| settings.chooses(s.prefix)) {
         let scenarios = (system.scenarios()).map(|name| Scenario::load(&name));
@@ -149,11 +153,11 @@ fn best_sets(system: System, scenarios: &[Scenario], search: Option<&Search>) ->
         None => add(Origin::Own, &|flow| flow),
         Some(search) => {
             let found = search.best.iter().flatten();
-            for (origin, ranked) in [Origin::Fastest, Origin::LeastEffort]
+            for (origin, best) in [Origin::Fastest, Origin::LeastEffort]
                 .into_iter()
                 .zip(found)
             {
-                add(origin, &|flow| of_grid(ranked, flow));
+                add(origin, &|flow| of_grid(&best.point, flow));
             }
         }
     }
@@ -161,14 +165,14 @@ fn best_sets(system: System, scenarios: &[Scenario], search: Option<&Search>) ->
 }
 
 /// A set of a grid, and `flow` for what is not in the grid.
-fn of_grid(ranked: &Ranked, flow: FlowParameters) -> FlowParameters {
+fn of_grid(point: &FlowPoint, flow: FlowParameters) -> FlowParameters {
     FlowParameters {
-        p: ranked.p,
-        k: ranked.k,
-        s_max: ranked.s_max,
-        guess: ranked.guess,
-        k_cons: ranked.k_cons.unwrap_or(flow.k_cons),
-        c_cons: ranked.c_cons.unwrap_or(flow.c_cons),
+        p: point.p,
+        k: point.k,
+        s_max: point.s_max,
+        guess: point.guess,
+        k_cons: point.k_cons.unwrap_or(flow.k_cons),
+        c_cons: point.c_cons.unwrap_or(flow.c_cons),
     }
 }
 

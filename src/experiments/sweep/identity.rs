@@ -2,6 +2,7 @@
 
 use super::Sweep;
 use crate::error::{Error, Result};
+use crate::scenario::Method;
 use serde_json::{Value, json};
 
 impl Sweep {
@@ -10,10 +11,12 @@ impl Sweep {
     /// # Errors
     /// None that a checked sweep should show.
     pub fn identity(&self) -> Result<Value> {
-        let mut grid = json_value(&self.file)?;
-        if let Some(grid) = grid.as_object_mut() {
-            // The scenarios are told in full below, and the name changes no result.
-            grid.retain(|key, _| key != "scenarios" && key != "name");
+        // The scenarios and their robots are told in full below, and the name changes no result.
+        let mut grid = json_value(&self.file.grid)?;
+        grid["timeout_s"] = json!(self.file.timeout_s);
+        if self.method() != Method::Flow {
+            // Sweeps of the flow were there first.
+            grid["method"] = json_value(&self.method())?;
         }
         let mut scenarios = Vec::new();
         for scenario in &self.scenarios {

@@ -1,14 +1,22 @@
-//! Sweeps: scenarios solved with every combination of parameters, stored so that they resume, and ranked.
+//! Sweeps: scenarios solved with every combination of parameters of a method, stored so that they resume, and ranked.
 
 mod definition;
+mod file;
+mod grid;
 mod identity;
 mod ranking;
 mod results;
 mod row;
 mod run;
+mod shard;
 
-pub use definition::{ParameterSet, Parameters, Shard, Sweep, SweepFile, builtin_sweeps};
+pub use definition::{ParameterSet, Sweep, builtin_sweeps};
+pub use file::SweepFile;
+pub use grid::{
+    CostLists, FlowGrid, FlowPoint, Grid, LimitLists, Parameters, RelaxGrid, RelaxPoint,
+};
 pub use ranking::{Ranked, best, ranking, ranking_of, ranking_table, write_ranking};
 pub use results::{Results, merge, shard_files, write_rows};
-pub use row::{Row, RowOutcome};
+pub use row::{FlowWork, RelaxWork, Row, RowOutcome, Work};
 pub use run::run;
+pub use shard::Shard;

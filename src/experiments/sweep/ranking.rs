@@ -1,41 +1,35 @@
 //! Which parameters are best, for each scenario of a sweep and for all of them.
 
+use super::grid::Parameters;
+use super::row::{SOME_COLUMNS, minimised};
 use super::{Row, RowOutcome, Sweep};
 use crate::error::Result;
-use crate::motion::Guess;
 use crate::output::{short, table, write_whole};
 use comfy_table::CellAlignment;
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use std::path::Path;
 
-/// The results of one set of parameters in one scenario, or in all: means, largest errors and the smallest clearance are over the solves
-/// that succeeded.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// The results of one set of parameters in one scenario, or in all: means, the median, largest errors and the smallest clearance are over
+/// the solves that succeeded. The columns of the file are in the order in which it is written.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ranked {
     /// The scenario, or `all`.
     pub scenario: String,
-    /// Degree of the polynomial.
-    pub p: usize,
-    /// Penalty of (11).
-    pub k: f64,
-    /// The `s` to which the flow runs.
-    pub s_max: f64,
-    /// The curve to start from.
-    pub guess: Guess,
-    /// Weight (A2) of the constraints, if it was set.
-    pub k_cons: Option<f64>,
-    /// Sharpness (A3) of the constraints, if it was set.
-    pub c_cons: Option<f64>,
+    /// The parameters, each a column; of the relaxation those of all seeds together.
+    pub parameters: Parameters,
     /// The number of solves.
     pub solves: usize,
     /// The part of them that succeeded.
     pub success_rate: f64,
     /// Mean wall time of a solve.
     pub solve_seconds: Option<f64>,
+    /// Median of the same.
+    pub median_seconds: Option<f64>,
     /// Mean control effort.
     pub control_effort: Option<f64>,
-    /// Mean action.
-    pub action: Option<f64>,
+    /// Mean of what was minimised: the column `action` of the flow, `cost` of the relaxation.
+    pub minimised: Option<f64>,
     /// Largest final error with feedback.
     pub final_error_inf: Option<f64>,
     /// Largest final error without.
@@ -44,18 +38,48 @@ pub struct Ranked {
     pub smallest_clearance_m: Option<f64>,
 }
 
+impl Serialize for Ranked {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("Ranked", SOME_COLUMNS)?;
+        row.serialize_field("scenario", &self.scenario)?;
+        self.parameters.columns(&mut row)?;
+        row.serialize_field("solves", &self.solves)?;
+        row.serialize_field("success_rate", &self.success_rate)?;
+        row.serialize_field("solve_seconds", &self.solve_seconds)?;
+        row.serialize_field("median_seconds", &self.median_seconds)?;
+        row.serialize_field("control_effort", &self.control_effort)?;
+        row.serialize_field(minimised(&self.parameters), &self.minimised)?;
+        row.serialize_field("final_error_inf", &self.final_error_inf)?;
+        row.serialize_field("open_loop_error_inf", &self.open_loop_error_inf)?;
+        row.serialize_field("smallest_clearance_m", &self.smallest_clearance_m)?;
+        row.end()
+    }
+}
+
+impl Ranked {
+    /// The time by which it is ranked, s: the mean for the flow, as in the paper; the median for the relaxation, of which a solve that
+    /// needs many more starts than the others says little.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        let time = match self.parameters {
+            Parameters::Flow(_) => self.solve_seconds,
+            Parameters::Relax(_) => self.median_seconds,
+        };
+        time.unwrap_or(f64::INFINITY)
+    }
+}
+
 /// The parameters of a sweep, best first, for all scenarios if there are several and then for each: those with the highest
-/// rate of success come first, and among these the fastest, as in the paper. `rows` are those of all sets, in order.
+/// rate of success come first, and among these the [fastest](Ranked::seconds). `rows` are those of all sets, in order.
 #[must_use]
 pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
-    let points = sweep.sets_a_scenario();
-    let scenarios: Vec<&[Row]> = rows.chunks(points).collect();
+    let scenarios: Vec<&[Row]> = rows.chunks(sweep.sets_a_scenario()).collect();
     let mut ranking = Vec::new();
     if scenarios.len() > 1 {
-        ranking.extend(ranked("all", &scenarios));
+        ranking.extend(ranked("all", sweep, rows));
     }
-    for (scenario, rows) in sweep.scenarios.iter().zip(&scenarios) {
-        ranking.extend(ranked(&scenario.name, &[rows]));
+    for (scenario, rows) in sweep.scenarios.iter().zip(scenarios) {
+        ranking.extend(ranked(&scenario.name, sweep, rows));
     }
     ranking
 }
@@ -66,8 +90,7 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
 pub fn ranking_of(sweep: &Sweep, rows: &[Row], prefix: &str) -> Vec<Ranked> {
     let chosen = rows.iter().filter(|row| row.scenario.starts_with(prefix));
     let rows: Vec<Row> = chosen.cloned().collect();
-    let scenarios: Vec<&[Row]> = rows.chunks(sweep.sets_a_scenario()).collect();
-    ranked(prefix, &scenarios)
+    ranked(prefix, sweep, &rows)
 }
 
 /// The fastest set among those with the highest rate of success in a ranking of one group of scenarios, and the one of least
@@ -83,24 +106,21 @@ pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
     Some([fastest, least])
 }
 
-/// The ranking over scenarios whose rows are in the same order.
-fn ranked(name: &str, scenarios: &[&[Row]]) -> Vec<Ranked> {
-    let points = scenarios.first().map_or(0, |rows| rows.len());
-    let mut ranked: Vec<Ranked> = (0..points)
-        .map(|i| {
-            summarise(
-                name,
-                &scenarios.iter().map(|rows| &rows[i]).collect::<Vec<_>>(),
-            )
-        })
+/// The ranking over whole scenarios, by their rows in order.
+fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
+    // Seeds run slowest, so each is like one more scenario.
+    let points = sweep.sets_a_scenario() / sweep.file.grid.repetitions();
+    let mut ranked: Vec<Ranked> = (0..points.min(rows.len()))
+        .map(|i| summarise(name, &rows[i..].iter().step_by(points).collect::<Vec<_>>()))
         .collect();
-    let time = |r: &Ranked| r.solve_seconds.unwrap_or(f64::INFINITY);
     ranked.sort_by(|a, b| {
-        (b.success_rate.total_cmp(&a.success_rate)).then(time(a).total_cmp(&time(b)))
+        let by_success = b.success_rate.total_cmp(&a.success_rate);
+        by_success.then(a.seconds().total_cmp(&b.seconds()))
     });
     ranked
 }
 
+/// The results of one set of parameters, by its rows, of which there is one.
 fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
     let good: Vec<&Row> = (rows.iter().copied())
         .filter(|row| row.outcome == RowOutcome::Success)
@@ -112,24 +132,26 @@ fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
     };
     let largest =
         |f: fn(&Row) -> Option<f64>| good.iter().filter_map(|row| f(row)).max_by(f64::total_cmp);
-    let p = rows[0].parameters();
     Ranked {
         scenario: scenario.to_owned(),
-        p: p.p,
-        k: p.k,
-        s_max: p.s_max,
-        guess: p.guess,
-        k_cons: p.k_cons,
-        c_cons: p.c_cons,
+        parameters: rows[0].parameters.of_any_seed(),
         solves: rows.len(),
         success_rate: good.len() as f64 / rows.len() as f64,
         solve_seconds: mean(|row| Some(row.solve_seconds)),
+        median_seconds: median(good.iter().map(|row| row.solve_seconds).collect()),
         control_effort: mean(|row| row.control_effort),
-        action: mean(|row| row.action),
+        minimised: mean(|row| row.minimised),
         final_error_inf: largest(|row| row.final_error_inf),
         open_loop_error_inf: largest(|row| row.open_loop_error_inf),
         smallest_clearance_m: largest(|row| row.smallest_clearance_m.map(|m| -m)).map(|m| -m),
     }
+}
+
+/// The median; `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (lower, upper) = (values.len().checked_sub(1)? / 2, values.len() / 2);
+    Some(0.5 * (values[lower] + values[upper]))
 }
 
 /// Writes a ranking as CSV.
@@ -151,48 +173,32 @@ pub fn write_ranking(ranking: &[Ranked], path: &Path) -> Result<()> {
 #[must_use]
 pub fn ranking_table(ranking: &[Ranked]) -> String {
     let mut table = table();
-    table.set_header([
-        "scenario",
-        "best by",
-        "success",
-        "p",
-        "k",
-        "s_max",
-        "guess",
-        "k_cons",
-        "c_cons",
-        "solve, ms",
-        "effort",
-        "action",
-        "final error",
-        "open loop",
-        "clearance, m",
-    ]);
+    let Some(first) = ranking.first() else {
+        return table.to_string();
+    };
+    let parameters = first.parameters.cells();
+    let mut header = vec!["scenario", "best by", "success"];
+    header.extend(parameters.iter().map(|(name, _)| *name));
+    header.extend(["mean, ms", "median, ms", "effort"]);
+    header.extend([minimised(&first.parameters), "final error", "open loop"]);
+    header.push("clearance, m");
+    table.set_header(header);
     for group in ranking.chunk_by(|a, b| a.scenario == b.scenario) {
         let Some(best) = best(group) else {
             table.add_row([&group[0].scenario, "no set succeeds"]);
             continue;
         };
         for (by, r) in ["time", "effort"].into_iter().zip(best) {
-            let optional = |x: Option<f64>, form: fn(f64) -> String| x.map_or("-".to_owned(), form);
-            let exponent = |x: f64| format!("{x:e}");
-            table.add_row([
-                r.scenario.clone(),
-                by.to_owned(),
-                format!("{:.0} %", 100.0 * r.success_rate),
-                r.p.to_string(),
-                exponent(r.k),
-                exponent(r.s_max),
-                r.guess.to_string(),
-                optional(r.k_cons, exponent),
-                optional(r.c_cons, exponent),
-                optional(r.solve_seconds.map(|s| 1e3 * s), |ms| format!("{ms:.2}")),
-                optional(r.control_effort, short),
-                optional(r.action, short),
-                optional(r.final_error_inf, short),
-                optional(r.open_loop_error_inf, short),
-                optional(r.smallest_clearance_m, short),
-            ]);
+            let optional = |x: Option<f64>| x.map_or("-".to_owned(), short);
+            let time = |x: Option<f64>| x.map_or("-".to_owned(), |s| format!("{:.2}", 1e3 * s));
+            let success = format!("{:.0} %", 100.0 * r.success_rate);
+            let mut row = vec![r.scenario.clone(), by.to_owned(), success];
+            row.extend(r.parameters.cells().into_iter().map(|(_, value)| value));
+            row.extend([r.solve_seconds, r.median_seconds].map(time));
+            row.extend([r.control_effort, r.minimised].map(optional));
+            row.extend([r.final_error_inf, r.open_loop_error_inf].map(optional));
+            row.push(optional(r.smallest_clearance_m));
+            table.add_row(row);
         }
     }
     for column in table.column_iter_mut().skip(2) {

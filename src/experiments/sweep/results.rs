@@ -14,30 +14,6 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Names of the columns of [`Row`], in their order.
-const NAMES: [&str; 20] = [
-    "set",
-    "scenario",
-    "p",
-    "k",
-    "s_max",
-    "guess",
-    "k_cons",
-    "c_cons",
-    "outcome",
-    "reason",
-    "final_error_inf",
-    "open_loop_error_inf",
-    "control_effort",
-    "action",
-    "dynamics_defect",
-    "smallest_clearance_m",
-    "steps",
-    "omega_evaluations",
-    "jacobian_evaluations",
-    "solve_seconds",
-];
-
 /// Writes rows as a JSON array of objects; numbers that are not finite are null.
 ///
 /// # Errors
@@ -102,7 +78,7 @@ impl<'s> Results<'s> {
             file.set_len(complete.len() as u64).map_err(io)?;
         }
         if complete.is_empty() {
-            append_line(&mut file, header().as_bytes()).map_err(io)?;
+            append_line(&mut file, header(sweep)?.as_bytes()).map_err(io)?;
         }
         Ok(Self {
             sweep,
@@ -273,16 +249,19 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
     if text.is_empty() {
         return Ok(rows);
     }
-    if !text.starts_with(header().as_bytes()) {
+    if !text.starts_with(header(sweep)?.as_bytes()) {
         let condition = "it is not the header that this version writes".to_owned();
         return Err(refuse(1, condition));
     }
     let mut reader = csv::Reader::from_reader(text);
-    for (i, row) in reader.deserialize::<Row>().enumerate() {
+    let names = reader.headers().map_err(|e| refuse(1, e.to_string()))?;
+    let names = names.clone();
+    for (i, line) in reader.records().enumerate() {
+        let row = line.and_then(|line| Row::read(&line, &names, sweep.method()));
         let row = row.map_err(|e| refuse(i + 2, e.to_string()))?;
         let fits = sweep.sets.get(row.set).is_some_and(|set| {
             shard.has(row.set)
-                && row.parameters() == set.parameters
+                && row.parameters == set.parameters
                 && row.scenario == sweep.scenarios[set.scenario].name
         });
         if !fits {
@@ -298,8 +277,14 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
 }
 
 /// The header line.
-fn header() -> String {
-    NAMES.join(",") + "\n"
+fn header(sweep: &Sweep) -> Result<String> {
+    let any = Row::failed(sweep, &sweep.sets[0], "", 0.0);
+    let text = String::from_utf8_lossy(&lines([&any], true)?).into_owned();
+    Ok(text
+        .lines()
+        .take(1)
+        .map(|line| line.to_owned() + "\n")
+        .collect())
 }
 
 /// Rows as lines.

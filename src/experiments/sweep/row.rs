@@ -1,10 +1,12 @@
 //! What came of one solve of a sweep.
 
-use super::{ParameterSet, Parameters, Sweep};
-use crate::motion::Guess;
-use crate::motion::Stopped;
-use crate::scenario::SolveReport;
-use serde::{Deserialize, Serialize};
+use super::grid::Parameters;
+use super::{ParameterSet, Sweep};
+use crate::relax::RelaxSettings;
+use crate::scenario::{Details, Method, SolveReport};
+use csv::StringRecord;
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 /// The outcome of a solve of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -16,7 +18,7 @@ pub enum RowOutcome {
     GoalMissed,
     /// At the goal, but it hits something or breaks a limit that is enforced.
     Infeasible,
-    /// Before the end of the flow.
+    /// Before the end of the flow, or where the relaxation is at no minimum; or no motion can be a solution.
     Failed,
     /// At the time limit.
     TimeLimit,
@@ -45,26 +47,16 @@ impl RowOutcome {
     }
 }
 
-/// A row of the results, with the columns in this order. What a solve leaves at its time limit depends on the machine, so
-/// nothing is measured there; elsewhere only `solve_seconds` differs from one run to the next.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A row of the results, with the columns in the order in which it is written. What a solve leaves at its time limit depends on the machine,
+/// so nothing is measured there; elsewhere only `solve_seconds` differs from one run to the next.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// [`ParameterSet::index`].
     pub set: usize,
     /// The name of the scenario.
     pub scenario: String,
-    /// Degree of the polynomial.
-    pub p: usize,
-    /// Penalty of (11).
-    pub k: f64,
-    /// The `s` to which the flow was to run.
-    pub s_max: f64,
-    /// The curve it started from.
-    pub guess: Guess,
-    /// Weight (A2) of the constraints, if it was set.
-    pub k_cons: Option<f64>,
-    /// Sharpness (A3) of the constraints, if it was set.
-    pub c_cons: Option<f64>,
+    /// The parameters of its set, each a column.
+    pub parameters: Parameters,
     /// The outcome.
     pub outcome: RowOutcome,
     /// The reason why it failed, if it did.
@@ -75,68 +67,237 @@ pub struct Row {
     pub open_loop_error_inf: Option<f64>,
     /// $\int |u|^2 dt$.
     pub control_effort: Option<f64>,
-    /// The action.
-    pub action: Option<f64>,
+    /// What was minimised: the column `action` of the flow, `cost` of the relaxation.
+    pub minimised: Option<f64>,
     /// $\max |\dot q - v|_\infty$.
     pub dynamics_defect: Option<f64>,
     /// The smallest clearance in m, where there are obstacles.
     pub smallest_clearance_m: Option<f64>,
+    /// What the method says beside this, each a column.
+    pub work: Work,
+    /// Wall time of the solve.
+    pub solve_seconds: f64,
+}
+
+/// What only one method says of a solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Work {
+    /// The flow.
+    Flow(FlowWork),
+    /// The relaxation.
+    Relax(RelaxWork),
+}
+
+/// The work of a flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+pub struct FlowWork {
     /// Accepted steps of the integrator.
     pub steps: Option<usize>,
     /// Evaluations of $\Omega$, each at one node.
     pub omega_evaluations: Option<usize>,
     /// Evaluations of the Jacobian of $\Omega$, each at one node.
     pub jacobian_evaluations: Option<usize>,
-    /// Wall time of the solve.
-    pub solve_seconds: f64,
+}
+
+/// What a relaxation came to, and its work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+pub struct RelaxWork {
+    /// The duration of the motion, s.
+    pub horizon_s: Option<f64>,
+    /// The relative gradient norm at the end.
+    pub gradient_norm: Option<f64>,
+    /// The largest violation of a constraint, in its own unit, where there are any.
+    pub largest_violation: Option<f64>,
+    /// The number of starts that were tried.
+    pub starts_tried: Option<usize>,
+    /// The number of minima that they led to.
+    pub minima: Option<usize>,
+    /// Iterations of Newton's method, of all starts and degrees.
+    pub iterations: Option<usize>,
+    /// Cholesky factorisations.
+    pub factorisations: Option<usize>,
+}
+
+impl Work {
+    /// Nothing measured.
+    fn none(method: Method) -> Self {
+        match method {
+            Method::Flow => Self::Flow(FlowWork::default()),
+            Method::Relax => Self::Relax(RelaxWork::default()),
+        }
+    }
+
+    fn columns<S: SerializeStruct>(&self, row: &mut S) -> Result<(), S::Error> {
+        match self {
+            Self::Flow(work) => {
+                row.serialize_field("steps", &work.steps)?;
+                row.serialize_field("omega_evaluations", &work.omega_evaluations)?;
+                row.serialize_field("jacobian_evaluations", &work.jacobian_evaluations)
+            }
+            Self::Relax(work) => {
+                row.serialize_field("horizon_s", &work.horizon_s)?;
+                row.serialize_field("gradient_norm", &work.gradient_norm)?;
+                row.serialize_field("largest_violation", &work.largest_violation)?;
+                row.serialize_field("starts_tried", &work.starts_tried)?;
+                row.serialize_field("minima", &work.minima)?;
+                row.serialize_field("iterations", &work.iterations)?;
+                row.serialize_field("factorisations", &work.factorisations)
+            }
+        }
+    }
+}
+
+/// A hint of how many columns there are: CSV and JSON ask no more than whether there are any.
+pub(super) const SOME_COLUMNS: usize = 1;
+
+/// The name of the column of [`Row::minimised`].
+pub(super) fn minimised(parameters: &Parameters) -> &'static str {
+    match parameters {
+        Parameters::Flow(_) => "action",
+        Parameters::Relax(_) => "cost",
+    }
+}
+
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("Row", SOME_COLUMNS)?;
+        row.serialize_field("set", &self.set)?;
+        row.serialize_field("scenario", &self.scenario)?;
+        self.parameters.columns(&mut row)?;
+        row.serialize_field("outcome", &self.outcome)?;
+        row.serialize_field("reason", &self.reason)?;
+        row.serialize_field("final_error_inf", &self.final_error_inf)?;
+        row.serialize_field("open_loop_error_inf", &self.open_loop_error_inf)?;
+        row.serialize_field("control_effort", &self.control_effort)?;
+        row.serialize_field(minimised(&self.parameters), &self.minimised)?;
+        row.serialize_field("dynamics_defect", &self.dynamics_defect)?;
+        row.serialize_field("smallest_clearance_m", &self.smallest_clearance_m)?;
+        self.work.columns(&mut row)?;
+        row.serialize_field("solve_seconds", &self.solve_seconds)?;
+        row.end()
+    }
+}
+
+/// The columns that rows of all methods have.
+#[derive(Deserialize)]
+struct Common {
+    set: usize,
+    scenario: String,
+    outcome: RowOutcome,
+    reason: Option<String>,
+    final_error_inf: Option<f64>,
+    open_loop_error_inf: Option<f64>,
+    control_effort: Option<f64>,
+    #[serde(alias = "action", alias = "cost")]
+    minimised: Option<f64>,
+    dynamics_defect: Option<f64>,
+    smallest_clearance_m: Option<f64>,
+    solve_seconds: f64,
 }
 
 impl Row {
+    /// Reads a row of a sweep of this method from a line.
+    pub(super) fn read(
+        line: &StringRecord,
+        header: &StringRecord,
+        method: Method,
+    ) -> csv::Result<Self> {
+        let common: Common = line.deserialize(Some(header))?;
+        let (parameters, work) = match method {
+            Method::Flow => (
+                Parameters::Flow(line.deserialize(Some(header))?),
+                Work::Flow(line.deserialize(Some(header))?),
+            ),
+            Method::Relax => (
+                Parameters::Relax(line.deserialize(Some(header))?),
+                Work::Relax(line.deserialize(Some(header))?),
+            ),
+        };
+        Ok(Self {
+            set: common.set,
+            scenario: common.scenario,
+            parameters,
+            outcome: common.outcome,
+            reason: common.reason,
+            final_error_inf: common.final_error_inf,
+            open_loop_error_inf: common.open_loop_error_inf,
+            control_effort: common.control_effort,
+            minimised: common.minimised,
+            dynamics_defect: common.dynamics_defect,
+            smallest_clearance_m: common.smallest_clearance_m,
+            work,
+            solve_seconds: common.solve_seconds,
+        })
+    }
+
     /// The row of a set that failed for this reason before anything could be measured.
     #[must_use]
     pub fn failed(sweep: &Sweep, set: &ParameterSet, reason: &str, solve_seconds: f64) -> Self {
-        let p = set.parameters;
         Self {
             set: set.index,
             scenario: sweep.scenarios[set.scenario].name.clone(),
-            p: p.p,
-            k: p.k,
-            s_max: p.s_max,
-            guess: p.guess,
-            k_cons: p.k_cons,
-            c_cons: p.c_cons,
+            parameters: set.parameters,
             outcome: RowOutcome::Failed,
             reason: Some(one_line(reason)),
             final_error_inf: None,
             open_loop_error_inf: None,
             control_effort: None,
-            action: None,
+            minimised: None,
             dynamics_defect: None,
             smallest_clearance_m: None,
-            steps: None,
-            omega_evaluations: None,
-            jacobian_evaluations: None,
+            work: Work::none(sweep.method()),
             solve_seconds,
+        }
+    }
+
+    /// The row of a set that ran out of time.
+    pub(super) fn late(sweep: &Sweep, set: &ParameterSet, solve_seconds: f64) -> Self {
+        let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
+        Self {
+            outcome: RowOutcome::TimeLimit,
+            ..Self::failed(sweep, set, &reason, solve_seconds)
         }
     }
 
     /// The row of a set that was solved.
     #[must_use]
-    pub fn new(sweep: &Sweep, set: &ParameterSet, outcome: &SolveReport) -> Self {
-        let s = &outcome.summary;
-        let flow = s.details.flow();
-        if matches!(outcome.stopped, Some(Stopped::TimeLimit(_))) {
-            let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
-            return Self {
-                outcome: RowOutcome::TimeLimit,
-                ..Self::failed(sweep, set, &reason, s.solve_seconds)
-            };
+    pub fn new(sweep: &Sweep, set: &ParameterSet, report: &SolveReport) -> Self {
+        let s = &report.summary;
+        // An interruption that comes at the very end is noticed by none but the clock.
+        if report.stopped.is_some() || s.solve_seconds >= sweep.file.timeout_s {
+            return Self::late(sweep, set, s.solve_seconds);
         }
+        let (minimised, work, violated) = match &s.details {
+            Details::Flow(f) => {
+                let work = FlowWork {
+                    steps: Some(f.steps),
+                    omega_evaluations: Some(f.omega_evaluations),
+                    jacobian_evaluations: Some(f.jacobian_evaluations),
+                };
+                (f.action, Work::Flow(work), false)
+            }
+            Details::Relax(r) => {
+                let work = RelaxWork {
+                    horizon_s: Some(r.horizon_s),
+                    gradient_norm: Some(r.gradient_norm),
+                    largest_violation: r.largest_violation,
+                    starts_tried: Some(r.efforts_of_starts.len()),
+                    minima: Some(r.minima.len()),
+                    iterations: Some(r.iterations),
+                    factorisations: Some(r.factorisations),
+                };
+                let violated = !s.feasibility.holds(RelaxSettings::FEASIBLE);
+                let cost = r.cost.unwrap_or(s.control_effort);
+                (cost, Work::Relax(work), violated)
+            }
+        };
         Self {
             reason: s.failure.as_deref().map(one_line),
             outcome: if s.success {
                 RowOutcome::Success
-            } else if !outcome.completed {
+            } else if violated {
+                RowOutcome::Infeasible
+            } else if !report.completed {
                 RowOutcome::Failed
             } else if s.final_error_inf.is_some_and(|e| e < s.success_threshold) {
                 RowOutcome::Infeasible
@@ -146,26 +307,11 @@ impl Row {
             final_error_inf: s.final_error_inf,
             open_loop_error_inf: s.open_loop_error_inf,
             control_effort: Some(s.control_effort),
-            action: flow.map(|f| f.action),
+            minimised: Some(minimised),
             dynamics_defect: Some(s.dynamics_defect),
             smallest_clearance_m: s.feasibility.smallest_clearance_m,
-            steps: flow.map(|f| f.steps),
-            omega_evaluations: flow.map(|f| f.omega_evaluations),
-            jacobian_evaluations: flow.map(|f| f.jacobian_evaluations),
+            work,
             ..Self::failed(sweep, set, "", s.solve_seconds)
-        }
-    }
-
-    /// The parameters of its set.
-    #[must_use]
-    pub fn parameters(&self) -> Parameters {
-        Parameters {
-            p: self.p,
-            k: self.k,
-            s_max: self.s_max,
-            guess: self.guess,
-            k_cons: self.k_cons,
-            c_cons: self.c_cons,
         }
     }
 

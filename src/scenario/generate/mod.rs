@@ -200,6 +200,19 @@ pub fn generated_scenarios() -> impl Iterator<Item = String> {
     FAMILIES.iter().flat_map(of_family)
 }
 
+/// Tells whether a scenario is generated under this name, listed or not.
+#[must_use]
+pub fn is_generated(name: &str) -> bool {
+    family_and_seed(name).is_some()
+}
+
+/// The family that has scenarios of such names, and the seed.
+fn family_and_seed(name: &str) -> Option<(&'static Family, u64)> {
+    let (family, seed) = name.rsplit_once('_')?;
+    let family = FAMILIES.iter().find(|f| f.name == family)?;
+    Some((family, seed.parse().ok()?))
+}
+
 /// The scenario that is generated under this name, such as `kinova_gap_03`; `None` if no family has such names. Any seed will do.
 ///
 /// # Errors
@@ -214,9 +227,7 @@ pub fn generate(name: &str) -> Option<Result<ScenarioFile>> {
 /// # Errors
 /// The robot cannot be loaded, the family has its own, or no such motion was found for this seed.
 pub fn generate_for(name: &str, robot: Option<&str>, mimic: Mimic) -> Option<Result<ScenarioFile>> {
-    let (family, seed) = name.rsplit_once('_')?;
-    let family = FAMILIES.iter().find(|f| f.name == family)?;
-    let seed = seed.parse().ok()?;
+    let (family, seed) = family_and_seed(name)?;
     Some(family.scenario(name, seed, robot, mimic))
 }
 

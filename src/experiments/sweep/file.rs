@@ -1,0 +1,132 @@
+//! Reading the file of a sweep.
+
+use super::grid::{Grid, Refusal};
+use crate::error::{Error, Result};
+use crate::scenario::Method;
+use crate::urdf::Mimic;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::time::Duration;
+use toml::Table;
+
+/// A sweep as it is written in a file. Its grid is every combination of the entries of its lists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepFile {
+    /// The name of the folder of results; that of the file without its ending where there is none.
+    pub name: Option<String>,
+    /// Scenarios that are built in or generated, or paths relative to the sweep; `kinova_free_*` stands for all built-in ones that start so,
+    /// or the generated ones that are listed.
+    pub scenarios: Vec<String>,
+    /// The robot of generated scenarios that can be for any: one that is built in, or a path relative to the sweep.
+    pub robot: Option<String>,
+    /// The treatment of mimic joints; what the scenario says where there is none.
+    pub mimic: Option<Mimic>,
+    /// The wall time of one solve, s, after which it is stopped.
+    pub timeout_s: f64,
+    /// The lists.
+    pub grid: Grid,
+}
+
+/// The key that says what the others can be.
+#[derive(Deserialize)]
+struct Chosen {
+    #[serde(default = "flow")]
+    method: Method,
+}
+
+/// The other keys that sweeps of all methods have.
+#[derive(Deserialize)]
+struct Head {
+    name: Option<String>,
+    scenarios: Vec<String>,
+    robot: Option<String>,
+    mimic: Option<Mimic>,
+    timeout_s: f64,
+}
+
+/// The names of all of these.
+const HEAD: [&str; 6] = ["method", "name", "scenarios", "robot", "mimic", "timeout_s"];
+
+/// The method of a sweep that names none.
+fn flow() -> Method {
+    Method::Flow
+}
+
+impl SweepFile {
+    /// A sweep from its text, TOML. `path` names it in errors.
+    ///
+    /// # Errors
+    /// Names the line where it is no TOML, or the key that is wrong.
+    pub fn parse(text: &str, path: &str) -> Result<Self> {
+        let table = text.parse::<Table>().map_err(|e| {
+            let before = e.span().map_or("", |span| &text[..span.start]);
+            let line = 1 + before.matches('\n').count();
+            Error::input(path, format!("line {line}"), e.message())
+        })?;
+        let refuse = |(key, condition): Refusal| Error::input(path, key, condition);
+        let Chosen { method } = read(&table).map_err(refuse)?;
+        check_keys(&table, method).map_err(refuse)?;
+        let head: Head = read(&table).map_err(refuse)?;
+        let grid = match method {
+            Method::Flow => Grid::Flow(read(&table).map_err(refuse)?),
+            Method::Relax => Grid::Relax(read(&table).map_err(refuse)?),
+        };
+        let file = Self {
+            name: head.name,
+            scenarios: head.scenarios,
+            robot: head.robot,
+            mimic: head.mimic,
+            timeout_s: head.timeout_s,
+            grid,
+        };
+        file.check().map_err(refuse)?;
+        Ok(file)
+    }
+
+    /// Says which key is wrong and why, if one is.
+    fn check(&self) -> std::result::Result<(), Refusal> {
+        if let Some(name) = &self.name {
+            let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+            if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+                let condition = format!("'{name}': letters, digits, '_', '-' and '.' are needed");
+                return Err(("name".into(), condition));
+            }
+        }
+        if Duration::try_from_secs_f64(self.timeout_s).is_err() || self.timeout_s <= 0.0 {
+            let condition = format!("it is {}, a positive time is needed", self.timeout_s);
+            return Err(("timeout_s".into(), condition));
+        }
+        if self.scenarios.is_empty() {
+            return Err(("scenarios".into(), "it is an empty list".into()));
+        }
+        self.grid.check()
+    }
+}
+
+/// Refuses keys that there are none of, and those of another method.
+fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal> {
+    let own = Grid::keys(method);
+    let known = |key: &&String| HEAD.contains(&key.as_str()) || own.contains(&key.as_str());
+    let Some(key) = table.keys().find(|key| !known(key)) else {
+        return Ok(());
+    };
+    let mut others = Method::by_name().flat_map(|(_, other)| Grid::keys(other));
+    let condition = if others.any(|other| other == key) {
+        format!("the method '{method}' has no such parameter")
+    } else {
+        let keys = [&HEAD, own].concat().join(", ");
+        format!("unknown field `{key}`, expected one of {keys}")
+    };
+    Err((key.clone(), condition))
+}
+
+/// Reads those keys of a table that a type has; an error names the key that is wrong.
+fn read<T: DeserializeOwned>(table: &Table) -> std::result::Result<T, Refusal> {
+    serde_path_to_error::deserialize(table.clone()).map_err(|e| {
+        let key = match e.path().to_string().as_str() {
+            "." => "sweep".to_owned(),
+            path => path.to_owned(),
+        };
+        (key, e.inner().message().to_owned())
+    })
+}

@@ -1,0 +1,216 @@
+//! The grids of the methods: lists of values, every combination of which is a point.
+
+mod flow;
+mod relax;
+
+pub use flow::{FlowGrid, FlowPoint};
+pub use relax::{CostLists, LimitLists, RelaxGrid, RelaxPoint};
+
+use crate::scenario::{Method, Scenario, SolveOptions};
+use serde::Serialize;
+use serde::ser::SerializeStruct;
+use std::borrow::Cow;
+
+/// The lists of a sweep, by the method that it is for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Grid {
+    /// Of the flow.
+    Flow(FlowGrid),
+    /// Of the relaxation.
+    Relax(RelaxGrid),
+}
+
+/// One point of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameters {
+    /// Of the flow.
+    Flow(FlowPoint),
+    /// Of the relaxation.
+    Relax(RelaxPoint),
+}
+
+/// The key that is wrong, and why.
+pub(super) type Refusal = (String, String);
+
+impl Grid {
+    /// The keys of the lists of a method.
+    pub(super) fn keys(method: Method) -> &'static [&'static str] {
+        match method {
+            Method::Flow => &FlowGrid::KEYS,
+            Method::Relax => &RelaxGrid::KEYS,
+        }
+    }
+
+    /// The method that it is for.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        match self {
+            Self::Flow(_) => Method::Flow,
+            Self::Relax(_) => Method::Relax,
+        }
+    }
+
+    /// Refuses values that make no sense for any scenario.
+    pub(super) fn check(&self) -> Result<(), Refusal> {
+        match self {
+            Self::Flow(grid) => grid.check(),
+            Self::Relax(grid) => grid.check(),
+        }
+    }
+
+    /// Refuses values that make no sense for this scenario.
+    pub(super) fn check_for(&self, scenario: &Scenario) -> Result<(), String> {
+        match self {
+            Self::Flow(grid) => grid.check_for(scenario),
+            Self::Relax(grid) => grid.check_for(scenario),
+        }
+    }
+
+    /// The lengths of the lists, that of the last one first, which runs fastest.
+    fn lengths(&self) -> Vec<usize> {
+        match self {
+            Self::Flow(grid) => grid.lengths(),
+            Self::Relax(grid) => grid.lengths(),
+        }
+    }
+
+    /// The number of points; `None` where it is beyond all numbers.
+    pub(super) fn count(&self) -> Option<usize> {
+        let mut lengths = self.lengths().into_iter();
+        lengths.try_fold(1, usize::checked_mul)
+    }
+
+    /// How often each set of parameters is tried in a scenario: the number of seeds.
+    pub(super) fn repetitions(&self) -> usize {
+        match self {
+            Self::Flow(_) => 1,
+            Self::Relax(grid) => grid.seed.as_ref().map_or(1, Vec::len),
+        }
+    }
+
+    /// The point at this place, from 0.
+    pub(super) fn point(&self, index: usize) -> Parameters {
+        match self {
+            Self::Flow(grid) => Parameters::Flow(grid.point(index)),
+            Self::Relax(grid) => Parameters::Relax(grid.point(index)),
+        }
+    }
+}
+
+impl Parameters {
+    /// Those of the flow, if it is the flow.
+    #[must_use]
+    pub fn flow(&self) -> Option<&FlowPoint> {
+        match self {
+            Self::Flow(point) => Some(point),
+            Self::Relax(_) => None,
+        }
+    }
+
+    /// Those of the relaxation, if it is the relaxation.
+    #[must_use]
+    pub fn relax(&self) -> Option<&RelaxPoint> {
+        match self {
+            Self::Flow(_) => None,
+            Self::Relax(point) => Some(point),
+        }
+    }
+
+    /// The options of a solve with them.
+    pub(super) fn options(&self) -> SolveOptions {
+        match self {
+            Self::Flow(point) => point.options(),
+            Self::Relax(point) => point.options(),
+        }
+    }
+
+    /// `scenario` with what they change of it.
+    pub(super) fn over<'s>(&self, scenario: &'s Scenario) -> Cow<'s, Scenario> {
+        match self {
+            Self::Flow(_) => Cow::Borrowed(scenario),
+            Self::Relax(point) => point.over(scenario),
+        }
+    }
+
+    /// The same whatever the seed.
+    pub(super) fn of_any_seed(self) -> Self {
+        match self {
+            Self::Flow(_) => self,
+            Self::Relax(point) => Self::Relax(RelaxPoint {
+                seed: None,
+                ..point
+            }),
+        }
+    }
+
+    /// Writes them as columns of a row.
+    pub(super) fn columns<S: SerializeStruct>(&self, row: &mut S) -> Result<(), S::Error> {
+        match self {
+            Self::Flow(point) => point.columns(row),
+            Self::Relax(point) => point.columns(row),
+        }
+    }
+
+    /// Names and values for people.
+    pub(super) fn cells(&self) -> Vec<(&'static str, String)> {
+        match self {
+            Self::Flow(point) => point.cells(),
+            Self::Relax(point) => point.cells(),
+        }
+    }
+}
+
+/// The entry of a list at its digit of `index`, which then has the digits of the slower lists.
+fn entry<T: Copy>(list: &[T], index: &mut usize) -> T {
+    let entry = list[*index % list.len()];
+    *index /= list.len();
+    entry
+}
+
+/// The same of a list that need not be there.
+fn optional<T: Copy>(list: &Option<Vec<T>>, index: &mut usize) -> Option<T> {
+    list.as_ref().map(|list| entry(list, index))
+}
+
+/// The factor by which a list that need not be there makes the grid larger.
+fn length<T>(list: &Option<Vec<T>>) -> usize {
+    list.as_ref().map_or(1, Vec::len)
+}
+
+/// Refuses a list that is empty, has a value that `wrong` has something against, or has one twice.
+fn check_list<T: PartialEq>(
+    key: &str,
+    list: &[T],
+    wrong: impl Fn(&T) -> Option<String>,
+) -> Result<(), Refusal> {
+    if list.is_empty() {
+        return Err((key.to_owned(), "it is an empty list".to_owned()));
+    }
+    for (i, value) in list.iter().enumerate() {
+        let twice = || list[..i].contains(value);
+        let twice = || twice().then(|| "the value is there already".to_owned());
+        if let Some(condition) = wrong(value).or_else(twice) {
+            return Err((format!("{key}[{i}]"), condition));
+        }
+    }
+    Ok(())
+}
+
+/// The same for a list that need not be there.
+fn check_optional<T: PartialEq>(
+    key: &str,
+    list: &Option<Vec<T>>,
+    wrong: impl Fn(&T) -> Option<String>,
+) -> Result<(), Refusal> {
+    match list {
+        Some(list) => check_list(key, list, wrong),
+        None => Ok(()),
+    }
+}
+
+/// What is wrong with a number that has to be positive.
+fn not_positive(x: &f64) -> Option<String> {
+    let positive = x.is_finite() && *x > 0.0;
+    (!positive).then(|| format!("it is {x}, a positive number is needed"))
+}
