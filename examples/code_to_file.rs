@@ -9,12 +9,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 /// A chart of one quantity of all joints over time, as the text of an SVG file.
-fn plot(
-    title: &str,
-    model: &Model,
-    samples: &[Sample],
-    of: fn(&Sample) -> &[f64],
-) -> Result<String, Box<dyn Error>> {
+fn plot(title: &str, model: &Model, samples: &[Sample], of: fn(&Sample) -> &[f64]) -> Result<String, Box<dyn Error>> {
     let all = || samples.iter().flat_map(|s| of(s).iter().copied());
     let (low, high) = all().fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
     let horizon = samples.last().map_or(1.0, |s| s.t);

@@ -10,7 +10,6 @@ use aghf::motion::{Problem, violations};
 use aghf::relax::{RelaxSettings, Relaxation};
 use aghf::scalar::AlgebraOver;
 use aghf::urdf::builtin_robot;
-use std::error::Error;
 
 /// The centre of `tool` is at most `height` above the base, in m.
 struct Below {
@@ -33,7 +32,7 @@ impl Constraint for Below {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = &builtin_robot("kinova_gen3")?;
     let state = |q: [f64; 7]| [q, [0.0; 7]].concat();
     let (start, goal) = ([0.0, 0.6, 0.0, 1.6, 0.0, 0.8, 0.0], [2.0, 0.9, 0.0, 1.2, 0.0, 0.8, 0.0]);
@@ -41,8 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tool = CollisionSphere::at_link(model, "end_effector_link", 0.0)?;
     let state = (Below { tool, height: 0.3 }, Bounds::positions(model), Bounds::velocities(model));
     let kept = Constraints { state, torque: TorqueLimits::of(model) };
-    let relaxation = Relaxation::new(&problem).constraints(&kept);
-    let relaxed = relaxation.settings(RelaxSettings::constrained()).solve()?;
+    let relaxed = Relaxation::new(&problem).constraints(&kept).settings(RelaxSettings::constrained()).solve()?;
     let penalty = Penalty { k_cons: 1e6, c_cons: 50.0 };
     let weights = PenaltyWeights { state: penalty, torque: penalty };
     let penalised = Penalised { constraints: kept, weights };
@@ -53,8 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         rows.sort_by(|a, b| b.by.total_cmp(&a.by));
         println!("{method}: the rows with the least left");
         for row in &rows[..4] {
-            let RowLabel { name, unit, .. } = kept.label(row.row, model);
-            println!("  {:10.1e} {unit:5} at {:.2} s  {name}", -row.by, row.at_s);
+            let label = kept.label(row.row, model);
+            println!("{:10.1e} {:5} at {:.2} s  {}", -row.by, label.unit, row.at_s, label.name);
         }
     }
     Ok(())
