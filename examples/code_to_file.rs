@@ -2,11 +2,11 @@
 
 use aghf::model::Model;
 use aghf::motion::{Sample, sample};
-use aghf::output::{write_report, write_text};
+use aghf::output::{OutputFolder, Sampling, write_report, write_text};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use plotters::prelude::*;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// A chart of one quantity of all joints over time, as the text of an SVG file.
 fn plot(title: &str, model: &Model, samples: &[Sample], of: fn(&Sample) -> &[f64]) -> Result<String, Box<dyn Error>> {
@@ -39,13 +39,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     scenario.file.horizon_s += 1.0;
     let report = solve(&scenario, &SolveOptions::default(), &mut |_| ())?;
     println!("success: {}, effort {:.1}", report.summary.success, report.summary.control_effort);
-    // Never into a folder that is there already.
-    let folders = (1..).map(|i| PathBuf::from(format!("out/code_to_file_{i}")));
-    let folder = folders.into_iter().find(|folder| !folder.exists()).ok_or("no folder is free")?;
+    // A folder that was not there before: out/code_to_file, then out/code_to_file-2 and so on.
+    let folder = OutputFolder::fresh(Path::new("out/code_to_file"))?;
     let model = &scenario.model;
-    let files = write_report(model, &report, &folder)?;
+    let files = write_report(model, &report, folder.path(), Sampling::Rate(1e3))?;
     let samples = sample(model, &report.curve, 400)?;
-    let (positions, torques) = (folder.join("q.svg"), folder.join("u.svg"));
+    let (positions, torques) = (folder.path().join("q.svg"), folder.path().join("u.svg"));
     write_text(&plot("positions, rad", model, &samples, |s| &s.q)?, &positions)?;
     write_text(&plot("torques, N m", model, &samples, |s| &s.u)?, &torques)?;
     files.iter().chain([&positions, &torques]).for_each(|file| println!("{}", file.display()));

@@ -164,7 +164,14 @@ fn code_to_file() {
     let shown = run("code_to_file", &folder, &[]);
     assert!(shown.starts_with("success: true"), "{shown}");
     let names = ["q.svg", "summary.json", "trajectory.csv", "u.svg"];
-    let of = |i: usize| names.map(|name| format!("out/code_to_file_{i}/{name}"));
+    let of = |i: usize| {
+        let folder = if i == 1 {
+            "code_to_file"
+        } else {
+            "code_to_file-2"
+        };
+        names.map(|name| format!("out/{folder}/{name}"))
+    };
     assert_eq!(files(&folder), BTreeSet::from(of(1)));
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("it is there");
     let before = of(1).map(|file| read(&file));
