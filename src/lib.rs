@@ -34,3 +34,6 @@ pub mod urdf;
 pub mod verify;
 
 pub use error::{Error, Result};
+
+// Their types are in what is public here: whoever takes them from here has the versions that fit.
+pub use {nalgebra, num_dual};

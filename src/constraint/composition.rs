@@ -120,28 +120,33 @@ fn owner<C: Scalar, K: Constraint<C>>(all: &[K], mut row: usize) -> Option<(&K, 
     None
 }
 
-/// Hands everything on to what is behind a pointer.
+/// Hands everything on to what is behind a pointer, to the slice of a list, or to nested pairs.
 macro_rules! delegate {
-    ($type:ty, $parameter:ident $(: $bound:ident)?) => {
-        impl<C: Scalar, $parameter: Constraint<C> $(+ ?$bound)?> Constraint<C> for $type {
+    ([$($generic:tt)*] $type:ty, $it:ident => $inner:expr) => {
+        impl<C: Scalar, $($generic)*> Constraint<C> for $type {
             fn dim(&self) -> usize {
-                (**self).dim()
+                let $it = self;
+                $inner.dim()
             }
 
             fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-                (**self).value(at, g)
+                let $it = self;
+                $inner.value(at, g)
             }
 
             fn row_scales(&self, scales: &mut [C]) {
-                (**self).row_scales(scales);
+                let $it = self;
+                $inner.row_scales(scales);
             }
 
             fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
-                (**self).label(row, model)
+                let $it = self;
+                $inner.label(row, model)
             }
 
             fn is_equality(&self, row: usize) -> bool {
-                (**self).is_equality(row)
+                let $it = self;
+                $inner.is_equality(row)
             }
 
             fn add_weighted_derivatives<S: AlgebraOver<C>>(
@@ -150,11 +155,27 @@ macro_rules! delegate {
                 weights: Weights<'_, S>,
                 out: &mut WeightedDerivatives<S>,
             ) -> Result<()> {
-                (**self).add_weighted_derivatives(at, weights, out)
+                let $it = self;
+                $inner.add_weighted_derivatives(at, weights, out)
             }
         }
     };
 }
 
-delegate!(&K, K: Sized);
-delegate!(Vec<K>, K);
+delegate!([K: Constraint<C> + ?Sized] &K, it => (**it));
+delegate!([K: Constraint<C>] Vec<K>, it => it.as_slice());
+delegate!([K: Constraint<C>, const M: usize] [K; M], it => it.as_slice());
+delegate!([K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>] (K0, K1, K2), it => (&it.0, (&it.1, &it.2)));
+delegate!(
+    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>] (K0, K1, K2, K3),
+    it => ((&it.0, &it.1), (&it.2, &it.3))
+);
+delegate!(
+    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>] (K0, K1, K2, K3, K4),
+    it => ((&it.0, &it.1), (&it.2, (&it.3, &it.4)))
+);
+delegate!(
+    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>, K5: Constraint<C>]
+    (K0, K1, K2, K3, K4, K5),
+    it => ((&it.0, (&it.1, &it.2)), (&it.3, (&it.4, &it.5)))
+);

@@ -9,7 +9,7 @@ use crate::spatial::{Motion, Placement};
 
 /// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state.
 #[derive(Clone, Debug)]
-pub struct Evaluator<'m, C: Scalar, S: Scalar> {
+pub struct Evaluator<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     placements: Vec<Placement<S>>,
     axes: Vec<Motion<S>>,

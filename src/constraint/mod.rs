@@ -39,6 +39,9 @@ use crate::spatial::{Placement, apply_to_constant};
 use nalgebra::Vector3;
 
 /// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ where [`is_equality`](Self::is_equality) says so.
+///
+/// Tuples of up to six, arrays, vectors and slices of constraints are one, with the rows of each in order; `()` has none. A `&K` is
+/// what is behind it. Lists of different constraints are a `Vec` of [`AnyConstraint`] or of `Box<dyn`[`DynConstraint`]`>`.
 pub trait Constraint<C: Scalar = f64> {
     /// The number of rows $g_j$.
     fn dim(&self) -> usize;

@@ -9,7 +9,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Scratch space for the algorithms on one model. It carries nothing from one call to the next.
 #[derive(Clone, Debug)]
-pub struct Data<S: Scalar> {
+pub struct Data<S: Scalar = f64> {
     /// Placements of the bodies in the base frame.
     pub(super) placements: Vec<Placement<S>>,
     /// Joint axes $S_i$.

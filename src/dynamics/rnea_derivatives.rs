@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Inverse dynamics and its first derivatives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct InverseDynamicsDerivatives<S: Scalar> {
+pub struct InverseDynamicsDerivatives<S: Scalar = f64> {
     /// $\tau = ID(q, v, a)$, `N` entries.
     pub tau: DVector<S>,
     /// $\partial ID_i / \partial q_j$, `N` by `N`.

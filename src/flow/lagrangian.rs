@@ -25,6 +25,18 @@ pub trait Lagrangian<C: Scalar = f64> {
     ) -> Result<S>;
 }
 
+impl<C: Scalar, L: Lagrangian<C>> Lagrangian<C> for &L {
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S> {
+        (**self).value(model, x, xdot, k)
+    }
+}
+
 /// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AghfLagrangian;

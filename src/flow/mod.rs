@@ -36,7 +36,7 @@ use crate::error::Result;
 
 /// A way to compute $\Omega(x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
 /// model with constants `C`.
-pub trait RightHandSide<C, S> {
+pub trait RightHandSide<C = f64, S = C> {
     /// $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.
     ///
     /// # Errors

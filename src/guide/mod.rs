@@ -14,34 +14,11 @@
 //! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
 //! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |
 //!
-//! # A profile for debug builds
-//!
-//! Arithmetic over a generic scalar is small functions inside small functions: without optimisation a solve was measured to be a hundred
-//! times slower. Cargo takes profiles from the user's package and not from this one, so these lines belong into the `Cargo.toml` of every
-//! crate that uses it, lest `cargo run` and `cargo test` crawl:
-//!
-//! ```toml
-//! [profile.dev.package."*"]
-//! opt-level = 3
-//! ```
-//!
-//! They optimise the dependencies, this library among them. Code of one's own that is generic in the scalar, or that instantiates the
-//! library for a scalar, a constraint or a cost of its own, is compiled in one's own crate, so it needs
-//!
-//! ```toml
-//! [profile.dev]
-//! opt-level = 2
-//! ```
-//!
-//! as well. The constraints and the effort are evaluated at four times side by side, which pays where the compiler may use vector
-//! instructions: by `-C target-cpu=native` in `RUSTFLAGS`, or in `.cargo/config.toml`
-//!
-//! ```toml
-//! [build]
-//! rustflags = ["-C", "target-cpu=native"]
-//! ```
-//!
-//! A program that is built so runs on machines of the same kind only.
+//! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which examples there are
+//! to begin with.
+
+#[doc = include_str!("your_crate.md")]
+pub mod your_crate {}
 
 #[doc = include_str!("lagrangian.md")]
 pub mod lagrangian {}

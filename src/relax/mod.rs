@@ -30,7 +30,7 @@ pub use interior_point::{Barrier, BarrierCost};
 pub(crate) use path::{Path, curve_of};
 pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
-    StageInput, WeightedSquares,
+    StageInput, Weighted, WeightedSquares,
 };
 pub use settings::{Iteration, RelaxSettings, RelaxSolution};
 pub(crate) use strategy::horizon_slope;
@@ -88,7 +88,7 @@ impl<'a> Relaxation<'a, (), ControlEffort<'a, f64, f64>> {
     }
 }
 
-impl<'a, K: Constraint + Clone + Sync, P: CostWithControl> Relaxation<'a, K, P> {
+impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
     /// With another running cost.
     #[must_use]
     pub fn cost<Q: CostWithControl>(self, cost: Q) -> Relaxation<'a, K, Q> {
@@ -103,7 +103,7 @@ impl<'a, K: Constraint + Clone + Sync, P: CostWithControl> Relaxation<'a, K, P> 
 
     /// Within these constraints.
     #[must_use]
-    pub fn constraints<L: Constraint + Clone + Sync>(
+    pub fn constraints<L: Constraint + Sync>(
         self,
         constraints: &'a Constraints<L>,
     ) -> Relaxation<'a, L, P> {

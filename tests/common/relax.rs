@@ -27,7 +27,7 @@ pub fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution 
 }
 
 /// The same within constraints.
-pub fn solved_within<K: Constraint + Clone + Sync>(
+pub fn solved_within<K: Constraint + Sync>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,
     constraints: &Constraints<K>,

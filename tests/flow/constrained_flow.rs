@@ -80,7 +80,7 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
 }
 
 /// $L_{cons}$ of (A1), with the rows of the torque written out.
-impl<K: Constraint> Lagrangian for &Wrapped<'_, K> {
+impl<K: Constraint> Lagrangian for Wrapped<'_, K> {
     fn value<S: AlgebraOver<f64> + Tanh>(
         &self,
         model: &Model,

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod composition;
 mod constrained;
 mod free_end;
 mod interior_point;

@@ -38,7 +38,7 @@ use nalgebra::{DMatrix, DVector};
 /// $V [\dot J_q, \dot J_v, \dot H] + W [J_q, J_v, H]$ for their rates, but not in $A$ nor for $J_q^T$; and
 /// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} V H$.
 #[derive(Clone, Debug)]
-pub struct ControlFormJacobian<'m, C: Scalar, S: Scalar, L = ()> {
+pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     model: &'m Model<C>,
     cost: L,
     /// The diagonals of `V` and `W`.

@@ -12,7 +12,7 @@ use nalgebra::{DVector, DVectorView, Vector3};
 
 /// The right-hand side of the flow as the paper computes it. Cost O(N^3).
 #[derive(Clone, Debug)]
-pub struct AlgorithmB1<'m, C: Scalar, S: Scalar> {
+pub struct AlgorithmB1<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     /// Lines 7 and 8 take gravity away.
     weightless: Model<C>,

@@ -26,7 +26,7 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// A [`ControlCost`] adds $\sum_i \ell_i(u_i)$ to the Lagrangian. Then $\mu = u + \tfrac12 \ell^{\prime}$ takes the place of `u` and
 /// $\dot \mu = \dot u + \tfrac12 \ell^{\prime\prime} \dot u$ that of $\dot u$ in the first form, which is all that changes.
 #[derive(Clone, Debug)]
-pub struct ControlForm<'m, C: Scalar, S: Scalar, L = ()> {
+pub struct ControlForm<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     model: &'m Model<C>,
     cost: L,
     mu: DVector<S>,

@@ -75,7 +75,7 @@ impl<K, P> Clone for Context<'_, '_, K, P> {
 impl<K, P> Copy for Context<'_, '_, K, P> {}
 
 /// Minimises the running cost within the rows from a candidate, in its basis.
-pub(super) fn minimise<K: Constraint + Clone, P: CostWithControl>(
+pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     mut candidate: Candidate,
     stage: Stage,

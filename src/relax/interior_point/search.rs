@@ -49,7 +49,7 @@ struct Search<'g, 'a, K, P> {
 }
 
 /// Minimises from a candidate with as many points as it says.
-pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
+pub(super) fn search<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,
     stage: Stage,
@@ -97,7 +97,7 @@ pub(super) fn search<K: Constraint + Clone, P: CostWithControl>(
     .run(candidate, observe)
 }
 
-impl<K: Constraint + Clone, P: CostWithControl> Search<'_, '_, K, P> {
+impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     fn run(
         &mut self,
         candidate: &mut Candidate,

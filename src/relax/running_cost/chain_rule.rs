@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// where $\Phi(w)$ is the Hessian of $w^T ID$ (`proofs/relax.md`).
 #[derive(Clone, Debug)]
-pub struct ChainRule<'m, C: Scalar, S: Scalar> {
+pub struct ChainRule<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     data: Data<S>,
     id: InverseDynamicsDerivatives<S>,

@@ -2,10 +2,12 @@
 
 mod autodiff;
 mod chain_rule;
+mod composition;
 mod weighted_squares;
 
 pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
+pub use composition::Weighted;
 pub use num_dual::HyperDual64;
 pub use weighted_squares::WeightedSquares;
 
@@ -52,6 +54,9 @@ impl<S: Scalar> StageDerivatives<S> {
 
 /// A running cost $l(t, q, v, a, u)$ with derivatives by hand. [`CostThroughDynamics::new`] takes a closure instead and asks for none.
 ///
+/// Tuples of up to six, arrays, vectors and slices of running costs are their sum, and [`Weighted`] is one of them times a constant.
+/// A `&R` and an `Arc<R>` are what is behind them, so that `Vec<Arc<dyn RunningCost + Send + Sync>>` holds any.
+///
 /// The integral must not be negative on any curve that is tried, see [`CostThroughDynamics`].
 pub trait RunningCost {
     /// $l$.
@@ -60,7 +65,7 @@ pub trait RunningCost {
     /// The input is for another robot.
     fn value(&self, at: &StageInput<'_, f64>) -> Result<f64>;
 
-    /// $l$, and its derivatives added to `out`, which has only zeros.
+    /// $l$, and its derivatives into `out`, which has only zeros.
     ///
     /// # Errors
     /// The input is for another robot.

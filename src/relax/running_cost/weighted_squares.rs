@@ -50,6 +50,16 @@ impl WeightedSquares {
 }
 
 impl WeightedSquares {
+    /// The control effort $|u|^2$ of a robot with `dof` joints, as a term of a sum.
+    #[must_use]
+    pub fn effort(dof: usize) -> Self {
+        Self {
+            torque: vec![1.0; dof],
+            velocity: vec![0.0; dof],
+            acceleration: vec![0.0; dof],
+        }
+    }
+
     /// $w^u$, `N` entries.
     #[must_use]
     pub fn torque(&self) -> &[f64] {

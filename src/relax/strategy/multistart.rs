@@ -34,7 +34,7 @@ pub(in crate::relax) struct Outcome {
 /// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
 /// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
 /// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints.
-pub(in crate::relax) fn multistart<K: Constraint + Clone + Sync, P: CostWithControl>(
+pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
     rungs: &[Rung],

@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$. Four points at a time go through the dynamics side by side.
 #[derive(Clone, Debug)]
-pub struct ControlEffort<'m, C: Scalar, S: Scalar> {
+pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     data: Data<Wide<S>>,
     id: InverseDynamicsDerivatives<Wide<S>>,

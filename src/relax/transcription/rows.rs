@@ -8,7 +8,7 @@ use crate::model::Model;
 use nalgebra::DMatrix;
 
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(in crate::relax) struct Rows<'a, K, P> {
     pub constraints: &'a Constraints<K>,
     /// The running cost.
@@ -25,6 +25,23 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     pub equalities: Vec<bool>,
     /// One of the multiplied row in rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
+}
+
+// By hand, since what is derived would ask it of the constraints, of which there is no more than a reference.
+impl<K, P: Clone> Clone for Rows<'_, K, P> {
+    fn clone(&self) -> Self {
+        Self {
+            constraints: self.constraints,
+            cost: self.cost.clone(),
+            controls: self.controls.clone(),
+            evaluator: self.evaluator.clone(),
+            z: self.z.clone(),
+            wide: self.wide.clone(),
+            scales: self.scales.clone(),
+            equalities: self.equalities.clone(),
+            units: self.units.clone(),
+        }
+    }
 }
 
 impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {

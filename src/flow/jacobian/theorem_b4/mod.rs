@@ -22,7 +22,7 @@ use nalgebra::DMatrix;
 
 /// The Jacobian of the right-hand side by Theorem B4 and Algorithm B2. Cost O(N^4) in time and memory; it allocates.
 #[derive(Clone, Debug)]
-pub struct TheoremB4<'m, C: Scalar, S: Scalar> {
+pub struct TheoremB4<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     data: Data<S>,
     quantities: Quantities<S>,

@@ -1,0 +1,4 @@
+//! The examples are programs that run, and the guide to a crate of one's own says what this one needs.
+
+mod programs;
+mod your_crate;
