@@ -164,7 +164,7 @@ fn a_set_is_stopped_at_its_time() {
             if starts == 1 { 6 } else { 64 }
         )
     };
-    let sweep = load("late", &text(1000, 0.3)).expect("good");
+    let sweep = load("late", &text(20_000, 0.3)).expect("good");
     let [row] = &solved(&sweep, &sweep.sets)[..] else {
         panic!("one set");
     };
