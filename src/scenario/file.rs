@@ -226,8 +226,12 @@ impl Scenario {
         Ok((Self::new(file, name_or_path, folder)?, options))
     }
 
-    /// A scenario of what a file says. `path` names it in errors; robots are looked for in `folder`.
-    pub(super) fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
+    /// A scenario of what a file says, or a program. `path` names it, without its folder and ending, and in errors as it is; the robot
+    /// is looked for in `folder` unless it is built in.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
