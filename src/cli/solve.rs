@@ -29,7 +29,8 @@ use std::time::Duration;
 /// Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
-    /// A scenario that is built in, or the path of a JSON file: a scenario, or the summary.json of a solve, which is repeated.
+    /// A scenario that is built in, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of a solve, which
+    /// is repeated.
     #[arg(default_value = "kinova_free_01")]
     scenario: String,
     #[command(flatten)]

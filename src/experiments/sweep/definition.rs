@@ -3,6 +3,7 @@
 use super::SweepFile;
 use super::grid::Parameters;
 use crate::error::{Error, Result};
+use crate::input::{name_of, read_named};
 use crate::scenario::{
     Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
 };
@@ -73,22 +74,14 @@ impl Sweep {
             return Self::parse(text, name_or_path, Path::new(""));
         }
         let path = Path::new(name_or_path);
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            if e.kind() == std::io::ErrorKind::NotFound {
-                let condition = "there is neither a file nor a built-in sweep of this name";
-                Error::input(name_or_path, "sweep", condition)
-            } else {
-                Error::io(path, e)
-            }
-        })?;
+        let text = read_named(path, "sweep")?;
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
     /// A sweep from its text. `path` names it in errors; scenarios are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         let file = SweepFile::parse(text, path)?;
-        let stem = Path::new(path).file_stem().unwrap_or_default();
-        let name = (file.name.clone()).unwrap_or_else(|| stem.to_string_lossy().into_owned());
+        let name = file.name.clone().unwrap_or_else(|| name_of(path));
         let mut scenarios = Vec::<Scenario>::new();
         for (i, entry) in file.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");

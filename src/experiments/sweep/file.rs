@@ -1,12 +1,11 @@
 //! Reading the file of a sweep.
 
 use super::grid::{Grid, Refusal};
-use crate::error::{Error, Result};
-use crate::scenario::Method;
+use crate::error::{Error, Result, plain};
+use crate::scenario::{Method, SolveOptions};
 use crate::urdf::Mimic;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use std::time::Duration;
 use toml::Table;
 
 /// A sweep as it is written in a file. Its grid is every combination of the entries of its lists.
@@ -92,8 +91,11 @@ impl SweepFile {
                 return Err(("name".into(), condition));
             }
         }
-        if Duration::try_from_secs_f64(self.timeout_s).is_err() || self.timeout_s <= 0.0 {
-            let condition = format!("it is {}, a positive time is needed", self.timeout_s);
+        let longest = SolveOptions::LONGEST_TIME_LIMIT.as_secs_f64();
+        if !(self.timeout_s > 0.0 && self.timeout_s <= longest) {
+            let timeout = plain(self.timeout_s);
+            let condition =
+                format!("it is {timeout}, a positive time of at most {longest} s is needed");
             return Err(("timeout_s".into(), condition));
         }
         if self.scenarios.is_empty() {
