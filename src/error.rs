@@ -87,7 +87,7 @@ pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usiz
 
 /// A number in a message: as it is written, but not in hundreds of digits.
 pub(crate) fn plain(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() || (1e-6..1e9).contains(&x.abs()) {
+    if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {
         format!("{x}")
     } else {
         format!("{x:e}")

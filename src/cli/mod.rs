@@ -113,6 +113,11 @@ impl RobotArgs {
 fn tell_notes(robot: &str, notes: &[LoadNote]) {
     if builtin_robots().all(|name| name != robot) {
         for note in summarised(notes) {
+            let robot = if robot == "-" {
+                "standard input"
+            } else {
+                robot
+            };
             eprintln!("note: {robot}: {note}");
         }
     }

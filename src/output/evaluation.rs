@@ -66,7 +66,8 @@ pub struct Evaluation {
 /// # Errors
 /// The text is no such JSON, a number is missing, or a result is not finite.
 pub fn evaluate(model: &Model, text: &str, file: &str) -> Result<Evaluation> {
-    let expected = "expected an object with numbers under q, v, a, or under x, xdot, xddot, k; tau may be added";
+    let expected =
+        "expected numbers under q, v, a, or under x, xdot, xddot, k of an object; tau may be added";
     let refuse = |condition: String| Error::input(file, "input", condition);
     // Of a list serde would take the entries for those of the keys in order.
     if text.trim_start().starts_with(['[', '<']) {

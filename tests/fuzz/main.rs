@@ -15,7 +15,8 @@ use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use targets::{Outcome, Target};
 
@@ -64,30 +65,26 @@ fn fuzz(format: &'static str, target: Target) {
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     let corpus = corpus(format);
     let current = folder.join("current");
-    let (beat, beats) = channel();
+    let tried = Arc::new(AtomicU64::new(0));
     let worker = std::thread::spawn({
-        let current = current.clone();
+        let (current, tried) = (current.clone(), Arc::clone(&tried));
         move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| {
-                run(corpus, target, &current, seed, seconds / 4.0, || {
-                    // The other end is there until this one is gone.
-                    let _ = beat.send(());
-                })
-            }));
-            drop(beat);
-            outcome
+            let run = || run(corpus, target, &current, seed, seconds / 4.0, &tried);
+            catch_unwind(AssertUnwindSafe(run))
         }
     });
     let input = || {
         let bytes = std::fs::read(&current).unwrap_or_default();
         format!("{}:\n{}", current.display(), bytes.escape_ascii())
     };
-    loop {
-        match beats.recv_timeout(HANG) {
-            Ok(()) => {}
-            Err(RecvTimeoutError::Disconnected) => break,
-            Err(RecvTimeoutError::Timeout) => panic!("hangs on {}", input()),
+    let mut last = (0, Instant::now());
+    while !worker.is_finished() {
+        std::thread::sleep(Duration::from_millis(20));
+        let now = tried.load(Ordering::Relaxed);
+        if now != last.0 {
+            last = (now, Instant::now());
         }
+        assert!(last.1.elapsed() < HANG, "hangs on {}", input());
     }
     match worker.join().expect("it catches panics") {
         Ok(Ok(Counts { all, accepted })) => println!("{format}: {all} inputs, {accepted} accepted"),
@@ -109,7 +106,7 @@ fn run(
     current: &Path,
     seed: u64,
     seconds: f64,
-    beat: impl Fn(),
+    tried: &AtomicU64,
 ) -> Result<Counts, String> {
     let started = Instant::now();
     let mut mutator = Mutator::new(seed, &pool);
@@ -127,7 +124,7 @@ fn run(
             .filter(|_| counts.all < first as u64)
         {
             Some(input) => input.clone(),
-            None => mutator.mutated(&pool),
+            None => mutator.mutated(&pool, first),
         };
         std::fs::write(current, &input).expect("the folder is writable");
         counts.all += 1;
@@ -146,7 +143,7 @@ fn run(
                 pool[place] = input;
             }
         }
-        beat();
+        tried.store(counts.all, Ordering::Relaxed);
     }
     Ok(counts)
 }

@@ -57,6 +57,9 @@ const ODD: [&str; 44] = [
     "\n",
 ];
 
+/// How many of these are numbers that any format may have.
+const NUMBERS: usize = 15;
+
 /// What opens something, to be nested deeply.
 const OPENINGS: [&str; 9] = [
     "[", "{\"a\":", "<a>", "<robot>", "[a.", "[[", "{a=", "&lt;", "\\",
@@ -88,10 +91,16 @@ impl Mutator {
         self.rng.random_range(0..end)
     }
 
-    /// A text of the pool after some mutations.
-    pub fn mutated(&mut self, pool: &[Vec<u8>]) -> Vec<u8> {
-        let mut text = pool[self.below(pool.len())].clone();
-        for _ in 0..=self.below(MOST) {
+    /// A text of the pool, one of its `first` half of the time, after some mutations.
+    pub fn mutated(&mut self, pool: &[Vec<u8>], first: usize) -> Vec<u8> {
+        let among = if self.below(2) == 0 {
+            first
+        } else {
+            pool.len()
+        };
+        let mut text = pool[self.below(among)].clone();
+        // One is enough more often than not, for what is refused early shows little.
+        for _ in 0..=self.below(MOST).saturating_sub(MOST / 2) {
             text = self.mutate(text, pool);
             text.truncate(LARGEST);
         }
@@ -99,7 +108,7 @@ impl Mutator {
     }
 
     fn mutate(&mut self, mut text: Vec<u8>, pool: &[Vec<u8>]) -> Vec<u8> {
-        match self.below(12) {
+        match self.below(20) {
             0 => {
                 if let Some(place) = self.place(&text) {
                     text[place] ^= 1 << self.below(8);
@@ -147,9 +156,18 @@ impl Mutator {
                     text.splice(one, word);
                 }
             }
-            _ => {
+            11 => {
                 if let Some(token) = self.token(&text) {
                     text.drain(token);
+                }
+            }
+            _ => {
+                let mut tokens = tokens(&text);
+                tokens.retain(|token| text[token.start].is_ascii_digit());
+                if !tokens.is_empty() {
+                    let token = tokens.swap_remove(self.below(tokens.len()));
+                    let number = ODD[self.below(NUMBERS)].bytes();
+                    text.splice(token, number);
                 }
             }
         }

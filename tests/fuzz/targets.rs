@@ -22,7 +22,7 @@ pub enum Outcome {
     Refused(String),
 }
 
-/// The largest product of joints, obstacles and spacing at which an accepted scenario is solved as well.
+/// The most joints of a scenario that is solved as well.
 const SOLVED_JOINTS: usize = 3;
 
 /// Checks that a message names the file.
@@ -50,10 +50,9 @@ pub fn urdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
         Ok(read) => read,
         Err(error) => return refused(file, &error),
     };
-    robot_table(&model);
-    summarised(&notes);
+    let _ = (robot_table(&model), summarised(&notes));
     notes.iter().for_each(|note| drop(note.to_string()));
-    Capsule::along_links(&model, 0.1);
+    let _ = Capsule::along_links(&model, 0.1);
     evaluated(&model)?;
     // What can be written reads back as it was.
     if let Ok(text) = model.to_urdf() {
@@ -89,9 +88,8 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     if read != scenario.file {
         return Err(format!("it reads back otherwise: {written}"));
     }
-    summarised(&scenario.load_notes);
-    scenario.outside_limits();
-    scenario.least_horizon();
+    let _ = (summarised(&scenario.load_notes), scenario.outside_limits());
+    let _ = scenario.least_horizon();
     let rows = scenario.state_constraints().map_err(&failed)?.dim();
     // That no motion exists is no fault of the reader, nor that a velocity overflows.
     let problem = scenario.problem().is_ok() && scenario.check_feasible().is_ok();
@@ -119,7 +117,7 @@ pub fn sweep(path: &Path, _: &[u8]) -> Result<Outcome, String> {
         return Err(format!("{} sets", sweep.sets.len()));
     }
     for set in sweep.sets.iter().take(100) {
-        sweep.options(&set.parameters);
+        let _ = sweep.options(&set.parameters);
     }
     Ok(Outcome::Accepted)
 }
