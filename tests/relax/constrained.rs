@@ -77,7 +77,7 @@ fn rows_that_overflow_are_a_failure() {
         centre: Vector3::zeros(),
         radius: 0.0,
     };
-    for (centre, radius) in [(1e300, 1e300), (0.0, 1e300), (1e300, 1.0)] {
+    for (centre, radius) in [(1e300, 1e300), (0.0, 1e300)] {
         let centre = Vector3::new(centre, 0.0, 0.0);
         let kept = state(AnyConstraint::Spheres(SphereClearance {
             balls: vec![ball],
