@@ -1,5 +1,6 @@
 //! What can be wrong with the input.
 
+#[cfg(feature = "solvers")]
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -76,6 +77,7 @@ pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) ->
 }
 
 /// Checks that a number that was asked for is within its bounds. `what` names the setting.
+#[cfg(feature = "solvers")]
 pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> Result<()> {
     if allowed.contains(&found) {
         return Ok(());

@@ -47,6 +47,7 @@ pub(crate) fn is_standard_input(path: &Path) -> bool {
 }
 
 /// The name of what a file holds: that of the file without its ending.
+#[cfg(feature = "output")]
 pub(crate) fn name_of(path: &str) -> String {
     if is_standard_input(Path::new(path)) {
         return "stdin".to_owned();

@@ -73,7 +73,7 @@ impl RelaxSettings {
     /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
     pub const LARGEST_SIZE: usize = 256;
     /// The most starts: what is kept of each, a cost and some fifty iterations, is up to 4 kB, 400 MB in all.
-    pub const MOST_STARTS: usize = 100_000;
+    pub const LARGEST_NUM_STARTS: usize = 100_000;
     /// The most iterations at one degree, of which each is kept.
     pub const MOST_ITERATIONS: usize = 100_000;
     /// The most threads: more than any machine has cores, and no more than a system lets a program have.
@@ -208,7 +208,7 @@ impl RelaxSettings {
                 format!("it is {}, a finite number is needed", self.start_amplitude),
             );
         }
-        check_count("num_starts", self.num_starts, 1..=Self::MOST_STARTS)?;
+        check_count("num_starts", self.num_starts, 1..=Self::LARGEST_NUM_STARTS)?;
         check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
         check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
         if let Some(free) = &self.free_horizon {

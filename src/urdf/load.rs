@@ -1,8 +1,8 @@
 //! Robots by name or by path.
 
 use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf, parse_urdf_with};
-use crate::error::{Error, Result};
-use crate::input::{is_standard_input, read_named, read_text};
+use crate::error::Result;
+use crate::input::read_named;
 use crate::model::Model;
 use std::path::Path;
 
@@ -42,11 +42,11 @@ pub(crate) fn robot_text(name_or_path: &str, folder: &Path) -> Result<(String, S
         return Ok((name_or_path.to_owned(), text.to_owned()));
     }
     let path = folder.join(name_or_path);
-    let text = read_text(&path)?;
-    let place = if is_standard_input(&path) {
+    let text = crate::input::read_text(&path)?;
+    let place = if crate::input::is_standard_input(&path) {
         path
     } else {
-        std::path::absolute(&path).map_err(|e| Error::io(&path, e))?
+        std::path::absolute(&path).map_err(|e| crate::error::Error::io(&path, e))?
     };
     Ok((place.to_string_lossy().into_owned(), text))
 }

@@ -132,7 +132,7 @@ fn run(
         counts.accepted += u64::from(matches!(outcome, Outcome::Accepted));
         // What is said of an input tells how far it came: one of which something new is said is worth further mutations.
         let is_new = match outcome {
-            Outcome::Accepted => counts.accepted % 16 == 0,
+            Outcome::Accepted => counts.accepted.is_multiple_of(16),
             Outcome::Refused(message) => seen.insert(shape(&message)),
         };
         if is_new && counts.all > first as u64 {

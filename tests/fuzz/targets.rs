@@ -93,7 +93,11 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     let rows = scenario.state_constraints().map_err(&failed)?.dim();
     // That no motion exists is no fault of the reader, nor that a velocity overflows.
     let problem = scenario.problem().is_ok() && scenario.check_feasible().is_ok();
-    if problem && scenario.model.dof() <= SOLVED_JOINTS && rows <= 100 && bytes.len() % 8 == 0 {
+    if problem
+        && scenario.model.dof() <= SOLVED_JOINTS
+        && rows <= 100
+        && bytes.len().is_multiple_of(8)
+    {
         let options = SolveOptions {
             degree: Some(6),
             time_limit: Some(Duration::ZERO),
