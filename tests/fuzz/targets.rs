@@ -4,8 +4,9 @@ use aghf::constraint::{Capsule, Constraint};
 use aghf::dynamics::{Data, crba, rnea};
 use aghf::experiments::sweep::Sweep;
 use aghf::model::Model;
+use aghf::motion::sample;
 use aghf::output::{evaluate, robot_table};
-use aghf::scenario::{Scenario, ScenarioFile, SolveOptions, solve};
+use aghf::scenario::{Scenario, ScenarioFile, SolveOptions, Solved, solve};
 use aghf::urdf::{Mimic, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with, summarised};
 use nalgebra::DMatrix;
 use std::path::Path;
@@ -75,7 +76,7 @@ fn evaluated(model: &Model) -> Result<(), String> {
     crba(model, data, &zeros, &mut h).map_err(&failed)
 }
 
-/// A scenario; a small one is solved too, as far as the first starts lead.
+/// A scenario, or the summary of a solve; a small one is solved too, as far as the first starts lead.
 pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let scenario = match Scenario::load(file) {
@@ -91,6 +92,10 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     let _ = (summarised(&scenario.load_notes), scenario.outside_limits());
     let _ = scenario.least_horizon();
     let rows = scenario.state_constraints().map_err(&failed)?.dim();
+    // A motion that overflows is no fault of the reader.
+    if let Ok(solved) = Solved::load(file) {
+        let _ = sample(&solved.scenario.model, &solved.curve, 10);
+    }
     // That no motion exists is no fault of the reader, nor that a velocity overflows.
     let problem = scenario.problem().is_ok() && scenario.check_feasible().is_ok();
     if problem
