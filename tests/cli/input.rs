@@ -176,7 +176,7 @@ fn a_file_of_another_kind_is_told() {
     write(
         &folder,
         &[
-            ("list.json", "[[0], [0], [0]]"),
+            ("list.json", "[[0], [0], [0], null]"),
             ("early.json", "{\"q\": [0],\n\"v\": ["),
         ],
     );
