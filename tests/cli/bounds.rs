@@ -116,6 +116,41 @@ fn sizes_in_a_scenario_have_bounds() {
     }
 }
 
+#[test]
+fn lists_of_a_sweep_have_bounds() {
+    let folder = empty_folder("sweep_bounds");
+    let list = |count: usize| {
+        let values: Vec<_> = (1..=count).map(|i| format!("{i}.0")).collect();
+        values.join(", ")
+    };
+    let (long, longer) = (list(2000), list(10_001));
+    let costs =
+        format!("[running_cost]\ntorque = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
+    for (keys, words) in [
+        (
+            "starts = [100001]".to_owned(),
+            "starts[0]: it is 100001, at least 1 and at most 100000",
+        ),
+        (
+            format!("tolerance = [{longer}]"),
+            "tolerance: it has 10001 values, at most 10000",
+        ),
+        (costs, "sweep: the grid has more than 1000000 sets"),
+        (
+            "running_cost = [[1.0], [0.1], [0.2]]".to_owned(),
+            "running_cost: it is a list, not a table",
+        ),
+    ] {
+        let text = format!("method = 'relax'\nscenarios = ['pendulum_*']\ntimeout_s = 1\n{keys}\n");
+        std::fs::write(folder.join("s.toml"), text).expect("writable");
+        assert_bad_input(&folder, &["sweep", "s.toml"], &format!("s.toml: {words}"));
+    }
+    let text = "scenarios = ['pendulum_*']\ntimeout_s = 1e300\np = [4]\nk = [1e5]\ns_max = [1]\n";
+    std::fs::write(folder.join("s.toml"), text).expect("writable");
+    let words = "s.toml: timeout_s: it is 1e300, ; at most 31536000 s";
+    assert_bad_input(&folder, &["sweep", "s.toml"], words);
+}
+
 /// A file that has no end is not read to its end.
 #[test]
 #[cfg(unix)]

@@ -82,6 +82,12 @@ impl Sweep {
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         let file = SweepFile::parse(text, path)?;
         let name = file.name.clone().unwrap_or_else(|| name_of(path));
+        let too_many = || {
+            let condition = format!("the grid has more than {MOST_SETS} sets");
+            Error::input(path, "sweep", condition)
+        };
+        let points = file.grid.count().filter(|points| *points <= MOST_SETS);
+        let points = points.ok_or_else(too_many)?;
         let mut scenarios = Vec::<Scenario>::new();
         for (i, entry) in file.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
@@ -95,12 +101,9 @@ impl Sweep {
                 scenarios.push(scenario);
             }
         }
-        let all = (file.grid.count()).and_then(|points| points.checked_mul(scenarios.len()));
-        if all.is_none_or(|all| all > MOST_SETS) {
-            let condition = format!("the grid has more than {MOST_SETS} sets");
-            return Err(Error::input(path, "sweep", condition));
+        if points.saturating_mul(scenarios.len()) > MOST_SETS {
+            return Err(too_many());
         }
-        let points = all.unwrap_or_default() / scenarios.len();
         let sets = (0..scenarios.len())
             .flat_map(|scenario| (0..points).map(move |point| (scenario, point)))
             .enumerate()

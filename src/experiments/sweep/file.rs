@@ -6,7 +6,7 @@ use crate::scenario::{Method, SolveOptions};
 use crate::urdf::Mimic;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use toml::Table;
+use toml::{Table, Value};
 
 /// A sweep as it is written in a file. Its grid is every combination of the entries of its lists.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,6 +108,13 @@ impl SweepFile {
 /// Refuses keys that there are none of, and those of another method.
 fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal> {
     let own = Grid::keys(method);
+    // Of a list serde would take the entries for those of the keys in order.
+    for key in ["running_cost", "enforced_limits"] {
+        if table.get(key).is_some_and(Value::is_array) {
+            let condition = "it is a list, not a table with keys";
+            return Err((key.to_owned(), condition.to_owned()));
+        }
+    }
     let known = |key: &&String| HEAD.contains(&key.as_str()) || own.contains(&key.as_str());
     let Some(key) = table.keys().find(|key| !known(key)) else {
         return Ok(());
