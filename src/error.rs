@@ -1,5 +1,7 @@
 //! What can be wrong with the input.
 
+#[cfg(feature = "solvers")]
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// The result of everything that reads input.
@@ -71,5 +73,25 @@ pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) ->
             expected,
             found,
         })
+    }
+}
+
+/// Checks that a number that was asked for is within its bounds. `what` names the setting.
+#[cfg(feature = "solvers")]
+pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> Result<()> {
+    if allowed.contains(&found) {
+        return Ok(());
+    }
+    let (least, most) = allowed.into_inner();
+    let condition = format!("it is {found}, at least {least} and at most {most} is needed");
+    Err(Error::input("settings", what, condition))
+}
+
+/// A number in a message: as it is written, but not in hundreds of digits.
+pub(crate) fn plain(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {
+        format!("{x}")
+    } else {
+        format!("{x:e}")
     }
 }

@@ -14,6 +14,7 @@ pub mod experiments;
 pub mod flow;
 #[cfg(feature = "output")]
 pub mod guide;
+mod input;
 pub mod linalg;
 pub mod model;
 #[cfg(feature = "solvers")]

@@ -1,7 +1,7 @@
 //! `aghf check`.
 
 use super::{CHECK_FAILED, UrdfArgs, print, print_json};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::output::check_table;
 use crate::verify::{CheckOptions, check_all};
 use clap::Args;
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 /// seed gives the same states. With --json the states are printed too. Exit code 1 when something exceeds its bound.
 #[derive(Debug, Args)]
 pub(super) struct Check {
-    /// A robot that is built in, or the path of a URDF file.
+    /// A robot that is built in, or the path of a URDF file, "-" for the standard input.
     robot: String,
     #[command(flatten)]
     reading: UrdfArgs,
@@ -31,21 +31,15 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(self) -> Result<ExitCode> {
-        if self.samples == 0 {
-            return Err(Error::input(
-                "settings",
-                "samples",
-                "it is 0, at least 1 is needed",
-            ));
-        }
-        let (model, _) = self.reading.load(&self.robot)?;
+        let model = self.reading.load(&self.robot)?;
         let options = CheckOptions {
             samples: self.samples,
             seed: self.seed,
             ..CheckOptions::default()
         };
         let findings = check_all(&model, &options)?;
-        let passed = findings.iter().all(|f| f.passes());
+        let off = findings.iter().filter(|f| !f.passes()).count();
+        let passed = off == 0;
         if self.json {
             let (samples, seed) = (self.samples, self.seed);
             print_json(&json!({
@@ -57,6 +51,8 @@ impl Check {
             }))?;
         } else {
             print(&check_table(&findings))?;
+            let (all, states) = (findings.len(), self.samples);
+            print(&format!("{all} quantities at {states} states, {off} off"))?;
         }
         Ok(if passed {
             ExitCode::SUCCESS

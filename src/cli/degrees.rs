@@ -18,7 +18,7 @@ const FILE: &str = "degrees.csv";
 /// there is one, gets degrees.csv.
 #[derive(Debug, Args)]
 pub(super) struct Degrees {
-    /// A scenario that is built in, or the path of a JSON file.
+    /// A scenario that is built in, or the path of a JSON file, "-" for the standard input.
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,

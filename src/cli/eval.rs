@@ -1,15 +1,10 @@
 //! `aghf eval`.
 
 use super::{UrdfArgs, print_json};
-use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, mass_matrix_and_rate, rnea_derivatives,
-};
-use crate::error::{Error, Result};
-use crate::flow::{ControlForm, Node, RightHandSide};
-use crate::model::Model;
+use crate::error::Result;
+use crate::input::read_text;
+use crate::output::evaluate;
 use clap::Args;
-use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,196 +16,20 @@ use std::process::ExitCode;
 /// acceleration under the torque of the key tau, zero where there is none. omega needs x, xdot, xddot and k.
 #[derive(Debug, Args)]
 pub(super) struct Eval {
-    /// A robot that is built in, or the path of a URDF file.
+    /// A robot that is built in, or the path of a URDF file, "-" for the standard input.
     robot: String,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// The JSON file.
+    /// The JSON file, "-" for the standard input.
     input: PathBuf,
-}
-
-/// What the input file says.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Input {
-    State(State),
-    Curve(Curve),
-}
-
-/// A state and an acceleration.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct State {
-    q: Vec<f64>,
-    v: Vec<f64>,
-    a: Vec<f64>,
-    tau: Option<Vec<f64>>,
-}
-
-/// What the flow reads at a node.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Curve {
-    x: Vec<f64>,
-    xdot: Vec<f64>,
-    xddot: Vec<f64>,
-    k: f64,
-    tau: Option<Vec<f64>>,
-}
-
-/// What is printed.
-#[derive(Debug, Serialize)]
-struct Output {
-    inverse_dynamics: Vec<f64>,
-    mass_matrix: Vec<Vec<f64>>,
-    mass_matrix_dot: Vec<Vec<f64>>,
-    bias: Vec<f64>,
-    forward_dynamics: Vec<f64>,
-    did_dq: Vec<Vec<f64>>,
-    did_dv: Vec<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    omega: Option<Vec<f64>>,
 }
 
 impl Eval {
     pub(super) fn run(self) -> Result<ExitCode> {
-        let (model, _) = self.reading.load(&self.robot)?;
-        let (name, text) = self.read()?;
-        let input: Input = serde_json::from_str(&text).map_err(|e| {
-            let condition = if e.is_data() {
-                "expected numbers under q, v, a, or under x, xdot, xddot, k; tau may be added"
-                    .to_owned()
-            } else {
-                e.to_string()
-            };
-            Error::input(&name, "input", condition)
-        })?;
-        print_json(&input.evaluate(&model, &name)?)?;
+        let model = self.reading.load(&self.robot)?;
+        let text = read_text(&self.input)?;
+        let name = self.input.display().to_string();
+        print_json(&evaluate(&model, &text, &name)?)?;
         Ok(ExitCode::SUCCESS)
     }
-
-    /// The name of the input and its text.
-    fn read(&self) -> Result<(String, String)> {
-        let name = self.input.display().to_string();
-        let text = if name == "-" {
-            std::io::read_to_string(std::io::stdin())
-        } else {
-            std::fs::read_to_string(&self.input)
-        };
-        Ok((name, text.map_err(|e| Error::io(&self.input, e))?))
-    }
-}
-
-impl Input {
-    fn evaluate(self, model: &Model, file: &str) -> Result<Output> {
-        let n = model.dof();
-        let check = |key: &str, expected: usize, found: usize| {
-            let condition = format!("expected {expected} numbers, found {found}");
-            if expected == found {
-                Ok(())
-            } else {
-                Err(Error::input(file, key, condition))
-            }
-        };
-        let (state, rate, omega) = match self {
-            Self::State(state) => (state, None, None),
-            Self::Curve(Curve {
-                x,
-                xdot,
-                xddot,
-                k,
-                tau,
-            }) => {
-                for (key, vector) in [("x", &x), ("xdot", &xdot), ("xddot", &xddot)] {
-                    check(key, 2 * n, vector.len())?;
-                }
-                if k <= 0.0 {
-                    let condition = format!("it is {k}, a positive number is needed");
-                    return Err(Error::input(file, "k", condition));
-                }
-                let mut omega = vec![0.0; 2 * n];
-                let node = Node {
-                    x: &x,
-                    xdot: &xdot,
-                    xddot: &xddot,
-                };
-                ControlForm::new(model).omega(node, k, &mut omega)?;
-                let half = |x: &[f64], second: bool| x[n * usize::from(second)..][..n].to_vec();
-                let state = State {
-                    q: half(&x, false),
-                    v: half(&x, true),
-                    a: half(&xdot, true),
-                    tau,
-                };
-                (state, Some(half(&xdot, false)), Some(omega))
-            }
-        };
-        let State { q, v, a, tau } = state;
-        let tau = tau.unwrap_or_else(|| vec![0.0; n]);
-        for (key, vector) in [("q", &q), ("v", &v), ("a", &a), ("tau", &tau)] {
-            check(key, n, vector.len())?;
-        }
-        let data = &mut Data::new(model);
-        let mut id = InverseDynamicsDerivatives::new(n);
-        let (mut c, mut acceleration) = (vec![0.0; n], vec![0.0; n]);
-        let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-        rnea_derivatives(model, data, &q, &v, &a, &mut id)?;
-        bias(model, data, &q, &v, &mut c)?;
-        aba(model, data, &q, &v, &tau, &mut acceleration)?;
-        mass_matrix_and_rate(
-            model,
-            data,
-            &q,
-            rate.as_ref().unwrap_or(&v),
-            &mut h,
-            &mut hdot,
-        )?;
-        let output = Output {
-            inverse_dynamics: id.tau.as_slice().to_vec(),
-            mass_matrix: rows(&h),
-            mass_matrix_dot: rows(&hdot),
-            bias: c,
-            forward_dynamics: acceleration,
-            did_dq: rows(&id.dq),
-            did_dv: rows(&id.dv),
-            omega,
-        };
-        output.check(file)?;
-        Ok(output)
-    }
-}
-
-impl Output {
-    /// Numbers that overflowed have no place in JSON.
-    fn check(&self, file: &str) -> Result<()> {
-        let vectors = [
-            ("inverse_dynamics", &self.inverse_dynamics),
-            ("bias", &self.bias),
-            ("forward_dynamics", &self.forward_dynamics),
-        ];
-        let matrices = [
-            ("mass_matrix", &self.mass_matrix),
-            ("mass_matrix_dot", &self.mass_matrix_dot),
-            ("did_dq", &self.did_dq),
-            ("did_dv", &self.did_dv),
-        ];
-        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
-        let of_vectors = vectors
-            .into_iter()
-            .chain(self.omega.as_ref().map(|o| ("omega", o)));
-        let of_vectors = of_vectors.map(|(key, x)| (key, finite(x)));
-        let of_matrices = matrices.map(|(key, rows)| (key, rows.iter().all(|row| finite(row))));
-        match of_vectors.chain(of_matrices).find(|(_, finite)| !finite) {
-            Some((key, _)) => Err(Error::input(file, key, "it is not finite at this input")),
-            None => Ok(()),
-        }
-    }
-}
-
-/// A matrix as a list of rows.
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect()
 }

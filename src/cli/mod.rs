@@ -17,9 +17,12 @@ mod sweep;
 use crate::error::Error;
 use crate::model::Model;
 use crate::scenario::{Scenario, SolveOptions};
-use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with};
+use crate::urdf::{
+    LoadNote, LoadReport, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised,
+};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -66,8 +69,15 @@ struct UrdfArgs {
 }
 
 impl UrdfArgs {
-    /// The robot that is built in under this name, or else the one in this file.
-    fn load(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
+    /// The robot that is built in under this name, or else the one in this file. Tells what was noticed.
+    fn load(&self, robot: &str) -> Result<Model, Error> {
+        let (model, notes) = self.load_silently(robot)?;
+        tell_notes(robot, &notes);
+        Ok(model)
+    }
+
+    /// The same with all that was noticed.
+    fn load_silently(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
         let options = UrdfOptions { mimic: self.mimic };
         load_robot_with(robot, Path::new(""), options)
     }
@@ -76,7 +86,7 @@ impl UrdfArgs {
 /// Of which robot a scenario is.
 #[derive(Debug, Default, Args)]
 struct RobotArgs {
-    /// Of a generated scenario for any robot: a robot that is built in, or the path of a URDF file [default: kinova_gen3].
+    /// Of a generated scenario for any robot: a robot that is built in, or the path of a URDF file, "-" for the standard input [default: kinova_gen3].
     #[arg(long, requires = "scenario")]
     robot: Option<String>,
     /// What to do with the mimic joints of the robot: refuse it, or let them move by themselves [default: what the scenario says, or else refuse].
@@ -93,7 +103,33 @@ impl RobotArgs {
 
     /// The same with the options of the solve where the file is the summary of one.
     fn scenario_with_options(&self, scenario: &str) -> Result<(Scenario, SolveOptions), Error> {
-        Scenario::load_with_options(scenario, self.robot.as_deref(), self.mimic)
+        let loaded = Scenario::load_with_options(scenario, self.robot.as_deref(), self.mimic)?;
+        tell_notes_of([&loaded.0]);
+        Ok(loaded)
+    }
+}
+
+/// Tells what was noticed on loading a robot and bears on its motions. Of those that are built in it is known (`robots/SOURCES.md`).
+fn tell_notes(robot: &str, notes: &[LoadNote]) {
+    if builtin_robots().all(|name| name != robot) {
+        for note in summarised(notes) {
+            let robot = if robot == "-" {
+                "standard input"
+            } else {
+                robot
+            };
+            eprintln!("note: {robot}: {note}");
+        }
+    }
+}
+
+/// The same of the robots of scenarios, once each.
+fn tell_notes_of<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) {
+    let mut told = BTreeSet::new();
+    for scenario in scenarios {
+        if told.insert(&scenario.file.robot) {
+            tell_notes(&scenario.file.robot, &scenario.load_notes);
+        }
     }
 }
 

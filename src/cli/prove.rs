@@ -1,7 +1,7 @@
 //! `aghf prove`.
 
 use super::{CHECK_FAILED, print, print_json};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::output::verdict_table;
 use crate::verify::field::prove;
 use clap::Args;
@@ -27,13 +27,6 @@ pub(super) struct Prove {
 
 impl Prove {
     pub(super) fn run(self) -> Result<ExitCode> {
-        if self.points == 0 {
-            return Err(Error::input(
-                "settings",
-                "points",
-                "it is 0, at least 1 is needed",
-            ));
-        }
         let verdicts = prove(self.points, self.seed)?;
         let failures: Vec<&String> = verdicts.iter().filter_map(|v| v.failure.as_ref()).collect();
         if self.json {

@@ -3,7 +3,7 @@
 use super::{UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::output::{refuse_existing, robot_table, write_text};
+use crate::output::{refuse_existing, robot_table, short, write_text};
 use crate::urdf::{LoadReport, builtin_robots};
 use clap::Args;
 use serde_json::json;
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 /// List the robots that are built in, or show one: joints, limits, masses, and what was noticed on loading.
 #[derive(Debug, Args)]
 pub(super) struct Robots {
-    /// A robot that is built in, or the path of a URDF file [default: all that are built in].
+    /// A robot that is built in, or the path of a URDF file, "-" for the standard input [default: all that are built in].
     robot: Option<String>,
     #[command(flatten)]
     reading: UrdfArgs,
@@ -39,7 +39,7 @@ impl Robots {
         }
         let mut all = Vec::new();
         for name in names {
-            let (model, report) = self.reading.load(name)?;
+            let (model, report) = self.reading.load_silently(name)?;
             if let Some(path) = &self.urdf {
                 write_text(&model.to_urdf()?, path)?;
             }
@@ -47,9 +47,9 @@ impl Robots {
                 all.push(as_json(name, &model, &report));
             } else {
                 print(&format!(
-                    "{name}: {} joints, {:.4} kg moving",
+                    "{name}: {} joints, {} kg moving",
                     model.dof(),
-                    model.mass()
+                    short(model.mass())
                 ))?;
                 print(&robot_table(&model))?;
                 for note in report {

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 /// Generated ones are called FAMILY_SEED; ten of each family are listed, and any other seed makes another.
 #[derive(Debug, Args)]
 pub(super) struct Scenarios {
-    /// A scenario that is built in or generated, or the path of a JSON file [default: list all].
+    /// A scenario that is built in or generated, or the path of a JSON file, "-" for the standard input [default: list all].
     scenario: Option<String>,
     #[command(flatten)]
     robot: RobotArgs,

@@ -4,7 +4,7 @@ use super::choice::choice;
 use super::output::{OutArgs, SamplingArgs};
 use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
@@ -29,7 +29,8 @@ use std::time::Duration;
 /// Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
-    /// A scenario that is built in, or the path of a JSON file: a scenario, or the summary.json of a solve, which is repeated.
+    /// A scenario that is built in, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of a solve, which
+    /// is repeated.
     #[arg(default_value = "kinova_free_01")]
     scenario: String,
     #[command(flatten)]
@@ -173,6 +174,7 @@ impl Solve {
     fn options(&self, repeated: SolveOptions) -> Result<SolveOptions> {
         let duration = |seconds| {
             Duration::try_from_secs_f64(seconds).map_err(|_| {
+                let seconds = plain(seconds);
                 let condition = format!("it is {seconds}, a time that is not negative is needed");
                 Error::input("options", "seconds", condition)
             })

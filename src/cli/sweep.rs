@@ -24,7 +24,7 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// relaxation. A sweep that was interrupted goes on where it was.
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
-    /// A sweep that is built in, or the path of a TOML file.
+    /// A sweep that is built in, or the path of a TOML file, "-" for the standard input.
     sweep: String,
     /// How many solves run at a time [default: as many as there are cores].
     #[arg(long)]
@@ -47,6 +47,7 @@ impl Sweep {
     pub(super) fn run(self) -> Result<ExitCode> {
         let began = Instant::now();
         let sweep = Grid::load(&self.sweep)?;
+        super::tell_notes_of(&sweep.scenarios);
         let folder = (self.out).unwrap_or_else(|| PathBuf::from("out/sweeps").join(&sweep.name));
         let shard = self.shard.unwrap_or(Shard::WHOLE);
         let (rows, path) = if self.merge {

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+use std::collections::HashSet;
 
 /// All points within a radius of a segment that a body carries, in m. A segment of length zero makes it a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +30,11 @@ impl Capsule {
             let joints = joints.map(|j| j.origin().translation);
             let frames = model.frames().iter().filter(|f| f.body == body);
             let frames = frames.map(|f| f.placement.translation);
-            let mut ends: Vec<Vector3<f64>> = Vec::new();
+            let (mut ends, mut known) = (Vec::new(), HashSet::new());
             for end in joints.chain(frames) {
-                if end != Vector3::zeros() && !ends.contains(&end) {
+                // Zero has two signs.
+                let bits: [u64; 3] = end.map(|x| (x + 0.0).to_bits()).into();
+                if end != Vector3::zeros() && known.insert(bits) {
                     ends.push(end);
                 }
             }
@@ -64,8 +67,7 @@ impl Capsule {
             }
         }
         let [from, to] = self.ends;
-        let length = (to - from).norm();
-        let pieces = (length / spacing).ceil();
+        let (length, pieces) = (self.length(), self.pieces(spacing));
         let half = if pieces > 0.0 {
             0.5 * length / pieces
         } else {
@@ -78,6 +80,15 @@ impl Capsule {
         };
         // The cast saturates.
         Ok((0..=pieces as u32).map(ball).collect())
+    }
+
+    fn length(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).norm()
+    }
+
+    /// The number of intervals between balls that are this far apart; there is one ball more.
+    pub(crate) fn pieces(&self, spacing: f64) -> f64 {
+        (self.length() / spacing).ceil()
     }
 
     /// The exact distance from the capsule to a sphere, in m; negative when they overlap. `placements` are those of all bodies.

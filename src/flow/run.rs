@@ -19,6 +19,9 @@ const OUTPUTS: usize = 50;
 /// The first value of `s` after zero.
 const FIRST_OUTPUT: f64 = 1e-6;
 
+/// The most unknowns: a Jacobian of so many takes 800 MB, and there are three.
+const MOST_UNKNOWNS: usize = 10_000;
+
 /// The parameters of the flow.
 #[derive(Clone, Debug)]
 pub struct FlowSettings {
@@ -75,8 +78,15 @@ impl FlowSettings {
     }
 
     /// # Errors
-    /// A number is not positive and finite.
-    fn check(&self) -> Result<()> {
+    /// A number is not positive and finite, or the Jacobian of a robot with `dof` joints does not fit into memory.
+    fn check(&self, dof: usize) -> Result<()> {
+        let (p, unknowns) = (self.p, dof * 2 * self.p.saturating_sub(1));
+        if unknowns > MOST_UNKNOWNS {
+            let condition = format!(
+                "it is {p}, with {dof} joints {unknowns} unknowns; at most {MOST_UNKNOWNS}"
+            );
+            return Err(Error::input("settings", "p", condition));
+        }
         for (what, value) in [
             ("k", self.k),
             ("s_max", self.s_max),
@@ -213,8 +223,8 @@ pub fn flow_with_integrator(
     integrator: &mut dyn Integrator,
     observe: &mut dyn FnMut(&FlowRecord),
 ) -> Result<FlowOutcome> {
-    settings.check()?;
     let model = problem.model();
+    settings.check(model.dof())?;
     let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
     let guess = problem.guess(settings.guess, &chebyshev);
     let collocation = Collocation::new(&chebyshev, problem.start(), problem.goal())?;

@@ -9,6 +9,10 @@ use nalgebra::{Matrix3, Vector3};
 /// The acceleration of gravity, m/s^2, downwards.
 pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
 
+/// The most joints of a model. One tensor of second derivatives, `N x N x N`, takes 134 MB then, and several are needed; the
+/// largest humanoids have about 100 joints.
+pub const LARGEST_DOF: usize = 256;
+
 /// A joint and the body it moves, to build a [`Model`] from.
 #[derive(Clone, Debug)]
 pub struct JointSpec<C: Scalar> {
@@ -32,7 +36,7 @@ impl<C: Scalar> Model<C> {
     /// A model of the given joints under gravity $(0, 0, -9.81)$.
     ///
     /// # Errors
-    /// There is no joint, a parent does not come before its child, or two joints share a name. Over `f64` see also
+    /// There is no joint, or more than [`LARGEST_DOF`], a parent does not come before its child, or two joints share a name. Over `f64` see also
     /// [`Model::check_regular`].
     pub fn from_joints(name: &str, specs: Vec<JointSpec<C>>) -> Result<Self> {
         let mut model = Self {
@@ -44,6 +48,11 @@ impl<C: Scalar> Model<C> {
         };
         if specs.is_empty() {
             return Err(Error::input(name, "robot", "has no moving joint"));
+        }
+        let (found, most) = (specs.len(), LARGEST_DOF);
+        if found > most {
+            let condition = format!("has {found} moving joints, at most {most} are supported");
+            return Err(Error::input(name, "robot", condition));
         }
         for (i, spec) in specs.into_iter().enumerate() {
             let element = format!("joint '{}'", spec.name);

@@ -1,7 +1,7 @@
 //! Models with fewer joints.
 
 use super::{Frame, JointSpec, Model};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::spatial::Placement;
 
 /// A model some of whose joints are locked.
@@ -39,6 +39,7 @@ impl Model<f64> {
             };
             let (lower, upper) = (joint.limits().lower, joint.limits().upper);
             if !(q.is_finite() && (lower..=upper).contains(q)) {
+                let [q, lower, upper] = [*q, lower, upper].map(plain);
                 return refuse(format!("locked at {q}, outside [{lower}, {upper}]"));
             }
             if positions[*i].replace(*q).is_some() {

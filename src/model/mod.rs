@@ -27,7 +27,7 @@ mod joint;
 mod lock;
 mod random;
 
-pub use build::{JointSpec, pendulum};
+pub use build::{JointSpec, LARGEST_DOF, pendulum};
 pub use joint::{Joint, JointKind, Limits};
 pub(crate) use lock::Reduced;
 pub use random::{random_chain, random_tree};

@@ -1,7 +1,7 @@
 //! Where a motion starts, where it ends, and a first guess at what is between.
 
 use crate::curve::Chebyshev;
-use crate::error::{Error, Result, check_length};
+use crate::error::{Error, Result, check_length, plain};
 use crate::model::Model;
 use nalgebra::DMatrix;
 
@@ -15,10 +15,28 @@ pub struct Problem<'m> {
 }
 
 impl<'m> Problem<'m> {
+    /// The shortest horizon, s: no drive moves a robot to and fro within it, and squared accelerations of shorter ones overflow.
+    pub const SHORTEST_HORIZON: f64 = 1e-6;
+    /// The longest horizon, s: a year. What a robot does in all that time is no one polynomial.
+    pub const LONGEST_HORIZON: f64 = 31_536_000.0;
+
+    /// What is wrong with a horizon, if anything is.
+    pub(crate) fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
+        if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
+            return Ok(());
+        }
+        let [horizon, least, most] =
+            [horizon, Self::SHORTEST_HORIZON, Self::LONGEST_HORIZON].map(plain);
+        Err(format!(
+            "it is {horizon}, a positive time of at least {least} s and at most {most} s is needed"
+        ))
+    }
+
     /// From state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
     ///
     /// # Errors
-    /// A wrong length, a number that is not finite, or a horizon that is not positive.
+    /// A wrong length, a number that is not finite, or a horizon below [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above
+    /// [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         for (what, state) in [("start", &start), ("goal", &goal)] {
             check_length(what, 2 * model.dof(), state.len())?;
@@ -27,10 +45,8 @@ impl<'m> Problem<'m> {
                 return Err(Error::input(model.name(), what, condition));
             }
         }
-        if !(horizon.is_finite() && horizon > 0.0) {
-            let condition = format!("it is {horizon}, a positive time is needed");
-            return Err(Error::input(model.name(), "horizon", condition));
-        }
+        Self::check_horizon(horizon)
+            .map_err(|condition| Error::input(model.name(), "horizon", condition))?;
         Ok(Self {
             model,
             start,
@@ -66,7 +82,7 @@ impl<'m> Problem<'m> {
     /// The same in another time.
     ///
     /// # Errors
-    /// A horizon that is not positive.
+    /// The horizon is out of range.
     pub fn with_horizon(&self, horizon: f64) -> Result<Self> {
         Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
     }

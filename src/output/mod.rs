@@ -1,11 +1,13 @@
 //! What a user sees of a result: tables and files.
 
+mod evaluation;
 mod files;
 mod folder;
 mod json;
 mod table;
 mod trajectory;
 
+pub use evaluation::{Evaluation, evaluate};
 pub use files::write_text;
 pub(crate) use files::write_whole;
 pub use folder::{OutputFolder, refuse_existing};

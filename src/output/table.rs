@@ -27,6 +27,9 @@ pub(crate) fn short(x: f64) -> String {
     }
 }
 
+/// The number of starts whose costs are shown.
+const SHOWN: usize = 16;
+
 /// A table of the result of a solve.
 #[must_use]
 pub fn summary_table(summary: &Summary) -> String {
@@ -108,7 +111,11 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
         d.tolerance,
         d.efforts_of_starts.len().max(1)
     );
-    let starts: Vec<_> = d.efforts_of_starts.iter().map(|x| short(*x)).collect();
+    let all = &d.efforts_of_starts;
+    let mut starts: Vec<_> = all.iter().take(SHOWN).map(|x| short(*x)).collect();
+    if all.len() > SHOWN {
+        starts.push(format!("and {} more", all.len() - SHOWN));
+    }
     let work = format!(
         "{} iterations, {} factorisations, {} points",
         d.iterations, d.factorisations, d.quadrature_points
@@ -226,7 +233,7 @@ pub fn robot_table(model: &Model) -> String {
         ];
         let limit = |x: f64| {
             if x.is_finite() {
-                format!("{x:.4}")
+                short(x)
             } else {
                 "-".to_owned()
             }

@@ -4,7 +4,7 @@ use super::interior_point::Stage;
 use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_count};
 use crate::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
 
@@ -72,6 +72,12 @@ impl RelaxSettings {
     pub const LARGEST_DEGREE: usize = 64;
     /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
     pub const LARGEST_SIZE: usize = 256;
+    /// The most starts: what is kept of each, a cost and some fifty iterations, is up to 4 kB, 400 MB in all.
+    pub const LARGEST_NUM_STARTS: usize = 100_000;
+    /// The most iterations at one degree, of which each is kept.
+    pub const MOST_ITERATIONS: usize = 100_000;
+    /// The most threads: more than any machine has cores, and no more than a system lets a program have.
+    pub const MOST_THREADS: usize = 1024;
     /// What a motion may exceed its constraints by, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
 
@@ -202,14 +208,9 @@ impl RelaxSettings {
                 format!("it is {}, a finite number is needed", self.start_amplitude),
             );
         }
-        for (what, value) in [
-            ("num_starts", self.num_starts),
-            ("iterations", self.iterations),
-        ] {
-            if value == 0 {
-                return refuse(what, "it is 0, at least 1 is needed".to_owned());
-            }
-        }
+        check_count("num_starts", self.num_starts, 1..=Self::LARGEST_NUM_STARTS)?;
+        check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
+        check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
         }

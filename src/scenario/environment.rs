@@ -5,10 +5,19 @@ use crate::constraint::{
     AnyConstraint, Capsule, CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
 };
 use crate::dynamics::forward_kinematics;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::model::Model;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+
+/// The largest length, m: far beyond any robot. Squares of distances must not overflow, nor swallow its own size.
+const LARGEST_LENGTH: f64 = 1e6;
+
+/// The most balls that cover a robot: among one sphere the search takes 130 MB at degree 16 then.
+const MOST_BALLS: f64 = 1e4;
+
+/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at degree 16.
+const MOST_DISTANCES: f64 = 5e4;
 
 /// The shape of a robot among obstacles.
 #[derive(Clone, Debug)]
@@ -33,11 +42,13 @@ impl Environment {
     /// Those of a scenario; `path` names it in errors.
     pub(super) fn new(model: &Model, file: &ScenarioFile, path: &str) -> Result<Self> {
         let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
-        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        let bounded = |x: &[f64]| x.iter().all(|x| x.abs() <= LARGEST_LENGTH);
         for (i, sphere) in file.sphere_obstacles.iter().enumerate() {
             let radius = sphere.radius_m;
-            if !(finite(&sphere.center_m) && radius.is_finite() && radius > 0.0) {
-                let condition = "a finite centre and a positive radius are needed".to_owned();
+            if !(bounded(&sphere.center_m) && bounded(&[radius]) && radius > 0.0) {
+                let condition = format!(
+                    "a finite centre and a positive radius are needed, no number above {LARGEST_LENGTH} m"
+                );
                 return refuse(format!("sphere_obstacles[{i}]"), condition);
             }
         }
@@ -45,9 +56,11 @@ impl Environment {
         for (i, half_space) in file.half_spaces.iter().enumerate() {
             let normal = Vector3::from(half_space.normal);
             let length = normal.norm();
-            if !(finite(&[length, half_space.offset_m]) && length > 0.0) {
-                let condition = "a finite normal that is not zero and a finite offset are needed";
-                return refuse(format!("half_spaces[{i}]"), condition.to_owned());
+            if !(length.is_finite() && length > 0.0 && bounded(&[half_space.offset_m])) {
+                let condition = format!(
+                    "a finite normal that is not zero and a finite offset of at most {LARGEST_LENGTH} m are needed"
+                );
+                return refuse(format!("half_spaces[{i}]"), condition);
             }
             half_spaces.push(HalfSpace {
                 normal: normal / length,
@@ -60,14 +73,32 @@ impl Environment {
                 radius_m,
                 spacing_m,
             } => {
-                if !(finite(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
-                    let condition =
-                        "a radius that is not negative and a positive spacing are needed";
-                    return refuse("robot_shape".to_owned(), condition.to_owned());
+                if !(bounded(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
+                    let condition = format!(
+                        "a radius that is not negative and a positive spacing are needed, no number above {LARGEST_LENGTH} m"
+                    );
+                    return refuse("robot_shape".to_owned(), condition);
                 }
                 (Capsule::along_links(model, radius_m), spacing_m)
             }
         };
+        let count: f64 = capsules.iter().map(|c| c.pieces(spacing) + 1.0).sum();
+        if let RobotShape::SweptLinks { spacing_m, .. } = file.robot_shape
+            && count > MOST_BALLS
+        {
+            let (spacing, count) = (plain(spacing_m), plain(count));
+            let condition = format!(
+                "it is {spacing}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
+            );
+            return refuse("robot_shape.swept-links.spacing_m".to_owned(), condition);
+        }
+        let obstacles = file.sphere_obstacles.len() + file.half_spaces.len();
+        if count * obstacles as f64 > MOST_DISTANCES {
+            let condition = format!(
+                "{obstacles} obstacles and {count} balls of the robot have more than {MOST_DISTANCES} distances between them"
+            );
+            return refuse("sphere_obstacles".to_owned(), condition);
+        }
         let sphere = |s: &super::SphereObstacle| Sphere {
             centre: Vector3::from(s.center_m),
             radius: s.radius_m,

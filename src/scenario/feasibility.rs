@@ -51,7 +51,16 @@ impl fmt::Display for LimitViolation {
         } = self;
         let by = three_figures(self.by);
         let space = if unit.is_empty() { "" } else { " " };
-        write!(f, "{name} by {by}{space}{unit} at {at_s:.3} s")
+        write!(f, "{name} by {by}{space}{unit} at {} s", time(*at_s))
+    }
+}
+
+/// A time with three significant digits, and three behind the point from 1 s on.
+fn time(t: f64) -> String {
+    if t == 0.0 || (1.0..1e6).contains(&t) {
+        format!("{t:.3}")
+    } else {
+        three_figures(t)
     }
 }
 

@@ -7,10 +7,11 @@ use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use super::provenance::is_summary;
 use super::{EnforcedLimits, Environment, SolveOptions, Solved};
 use crate::curve::Chebyshev;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
+use crate::input::{name_of, read_named};
 use crate::model::{Model, Reduced};
 use crate::motion::{Feedback, Guess, Problem};
-use crate::urdf::{Mimic, UrdfOptions, load_robot_with, robot_text};
+use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with, robot_text};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -167,6 +168,8 @@ pub struct Scenario {
     pub file: ScenarioFile,
     /// The robot, without the joints that are locked.
     pub model: Model,
+    /// The notes on loading it.
+    pub load_notes: LoadReport,
     /// The obstacles that it has to keep clear of.
     pub environment: Environment,
     /// The name of the robot if it is built in, or else its absolute path.
@@ -215,7 +218,10 @@ impl Scenario {
         let path = Path::new(name_or_path);
         let (text, folder) = match builtin_scenario(name_or_path) {
             Some(text) => (text.to_owned(), Path::new("")),
-            None => (read_text(path)?, path.parent().unwrap_or(Path::new(""))),
+            None => (
+                read_named(path, "scenario")?,
+                path.parent().unwrap_or(Path::new("")),
+            ),
         };
         if is_summary(&text) {
             let solved = Solved::parse(&text, name_or_path, mimic)?;
@@ -235,7 +241,8 @@ impl Scenario {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
-        let (robot, _) = load_robot_with(&file.robot, folder, options).map_err(of_robot)?;
+        let (robot, load_notes) =
+            load_robot_with(&file.robot, folder, options).map_err(of_robot)?;
         let (robot_place, text) = robot_text(&file.robot, folder).map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, text.as_bytes());
         let environment = Environment::new(&robot, &file, path)?;
@@ -260,7 +267,6 @@ impl Scenario {
             }
         }
         let positive = [
-            ("horizon_s", file.horizon_s),
             ("flow.k", file.flow.k),
             ("flow.s_max", file.flow.s_max),
             ("flow.k_cons", file.flow.k_cons),
@@ -269,7 +275,10 @@ impl Scenario {
         ];
         for (key, value) in positive {
             if !(value.is_finite() && value > 0.0) {
-                return refuse(key, format!("it is {value}, a positive number is needed"));
+                return refuse(
+                    key,
+                    format!("it is {}, a positive number is needed", plain(value)),
+                );
             }
         }
         for (key, gain) in [
@@ -277,18 +286,23 @@ impl Scenario {
             ("feedback.kv", file.feedback.kv),
         ] {
             if !(gain.is_finite() && gain >= 0.0) {
-                return refuse(key, format!("it is {gain}, a gain is not negative"));
+                return refuse(
+                    key,
+                    format!("it is {}, a gain is not negative", plain(gain)),
+                );
             }
         }
+        Problem::check_horizon(file.horizon_s)
+            .map_err(|condition| Error::input(path, "horizon_s", condition))?;
         Chebyshev::check_degree(file.flow.p)
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
         check_objective(&file, model.dof(), path)?;
         file.enforced_limits.check(&model, path)?;
-        let name = Path::new(path).file_stem().unwrap_or_default();
         Ok(Self {
-            name: name.to_string_lossy().into_owned(),
+            name: name_of(path),
             file,
             model,
+            load_notes,
             environment,
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
@@ -321,7 +335,7 @@ impl Scenario {
             for (joint, q) in self.model.joints().iter().zip(q) {
                 let (lower, upper) = (joint.limits().lower, joint.limits().upper);
                 if !(lower..=upper).contains(q) {
-                    let name = joint.name();
+                    let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
                     notes.push(format!(
                         "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
                     ));
@@ -330,18 +344,6 @@ impl Scenario {
         }
         notes
     }
-}
-
-/// The text of the scenario in the file at this path.
-pub(super) fn read_text(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).map_err(|e| {
-        if e.kind() == std::io::ErrorKind::NotFound {
-            let condition = "there is neither a file nor a built-in scenario of this name";
-            Error::input(path.display().to_string(), "scenario", condition)
-        } else {
-            Error::io(path, e)
-        }
-    })
 }
 
 /// The robot with these joints locked, and its shape. `path` names the scenario in errors.

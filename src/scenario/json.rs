@@ -10,6 +10,12 @@ use std::fmt;
 /// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
 pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
     let refuse = |key: &str, condition: String| Error::input(file, key, condition);
+    if text.trim_start().starts_with('<') {
+        return Err(refuse(
+            "scenario",
+            "it is XML, such as a URDF, and no JSON".to_owned(),
+        ));
+    }
     // Said first, as the first entry would be blamed.
     if text.trim_start().starts_with('[') {
         return Err(refuse("scenario", NO_OBJECT.to_owned()));

@@ -2,7 +2,7 @@
 
 use super::{Limit, Scenario};
 use crate::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::model::{JointKind, Model};
 use serde::{Deserialize, Serialize};
 
@@ -95,7 +95,8 @@ impl EnforcedLimits {
             };
             let key = format!("enforced_limits.{}", limit.name());
             if !(*share > 0.0 && *share <= 1.0) {
-                let condition = format!("it is {share}, a share is above 0 and at most 1");
+                let condition =
+                    format!("it is {}, a share is above 0 and at most 1", plain(*share));
                 return Err(Error::input(path, key, condition));
             }
             let known = |name: &String| model.joints().iter().any(|joint| joint.name() == name);

@@ -135,6 +135,9 @@ impl SolveOptions {
         }
     }
 
+    /// The longest time limit, s: of the next year no answer is expected.
+    pub const LONGEST_TIME_LIMIT: Duration = Duration::from_secs(31_536_000);
+
     /// The same with what is not given said: repeated with these, a solve of `scenario` is the same whatever the defaults become.
     #[must_use]
     pub fn in_full(&self, scenario: &Scenario) -> Self {
@@ -176,8 +179,13 @@ impl SolveOptions {
         }
     }
 
-    /// Refuses options that the method does not have.
+    /// Refuses options that the method does not have, and a time limit that is none.
     pub(super) fn check(&self) -> Result<()> {
+        let longest = Self::LONGEST_TIME_LIMIT;
+        if let Some(limit) = self.time_limit.filter(|limit| *limit > longest) {
+            let condition = format!("it is {limit:?}, at most {longest:?} is needed");
+            return Err(Error::input("options", "time_limit", condition));
+        }
         let (method, foreign) = match self.method {
             Method::Flow => {
                 let foreign = [
@@ -233,7 +241,8 @@ fn starts_of(dof: usize) -> usize {
     (112 / dof.max(1)).clamp(4, RelaxSettings::default().num_starts)
 }
 
-/// The number of cores.
+/// The number of cores, as far as threads can be had.
 fn all_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    cores.min(RelaxSettings::MOST_THREADS)
 }

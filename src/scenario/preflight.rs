@@ -3,7 +3,7 @@
 use super::environment::Overlap;
 use super::{HorizonBounds, Limit, Scenario};
 use crate::dynamics::{Data, forward_kinematics, rnea};
-use crate::error::{Error, Result, check_length};
+use crate::error::{Error, Result, check_length, plain};
 use crate::model::Model;
 use crate::relax::RelaxSettings;
 use crate::spatial::Placement;
@@ -103,6 +103,7 @@ impl Scenario {
             };
             if *x < lower - TOLERANCE || *x > upper + TOLERANCE {
                 let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
+                let [x, lower, upper] = [*x, lower, upper].map(plain);
                 let condition = format!(
                     "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] {unit}"
                 );
@@ -129,6 +130,7 @@ impl Scenario {
         let joint = &self.model.joints()[i];
         let (name, unit) = (joint.name(), Limit::Velocity.unit(joint.kind()));
         let (least, speed) = (short(least, f64::ceil), short(speed, f64::round));
+        let horizon = plain(horizon);
         let condition = format!(
             "it is {horizon} s, but joint '{name}' needs at least {least} s at its velocity limit of {speed} {unit}, \
              the others less"
@@ -179,7 +181,7 @@ impl Scenario {
             };
             if torque.abs() > most + TOLERANCE {
                 let (name, unit) = (joint.name(), Limit::Torque.unit(joint.kind()));
-                let torque = short(torque.abs(), f64::ceil);
+                let (torque, most) = (short(torque.abs(), f64::ceil), plain(most));
                 let condition = format!(
                     "joint '{name}' needs {torque} {unit} to hold the robot at rest, its enforced torque limit is {most} {unit}"
                 );

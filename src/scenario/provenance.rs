@@ -4,6 +4,7 @@ use super::json::read_json;
 use super::{CurveFile, Scenario, ScenarioFile, SolveOptions};
 use crate::curve::Curve;
 use crate::error::{Error, Result};
+use crate::input::read_named;
 use crate::urdf::Mimic;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -79,7 +80,7 @@ impl Solved {
     /// # Errors
     /// Names the file, the key and what is wrong with it: among others if the file of the robot is not what it was.
     pub fn load(path: &str) -> Result<Self> {
-        let text = super::file::read_text(Path::new(path))?;
+        let text = read_named(Path::new(path), "scenario")?;
         if !is_summary(&text) {
             let condition = "it is missing, so this is no summary of a solve";
             return Err(Error::input(path, KEY, condition));

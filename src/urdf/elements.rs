@@ -3,7 +3,7 @@
 //! Meshes, materials, sensors and plugins are passed over, so none of them can make a file fail.
 
 use crate::error::{Error, Result};
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Error as XmlError, Node};
 
 /// A robot as its file describes it.
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub(super) struct Joint {
     pub limit: Option<Limit>,
     /// The joint that it is to follow.
     pub mimics: Option<String>,
+    /// What of damping and friction it has.
+    pub losses: Vec<&'static str>,
 }
 
 /// The joint types of URDF.
@@ -77,8 +79,15 @@ pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
         let condition = format!("not a valid URDF: {condition}");
         Err(Error::input(file, "robot", condition))
     };
+    if text.trim_start().starts_with('{') {
+        return refuse("it is JSON, such as a scenario, and no XML".to_owned());
+    }
     let document = match Document::parse(text) {
         Ok(document) => document,
+        Err(error @ (XmlError::UnclosedRootNode | XmlError::NoRootNode)) => {
+            let line = 1 + text.trim_end().matches('\n').count();
+            return refuse(format!("{error}: the text ends at line {line}"));
+        }
         Err(error) => return refuse(error.to_string()),
     };
     let root = document.root_element();
@@ -102,7 +111,8 @@ pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
             continue;
         }
         let Some(name) = node.attribute("name") else {
-            return refuse(format!("a {kind} has no name"));
+            let line = document.text_pos_at(node.range().start).row;
+            return refuse(format!("the {kind} at line {line} has no name"));
         };
         let in_words = |condition| Error::input(file, format!("{kind} '{name}'"), condition);
         if kind == "link" {
@@ -165,6 +175,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
         axis: [1.0, 0.0, 0.0],
         limit: None,
         mimics: None,
+        losses: Vec::new(),
     };
     read.origin = read_origin(joint)?;
     if kind == JointType::Fixed {
@@ -190,6 +201,13 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
     if let Some(mimic) = child(joint, "mimic")? {
         let mimics = mimic.attribute("joint").ok_or("its mimic names no joint")?;
         read.mimics = Some(mimics.to_owned());
+    }
+    if let Some(dynamics) = child(joint, "dynamics")? {
+        // They are not read, so they need not be numbers either.
+        let is_zero = |text: &str| text.trim().parse() == Ok(0.0);
+        let given = |name: &&str| (dynamics.attribute(*name)).is_some_and(|text| !is_zero(text));
+        read.losses
+            .extend(["damping", "friction"].into_iter().filter(given));
     }
     Ok(read)
 }

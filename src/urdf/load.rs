@@ -1,11 +1,12 @@
 //! Robots by name or by path.
 
-use super::{LoadReport, UrdfOptions, builtin_robot_text, load_urdf_with, parse_urdf};
-use crate::error::{Error, Result};
+use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf, parse_urdf_with};
+use crate::error::Result;
+use crate::input::read_named;
 use crate::model::Model;
 use std::path::Path;
 
-/// The built-in robot of this name, or else the one in the URDF file at this path.
+/// The built-in robot of this name, or else the one in the URDF file at this path, `-` for the standard input.
 ///
 /// # Errors
 /// Names the file, the element and what is wrong with it.
@@ -26,11 +27,8 @@ pub fn load_robot_with(
         return parse_urdf(text, name_or_path);
     }
     let path = folder.join(name_or_path);
-    if !path.exists() {
-        let condition = "there is neither a file nor a built-in robot of this name";
-        return Err(Error::input(path.display().to_string(), "robot", condition));
-    }
-    load_urdf_with(&path, options)
+    let text = read_named(&path, "robot")?;
+    parse_urdf_with(&text, &path.display().to_string(), options)
 }
 
 /// The name of the robot that is built in under this name, or else the absolute path of the file at this path below `folder`, and
@@ -44,7 +42,11 @@ pub(crate) fn robot_text(name_or_path: &str, folder: &Path) -> Result<(String, S
         return Ok((name_or_path.to_owned(), text.to_owned()));
     }
     let path = folder.join(name_or_path);
-    let place = std::path::absolute(&path).map_err(|e| Error::io(&path, e))?;
-    let text = std::fs::read_to_string(&path).map_err(|e| Error::io(path, e))?;
+    let text = crate::input::read_text(&path)?;
+    let place = if crate::input::is_standard_input(&path) {
+        path
+    } else {
+        std::path::absolute(&path).map_err(|e| crate::error::Error::io(&path, e))?
+    };
     Ok((place.to_string_lossy().into_owned(), text))
 }

@@ -14,5 +14,5 @@ pub use builtin::{builtin_robot, builtin_robots};
 #[cfg(feature = "output")]
 pub(crate) use load::robot_text;
 pub use load::{load_robot, load_robot_with};
-pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions};
+pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions, summarised};
 pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// The number of elements that a summary of notes names.
+const NAMED: usize = 3;
+
 crate::names::named_enum! {
 /// The treatment of a joint that is to follow another one (a `mimic` element: $q_i = m\, q_j + c$).
 ///
@@ -58,6 +61,13 @@ pub enum LoadNote {
         /// The attribute of the limit element, `velocity` or `effort`.
         attribute: &'static str,
     },
+    /// The joint has damping or friction, which the dynamics here have not.
+    LeftOut {
+        /// The joint.
+        joint: String,
+        /// The attribute of the dynamics element, `damping` or `friction`.
+        attribute: &'static str,
+    },
     /// The joint is to follow another one, but moves by itself here, as [`Mimic::Independent`] asks for.
     Independent {
         /// The joint.
@@ -67,31 +77,92 @@ pub enum LoadNote {
     },
 }
 
+impl LoadNote {
+    /// Tells whether motions or torques may be others than those of the robot that is meant. Links without mass and those that were merged
+    /// move as they should.
+    #[must_use]
+    pub fn bears_on_motion(&self) -> bool {
+        !matches!(self, Self::Massless { .. } | Self::Merged { .. })
+    }
+
+    /// The element that it is about, in words.
+    fn element(&self) -> (&'static str, &str) {
+        match self {
+            Self::Massless { link }
+            | Self::ImpossibleInertia { link, .. }
+            | Self::Merged { link, .. } => ("link", link),
+            Self::Unlimited { joint }
+            | Self::ZeroLimit { joint, .. }
+            | Self::Independent { joint, .. }
+            | Self::LeftOut { joint, .. } => ("joint", joint),
+        }
+    }
+
+    /// What is said of several elements at once.
+    fn kind(&self) -> String {
+        match self {
+            Self::Massless { .. } => "massless".to_owned(),
+            Self::ImpossibleInertia { .. } => "no body can have such an inertia".to_owned(),
+            Self::Merged { .. } => "merged by fixed joints".to_owned(),
+            Self::Independent { .. } => "mimic another joint, independent here".to_owned(),
+            Self::Unlimited { .. } => "no limits".to_owned(),
+            Self::ZeroLimit { attribute, .. } => {
+                format!("{attribute} limit of 0 counts as unknown, no limit")
+            }
+            Self::LeftOut { attribute, .. } => {
+                format!("{attribute} is left out, these dynamics have none")
+            }
+        }
+    }
+}
+
 impl fmt::Display for LoadNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (element, name) = self.element();
+        write!(f, "{element} '{name}': ")?;
         match self {
-            Self::Massless { link } => write!(f, "link '{link}': massless"),
-            Self::ImpossibleInertia { link, condition } => write!(f, "link '{link}': {condition}"),
-            Self::Merged { link, joint, into } => {
+            Self::ImpossibleInertia { condition, .. } => f.write_str(condition),
+            Self::Merged { joint, into, .. } => {
                 let body = into.as_deref().map_or_else(
                     || "the base".to_owned(),
                     |into| format!("the body of joint '{into}'"),
                 );
-                write!(
-                    f,
-                    "link '{link}': merged by fixed joint '{joint}' into {body}"
-                )
+                write!(f, "merged by fixed joint '{joint}' into {body}")
             }
-            Self::Unlimited { joint } => write!(f, "joint '{joint}': no limits"),
-            Self::ZeroLimit { joint, attribute } => write!(
-                f,
-                "joint '{joint}': its {attribute} limit of 0 counts as unknown, no limit"
-            ),
-            Self::Independent { joint, mimics } => {
-                write!(f, "joint '{joint}': mimics '{mimics}', independent here")
+            Self::Independent { mimics, .. } => write!(f, "mimics '{mimics}', independent here"),
+            Self::ZeroLimit { .. } => write!(f, "its {}", self.kind()),
+            Self::Massless { .. } | Self::Unlimited { .. } | Self::LeftOut { .. } => {
+                f.write_str(&self.kind())
             }
         }
     }
+}
+
+/// The notes of a report that [bear on motions](LoadNote::bears_on_motion), in words, those of one kind in one line.
+#[must_use]
+pub fn summarised(report: &[LoadNote]) -> Vec<String> {
+    let mut kinds: Vec<(String, Vec<&LoadNote>)> = Vec::new();
+    for note in report.iter().filter(|note| note.bears_on_motion()) {
+        let kind = note.kind();
+        match kinds.iter_mut().find(|(other, _)| *other == kind) {
+            Some((_, notes)) => notes.push(note),
+            None => kinds.push((kind, vec![note])),
+        }
+    }
+    let in_words = |(kind, notes): (String, Vec<&LoadNote>)| {
+        if let [note] = notes.as_slice() {
+            return note.to_string();
+        }
+        let names: Vec<_> = (notes.iter().take(NAMED))
+            .map(|note| format!("'{}'", note.element().1))
+            .collect();
+        let (element, names) = (notes[0].element().0, names.join(", "));
+        match notes.len().saturating_sub(NAMED) {
+            0 => format!("{element}s {names}: {kind}"),
+            more => format!("{element}s {names} and {more} more: {kind}"),
+        }
+    };
+    kinds.into_iter().map(in_words).collect()
 }
 
 /// The notes on what was accepted on loading but is worth knowing, in the order in which the tree is walked.

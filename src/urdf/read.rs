@@ -3,7 +3,8 @@
 use super::elements::{self, JointType, Pose, read_robot};
 use super::tree::Visit;
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions, tree};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
+use crate::input::read_text;
 use crate::model::{Carrier, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -22,7 +23,7 @@ pub fn load_urdf(path: &Path) -> Result<(Model, LoadReport)> {
 /// # Errors
 /// The file cannot be read, or as [`parse_urdf`].
 pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadReport)> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let text = read_text(path)?;
     parse_urdf_with(&text, &path.display().to_string(), options)
 }
 
@@ -116,6 +117,11 @@ impl Loader<'_> {
                             inertia: Inertia::zero(),
                             limits: self.limits(joint, kind)?,
                         };
+                        let left_out = joint.losses.iter().map(|attribute| LoadNote::LeftOut {
+                            joint: joint.name.clone(),
+                            attribute,
+                        });
+                        self.report.extend(left_out);
                         self.specs.push(spec);
                         (Some(self.specs.len() - 1), Placement::identity())
                     }
@@ -152,7 +158,7 @@ impl Loader<'_> {
             return Err(self.error(element, "its mass or inertia is not a finite number"));
         }
         if mass < 0.0 {
-            return Err(self.error(element, format!("its mass is negative: {mass}")));
+            return Err(self.error(element, format!("its mass is negative: {}", plain(mass))));
         }
         let rotational = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
         let name = || link.name.clone();
@@ -193,7 +199,8 @@ impl Loader<'_> {
                 Mimic::Refuse => {
                     let condition = format!(
                         "it mimics joint '{mimics}', which is not supported: a dependent joint has no force of its own; \
-                         --mimic independent (in code: Mimic::Independent) lets it move by itself"
+                         --mimic independent (in a scenario: \"mimic\": \"independent\", in code: Mimic::Independent) lets it \
+                         move by itself"
                     );
                     return Err(self.error(format!("joint '{}'", joint.name), condition));
                 }
@@ -260,7 +267,7 @@ impl Loader<'_> {
         }
         for (what, most) in [("velocity", velocity), ("effort", effort)] {
             if most < 0.0 {
-                return refuse(format!("its {what} limit is negative: {most}"));
+                return refuse(format!("its {what} limit is negative: {}", plain(most)));
             }
         }
         let mut known = |attribute, most: f64| {
@@ -278,14 +285,17 @@ impl Loader<'_> {
             JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
             JointKind::Revolute | JointKind::Prismatic => (limit.lower, limit.upper),
         };
+        let ends = [lower, upper].map(plain);
         if lower > upper {
             return refuse(format!(
-                "its lower limit {lower} is above its upper limit {upper}"
+                "its lower limit {} is above its upper limit {}",
+                ends[0], ends[1]
             ));
         }
         if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
             return refuse(format!(
-                "no position is within its limits {lower} and {upper}"
+                "no position is within its limits {} and {}",
+                ends[0], ends[1]
             ));
         }
         Ok(Limits {
@@ -303,13 +313,16 @@ fn is_finite(inertia: &Inertia<f64>) -> bool {
     numbers.chain([&inertia.mass]).all(|x| x.is_finite())
 }
 
+/// The square of 1e-10 m, below the size of an atom: a body of a mass whose moments are smaller than by this is a point.
+const ATOM: f64 = 1e-20;
+
 /// Why no body can have this inertia about its centre of mass, if none can.
 fn impossible(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
     if mass == 0.0 {
         return Some("it has rotational inertia but no mass".to_owned());
     }
     let moments = rotational.symmetric_eigenvalues();
-    let rounding = 1e-9 * moments.amax();
+    let rounding = (1e-9 * moments.amax()).max(mass * ATOM);
     if moments.min() < -rounding {
         return Some(format!(
             "its principal moment of inertia {:e} is negative",

@@ -86,11 +86,9 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
         }
         visits.push(visit);
     }
-    if let Some(link) = robot
-        .links
-        .iter()
-        .find(|l| !visits.iter().any(|v| v.link.name == l.name))
-    {
+    let reached: BTreeSet<&str> = visits.iter().map(|v| v.link.name.as_str()).collect();
+    let mut links = robot.links.iter();
+    if let Some(link) = links.find(|l| !reached.contains(l.name.as_str())) {
         return refuse(
             format!("link '{}'", link.name),
             "it cannot be reached from the root: the links form a loop",

@@ -24,6 +24,13 @@ fn check_passes_and_names_every_jacobian() {
         assert!(run.stdout.contains(name), "{name} in {}", run.stdout);
     }
     assert!(!run.stdout.contains("OFF"));
+    let rows = run
+        .stdout
+        .lines()
+        .filter(|line| line.trim_end().ends_with(" ok"))
+        .count();
+    let summary = format!("{rows} quantities at 3 states, 0 off");
+    assert_eq!(run.stdout.lines().last(), Some(summary.as_str()));
 }
 
 #[test]

@@ -201,10 +201,10 @@ fn eval_reads_robots_from_files() {
     let folder = empty_folder("eval_robot");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/kinova_gen3/kinova_gen3.urdf");
     std::fs::write(folder.join("input.json"), state().to_string()).expect("writable");
-    let out = parsed(&aghf(
-        &folder,
-        &["eval", path.to_str().expect("it is text"), "input.json"],
-    ));
+    let file = path.to_str().expect("it is text");
+    let run = aghf(&folder, &["eval", file, "input.json"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let out: Value = serde_json::from_str(&run.stdout).expect("it is JSON and nothing else");
     assert_eq!(out, eval("eval_built_in", &state()));
 }
 

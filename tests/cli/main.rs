@@ -4,9 +4,11 @@
 mod command;
 
 mod bad_input;
+mod bounds;
 mod check;
 mod eval;
 mod files;
+mod input;
 mod robots;
 mod solve;
 mod sweep;

@@ -85,6 +85,22 @@ fn a_robot_is_shown_with_joints_limits_and_masses() {
         run.stdout
     );
 
+    // Digits show what is said, however large or small it is.
+    let text = std::fs::read_to_string(urdf_path("pendulum_1")).expect("it exists");
+    for (mass, shown) in [("1e300", "1.000e300 kg"), ("1e-5", "1.000e-5 kg")] {
+        let heavy = text.replace(
+            r#"<mass value="1"/>"#,
+            &format!(r#"<mass value="{mass}"/>"#),
+        );
+        std::fs::write(folder.join("heavy.urdf"), heavy).expect("writable");
+        let run = aghf(&folder, &["robots", "heavy.urdf"]);
+        assert!(
+            run.stdout.contains(shown) && run.stdout.len() < 1000,
+            "{}",
+            run.stdout
+        );
+    }
+
     let pendulum = parsed(&aghf(&folder, &["robots", "pendulum_1", "--json"]));
     let joint = &pendulum[0]["joints"][0];
     assert_eq!(
@@ -143,9 +159,14 @@ fn mimic_joints_move_by_themselves_where_that_is_asked_for() {
         let words = "aghf: gripper.urdf: joint 'b': ; mimics joint 'a'; --mimic independent";
         assert_bad_input(&folder, command, words);
         let run = aghf(&folder, &[command, &["--mimic", "independent"]].concat());
+        // The list has it among its notes.
+        let note = match command[0] {
+            "robots" => "",
+            _ => "note: gripper.urdf: joint 'b': mimics 'a', independent here\n",
+        };
         assert_eq!(
             (run.code, run.stderr.as_str()),
-            (Some(0), ""),
+            (Some(0), note),
             "{command:?}"
         );
     }

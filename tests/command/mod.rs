@@ -4,7 +4,7 @@
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// An empty folder for one test.
 pub fn empty_folder(test: &str) -> PathBuf {
@@ -30,10 +30,16 @@ pub struct Run {
 
 /// Runs `aghf` in a folder.
 pub fn aghf(folder: &Path, arguments: &[&str]) -> Run {
+    aghf_reading(folder, arguments, Stdio::null())
+}
+
+/// Runs `aghf` in a folder with a standard input.
+pub fn aghf_reading(folder: &Path, arguments: &[&str], input: impl Into<Stdio>) -> Run {
     let mut command = Command::new(env!("CARGO_BIN_EXE_aghf"));
     let output = command
         .current_dir(folder)
         .args(arguments)
+        .stdin(input)
         .output()
         .expect("it runs");
     Run {

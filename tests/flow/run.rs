@@ -282,6 +282,10 @@ fn bad_problems_and_settings_are_errors() {
         let error = flow(&problem, &settings, &mut |_| ()).expect_err("bad");
         assert!(error.to_string().contains(words), "{error}");
     }
+    let long = pendulum(26).expect("it has links");
+    let (problem, settings) = (swing_up(&long), FlowSettings::new(200, 1.0, 1.0));
+    let words = "p: it is 200, with 26 joints 10348 unknowns; at most 10000";
+    assert_refused(flow(&problem, &settings, &mut |_| ()), words);
     let other = robot("pendulum_2");
     let (curve, words) = (consistent(&model, 0.1), "expected 2 entries, found 1");
     assert_refused(simulate(&other, &curve, Feedback::NONE), words);

@@ -67,6 +67,28 @@ fn around_a_ball(radius: f64, degree: usize) -> RelaxSolution {
     solved_within(&problem, &settings, &kept)
 }
 
+/// What squares to more than there are numbers for ends as a search that failed.
+#[test]
+fn rows_that_overflow_are_a_failure() {
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let ball = CollisionSphere {
+        body: Some(1),
+        centre: Vector3::zeros(),
+        radius: 0.0,
+    };
+    for (centre, radius) in [(1e300, 1e300), (0.0, 1e300)] {
+        let centre = Vector3::new(centre, 0.0, 0.0);
+        let kept = state(AnyConstraint::Spheres(SphereClearance {
+            balls: vec![ball],
+            spheres: vec![Sphere { centre, radius }],
+        }));
+        let relaxation = Relaxation::new(&problem).constraints(&kept);
+        let solution = relaxation.settings(RelaxSettings::constrained()).solve();
+        assert!(!solution.is_ok_and(|s| s.converged), "{centre} {radius}");
+    }
+}
+
 /// A touch in a point takes a multiplier that is all at one time, far above the first price of an excess, and more so the more
 /// points there are. A polynomial of a lower degree is one of a higher.
 #[test]

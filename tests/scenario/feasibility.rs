@@ -28,6 +28,28 @@ fn only(feasibility: &Feasibility) -> &LimitViolation {
 }
 
 #[test]
+fn violations_are_told_with_digits_that_show_them() {
+    let mut violation = LimitViolation {
+        joint: None,
+        limit: Limit::Other,
+        name: "it".to_owned(),
+        by: 1e-6,
+        unit: "m",
+        at_s: 0.0,
+        enforced: true,
+    };
+    for (by, at_s, words) in [
+        (1e-6, 0.0, "it by 1.00e-6 m at 0.000 s"),
+        (0.0123, 0.01234, "it by 0.0123 m at 0.0123 s"),
+        (12.34, 1.23456, "it by 12.3 m at 1.235 s"),
+        (1e300, 1.2e-6, "it by 1.00e300 m at 1.20e-6 s"),
+    ] {
+        (violation.by, violation.at_s) = (by, at_s);
+        assert_eq!(violation.to_string(), words);
+    }
+}
+
+#[test]
 fn broken_limits_are_told_and_enforced_ones_matter() {
     let mut scenario = Scenario::load("kinova_free_01").expect("built in");
     scenario.file.enforced_limits = EnforcedLimits::NONE;

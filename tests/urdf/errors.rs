@@ -100,6 +100,10 @@ fn text_that_is_no_xml() {
     for text in ["", "no XML at all", "<robot name=\"arm\">", &ARM[..900]] {
         assert_text_refused(text, "robot", "not a valid URDF");
     }
+    let early = "<robot name='arm'>\n<link name='base'>\n\n";
+    assert_text_refused(early, "robot", "never closed; ends at line 2");
+    let nameless = ARM.replace("<joint name=\"slide\"", "<joint");
+    assert_text_refused(&nameless, "robot", "the joint at line 24 has no name");
 }
 
 #[test]

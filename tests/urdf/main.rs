@@ -5,8 +5,10 @@
 mod common;
 
 mod errors;
+mod large;
 mod limits;
 mod model;
+mod notes;
 mod robots;
 mod several_arms;
 mod write;

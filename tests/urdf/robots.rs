@@ -119,7 +119,11 @@ fn kinova_has_seven_joints_in_a_row() {
         joint: "end_effector".to_owned(),
         into: Some("joint_7".to_owned()),
     };
-    assert_eq!(report, [LoadNote::Massless { link }, merged]);
+    // Each joint has damping of 7.4 to 10.5 N m s and friction of 0.1 to 0.6 N m in the file.
+    let lost = |note: &&LoadNote| matches!(note, LoadNote::LeftOut { .. });
+    assert_eq!(report.iter().filter(lost).count(), 14);
+    let others: Vec<_> = report.iter().filter(|note| !lost(note)).collect();
+    assert_eq!(others, [&LoadNote::Massless { link }, &merged]);
     let second = Limits {
         lower: -2.25,
         upper: 2.25,

@@ -16,7 +16,7 @@ pub use solves::{Origin, ScenarioResult, SystemResult};
 pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};
 pub use timing::{Quantity, Series, Times};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_count};
 use crate::output::write_whole;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -49,6 +49,11 @@ pub const GRIDS: [&str; 5] = [
     "table_13_digit_obstacles",
 ];
 
+/// The most repetitions: all solves of `--quick` once take about two seconds, so often six hours.
+const MOST_REPETITIONS: usize = 10_000;
+/// The most configurations: the states of Digit at so many are 100 MB.
+const MOST_CONFIGURATIONS: usize = 100_000;
+
 impl Settings {
     /// The paper's grids, and as many configurations as the paper has.
     #[must_use]
@@ -80,17 +85,14 @@ impl Settings {
     }
 
     /// # Errors
-    /// Nothing is to be measured.
+    /// A count is out of range, or nothing is to be measured.
     fn check(&self) -> Result<()> {
-        for (what, count) in [
-            ("repetitions", self.repetitions),
-            ("configurations", self.configurations),
-        ] {
-            if count == 0 {
-                let condition = "it is 0, at least 1 is needed";
-                return Err(Error::input("settings", what, condition));
-            }
-        }
+        check_count("repetitions", self.repetitions, 1..=MOST_REPETITIONS)?;
+        check_count(
+            "configurations",
+            self.configurations,
+            1..=MOST_CONFIGURATIONS,
+        )?;
         let mut names = (SYSTEMS.iter().map(|s| s.prefix)).chain(SCALING_ROBOTS);
         if !names.any(|name| self.chooses(name)) {
             let condition = format!("no system begins with '{}'", self.only);

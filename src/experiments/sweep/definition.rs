@@ -3,6 +3,7 @@
 use super::SweepFile;
 use super::grid::Parameters;
 use crate::error::{Error, Result};
+use crate::input::{name_of, read_named};
 use crate::scenario::{
     Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
 };
@@ -73,22 +74,20 @@ impl Sweep {
             return Self::parse(text, name_or_path, Path::new(""));
         }
         let path = Path::new(name_or_path);
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            if e.kind() == std::io::ErrorKind::NotFound {
-                let condition = "there is neither a file nor a built-in sweep of this name";
-                Error::input(name_or_path, "sweep", condition)
-            } else {
-                Error::io(path, e)
-            }
-        })?;
+        let text = read_named(path, "sweep")?;
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
     /// A sweep from its text. `path` names it in errors; scenarios are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         let file = SweepFile::parse(text, path)?;
-        let stem = Path::new(path).file_stem().unwrap_or_default();
-        let name = (file.name.clone()).unwrap_or_else(|| stem.to_string_lossy().into_owned());
+        let name = file.name.clone().unwrap_or_else(|| name_of(path));
+        let too_many = || {
+            let condition = format!("the grid has more than {MOST_SETS} sets");
+            Error::input(path, "sweep", condition)
+        };
+        let points = file.grid.count().filter(|points| *points <= MOST_SETS);
+        let points = points.ok_or_else(too_many)?;
         let mut scenarios = Vec::<Scenario>::new();
         for (i, entry) in file.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
@@ -102,12 +101,9 @@ impl Sweep {
                 scenarios.push(scenario);
             }
         }
-        let all = (file.grid.count()).and_then(|points| points.checked_mul(scenarios.len()));
-        if all.is_none_or(|all| all > MOST_SETS) {
-            let condition = format!("the grid has more than {MOST_SETS} sets");
-            return Err(Error::input(path, "sweep", condition));
+        if points.saturating_mul(scenarios.len()) > MOST_SETS {
+            return Err(too_many());
         }
-        let points = all.unwrap_or_default() / scenarios.len();
         let sets = (0..scenarios.len())
             .flat_map(|scenario| (0..points).map(move |point| (scenario, point)))
             .enumerate()

@@ -1,13 +1,12 @@
 //! Reading the file of a sweep.
 
 use super::grid::{Grid, Refusal};
-use crate::error::{Error, Result};
-use crate::scenario::Method;
+use crate::error::{Error, Result, plain};
+use crate::scenario::{Method, SolveOptions};
 use crate::urdf::Mimic;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use std::time::Duration;
-use toml::Table;
+use toml::{Table, Value};
 
 /// A sweep as it is written in a file. Its grid is every combination of the entries of its lists.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,8 +91,11 @@ impl SweepFile {
                 return Err(("name".into(), condition));
             }
         }
-        if Duration::try_from_secs_f64(self.timeout_s).is_err() || self.timeout_s <= 0.0 {
-            let condition = format!("it is {}, a positive time is needed", self.timeout_s);
+        let longest = SolveOptions::LONGEST_TIME_LIMIT.as_secs_f64();
+        if !(self.timeout_s > 0.0 && self.timeout_s <= longest) {
+            let timeout = plain(self.timeout_s);
+            let condition =
+                format!("it is {timeout}, a positive time of at most {longest} s is needed");
             return Err(("timeout_s".into(), condition));
         }
         if self.scenarios.is_empty() {
@@ -106,6 +108,13 @@ impl SweepFile {
 /// Refuses keys that there are none of, and those of another method.
 fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal> {
     let own = Grid::keys(method);
+    // Of a list serde would take the entries for those of the keys in order.
+    for key in ["running_cost", "enforced_limits"] {
+        if table.get(key).is_some_and(Value::is_array) {
+            let condition = "it is a list, not a table with keys";
+            return Err((key.to_owned(), condition.to_owned()));
+        }
+    }
     let known = |key: &&String| HEAD.contains(&key.as_str()) || own.contains(&key.as_str());
     let Some(key) = table.keys().find(|key| !known(key)) else {
         return Ok(());

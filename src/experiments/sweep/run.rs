@@ -1,8 +1,9 @@
 //! Solving the sets of a sweep on all cores.
 
 use super::{ParameterSet, Row, Sweep};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_count};
 use crate::motion::Interrupt;
+use crate::relax::RelaxSettings;
 use crate::scenario::{Scenario, solve};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
@@ -22,9 +23,8 @@ pub fn run(
     jobs: Option<usize>,
     done: &(dyn Fn(Row) -> Result<()> + Sync),
 ) -> Result<()> {
-    if jobs == Some(0) {
-        let condition = "it is 0, at least 1 is needed";
-        return Err(Error::input("settings", "jobs", condition));
+    if let Some(jobs) = jobs {
+        check_count("jobs", jobs, 1..=RelaxSettings::MOST_THREADS)?;
     }
     let threads = ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
     let pool = threads

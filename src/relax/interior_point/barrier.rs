@@ -84,16 +84,18 @@ impl Split {
         lower * upper / (self.slack * upper + self.excess * lower)
     }
 
-    /// The multiplier nearest to `z` that is not too far from $\hat z$.
+    /// The multiplier nearest to `z` that is not too far from $\hat z$; some multiplier where rows that overflowed left none.
     pub fn safeguarded(&self, z: f64) -> f64 {
         let [a, b] = self.bounds;
         let width = b - a;
         if self.slack > self.excess {
             let lower = self.mu / self.slack;
-            a + (z - a).clamp(lower / APART, (lower * APART).min(0.5 * width))
+            a + (z - a)
+                .max(lower / APART)
+                .min((lower * APART).min(0.5 * width))
         } else {
             let upper = self.mu / self.excess;
-            b - (b - z).clamp(upper / APART, (1.0 - INSIDE) * width)
+            b - (b - z).max(upper / APART).min((1.0 - INSIDE) * width)
         }
     }
 }

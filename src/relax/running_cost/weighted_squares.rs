@@ -1,7 +1,7 @@
 //! Weighted squares of torques, velocities and accelerations.
 
 use super::{RunningCost, StageDerivatives, StageInput};
-use crate::error::{Error, Result, check_length};
+use crate::error::{Error, Result, check_length, plain};
 
 /// $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,10 @@ impl WeightedSquares {
                 return refuse(what, joints);
             }
             if let Some(w) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
-                return refuse(what, format!("it is {w}, a weight is not negative"));
+                return refuse(
+                    what,
+                    format!("it is {}, a weight is not negative", plain(*w)),
+                );
             }
         }
         if all.iter().all(|(_, w)| w.iter().all(|w| *w == 0.0)) {

@@ -1,7 +1,7 @@
 //! A horizon that is found with the motion.
 
-use crate::error::{Error, Result};
-use crate::motion::Watch;
+use crate::error::{Error, Result, plain};
+use crate::motion::{Problem, Watch};
 use crate::relax::interior_point::Candidate;
 use crate::relax::transcription::{place, points};
 use crate::relax::tuning::{HORIZON_SLOPE, POSSIBLE, REACH, SAME_HORIZON, SMALLEST_COST, TRIES};
@@ -36,14 +36,14 @@ impl FreeHorizon {
             weight,
         } = *self;
         for (what, value) in [("shortest", shortest), ("longest", longest)] {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(what, format!("it is {value}, a positive time is needed"));
+            if let Err(condition) = Problem::check_horizon(value) {
+                return refuse(what, condition);
             }
         }
         if !(weight.is_finite() && weight >= 0.0) {
             return refuse(
                 "weight",
-                format!("it is {weight}, a weight is not negative"),
+                format!("it is {}, a weight is not negative", plain(weight)),
             );
         }
         if horizon < shortest {

@@ -97,7 +97,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         ends.extend(climbing.into_iter().map(|(_, end)| end));
         let found = ends.iter().any(|end| end.converged);
         let more = match settings.time_limit {
-            Some(_) => true,
+            Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
             None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),
         };
         if stopped() || !more {

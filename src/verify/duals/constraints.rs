@@ -24,7 +24,7 @@ use num_dual::Dual64;
 /// None that a loaded model gives.
 pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let made_up = made_up(model, &State::random(model, options.seed, 0))?;
-    let states = options.states(model);
+    let states = options.states(model)?;
     let mut findings = Findings::default();
     for (sample, state) in states.iter().enumerate() {
         let at = At::new(model, sample, state)?;
@@ -64,7 +64,7 @@ pub fn check_constraint(
     options: &CheckOptions,
 ) -> Result<Vec<Finding>> {
     let mut findings = Findings::default();
-    for (sample, state) in options.states(model).iter().enumerate() {
+    for (sample, state) in options.states(model)?.iter().enumerate() {
         let at = At::new(model, sample, state)?;
         contractions(model, name, constraint, at, &mut findings)?;
     }

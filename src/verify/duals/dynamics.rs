@@ -19,7 +19,7 @@ use num_dual::Dual64;
 /// # Errors
 /// None that a loaded model gives.
 pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
-    check_dynamics_at(model, &options.states(model), &options.penalties)
+    check_dynamics_at(model, &options.states(model)?, &options.penalties)
 }
 
 /// Does the same at given states, such as those where terms vanish or coincide.

@@ -25,7 +25,7 @@ pub fn check_jacobian(
         model,
         name,
         jacobian,
-        &options.states(model),
+        &options.states(model)?,
         &options.penalties,
     )
 }
@@ -100,7 +100,7 @@ pub(super) fn check_differences(
             findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
         }
     };
-    let states = options.states(model);
+    let states = options.states(model)?;
     each_pair(
         model,
         jacobian,

@@ -18,7 +18,7 @@ pub use relaxation::check_relaxation;
 pub use running_cost::check_running_cost;
 
 use crate::dynamics::{Data, crba, forward_kinematics};
-use crate::error::Result;
+use crate::error::{Result, check_count};
 use crate::flow::jacobian::{ForwardDual, JacobianKind, Jacobians};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
@@ -95,12 +95,17 @@ impl Default for CheckOptions {
 }
 
 impl CheckOptions {
+    /// The most random states: those of Digit, with 22 joints, are 100 MB and take hours to look at.
+    pub const MOST_SAMPLES: usize = 100_000;
+
     /// The random states of `model` that these options ask for.
-    #[must_use]
-    pub fn states(&self, model: &Model) -> Vec<State> {
-        (0..self.samples)
-            .map(|sample| State::random(model, self.seed, sample))
-            .collect()
+    ///
+    /// # Errors
+    /// No states, or more than [`MOST_SAMPLES`](Self::MOST_SAMPLES).
+    pub fn states(&self, model: &Model) -> Result<Vec<State>> {
+        check_count("samples", self.samples, 1..=Self::MOST_SAMPLES)?;
+        let states = (0..self.samples).map(|sample| State::random(model, self.seed, sample));
+        Ok(states.collect())
     }
 }
 
@@ -377,7 +382,7 @@ pub fn check_jacobians(
                     name,
                     jacobian,
                     expected,
-                    &options.states(model),
+                    &options.states(model)?,
                     &options.penalties,
                 )?
             }

@@ -29,7 +29,7 @@ const ROUNDING_GROWTH: f64 = 10.0;
 pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let n = model.dof();
     let mut findings = Findings::default();
-    for (sample, state) in options.states(model).iter().enumerate() {
+    for (sample, state) in options.states(model)?.iter().enumerate() {
         let (path, at) = regular_curve(model, At::new(model, sample, state)?)?;
         let grid = Grid::new(&path.basis, POINTS, 1.0);
         let mut derivatives = Derivatives::new(&grid, n);

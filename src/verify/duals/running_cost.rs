@@ -27,7 +27,7 @@ pub fn check_running_cost(
     };
     let (mut data, mut u) = (Data::new(model), vec![0.0; n]);
     let mut findings = Findings::default();
-    for (sample, state) in options.states(model).iter().enumerate() {
+    for (sample, state) in options.states(model)?.iter().enumerate() {
         let at = At::new(model, sample, state)?;
         let node = state.node();
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());

@@ -23,7 +23,7 @@ mod wrt;
 
 pub use instance::RandomInstance;
 
-use crate::error::Result;
+use crate::error::{Result, check_count};
 use crate::scalar::{Jet, PrimeField, Scalar};
 use crate::verify::reference::{Differentiable, DualNumber};
 use nalgebra::{DMatrix, DVector};
@@ -64,6 +64,9 @@ impl<S: Scalar> Differentiable for Jet<S, 1> {
 
 /// No identity here has a numerator of a larger degree in the random inputs; `proofs/README.md` works it out.
 pub const DEGREE: u64 = 1 << 17;
+
+/// The most random instances: one shows a false identity as well as never, and so many take a quarter of an hour and 100 MB.
+pub const MOST_POINTS: usize = 1000;
 
 /// Two sides that should be equal, entry by entry.
 pub struct Equality {
@@ -164,7 +167,7 @@ pub fn identities() -> Vec<Identity> {
 /// Proves every identity at `points` random instances; the same seed gives the same instances.
 ///
 /// # Errors
-/// None that the identities give.
+/// No points, or more than [`MOST_POINTS`].
 pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
     prove_identities(&identities(), points, seed)
 }
@@ -173,8 +176,9 @@ pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
 /// degree than [`DEGREE`] in the random inputs.
 ///
 /// # Errors
-/// What the claims of an identity return.
+/// As [`prove`], or what the claims of an identity return.
 pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
+    check_count("points", points, 1..=MOST_POINTS)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let points = (0..points)
         .map(|_| RandomInstance::random(&mut rng))

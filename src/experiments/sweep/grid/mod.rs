@@ -6,6 +6,7 @@ mod relax;
 pub use flow::{FlowGrid, FlowPoint};
 pub use relax::{CostLists, LimitLists, RelaxGrid, RelaxPoint};
 
+use crate::error::plain;
 use crate::scenario::{Method, Scenario, SolveOptions};
 use serde::Serialize;
 use serde::ser::SerializeStruct;
@@ -178,7 +179,10 @@ fn length<T>(list: &Option<Vec<T>>) -> usize {
     list.as_ref().map_or(1, Vec::len)
 }
 
-/// Refuses a list that is empty, has a value that `wrong` has something against, or has one twice.
+/// The most values of a list: each is compared with those before it.
+const MOST_VALUES: usize = 10_000;
+
+/// Refuses a list that is empty or very long, has a value that `wrong` has something against, or has one twice.
 fn check_list<T: PartialEq>(
     key: &str,
     list: &[T],
@@ -186,6 +190,13 @@ fn check_list<T: PartialEq>(
 ) -> Result<(), Refusal> {
     if list.is_empty() {
         return Err((key.to_owned(), "it is an empty list".to_owned()));
+    }
+    if list.len() > MOST_VALUES {
+        let condition = format!(
+            "it has {} values, at most {MOST_VALUES} are possible",
+            list.len()
+        );
+        return Err((key.to_owned(), condition));
     }
     for (i, value) in list.iter().enumerate() {
         let twice = || list[..i].contains(value);
@@ -212,5 +223,5 @@ fn check_optional<T: PartialEq>(
 /// What is wrong with a number that has to be positive.
 fn not_positive(x: &f64) -> Option<String> {
     let positive = x.is_finite() && *x > 0.0;
-    (!positive).then(|| format!("it is {x}, a positive number is needed"))
+    (!positive).then(|| format!("it is {}, a positive number is needed", plain(*x)))
 }

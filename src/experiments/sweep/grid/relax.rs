@@ -1,7 +1,7 @@
 //! The grid of the relaxation: its options, and what is asked of a motion.
 
 use super::{Refusal, check_optional, length, not_positive, optional};
-use crate::error::Error;
+use crate::error::{Error, plain};
 use crate::relax::RelaxSettings;
 use crate::scenario::{Enforced, Method, PerJoint, RunningCostWeights, Scenario, SolveOptions};
 use serde::ser::SerializeStruct;
@@ -108,8 +108,11 @@ impl RelaxGrid {
         check_optional("degree", &self.degree, |_| None)?;
         check_optional("segments", &self.segments, |_| None)?;
         self.check_sizes()?;
-        let none = |n: &usize| (*n == 0).then(|| "it is 0, at least 1 is needed".to_owned());
-        check_optional("starts", &self.starts, none)?;
+        let most = RelaxSettings::LARGEST_NUM_STARTS;
+        check_optional("starts", &self.starts, |n| {
+            let good = (1..=most).contains(n);
+            (!good).then(|| format!("it is {n}, at least 1 and at most {most} is needed"))
+        })?;
         check_optional("tolerance", &self.tolerance, not_positive)?;
         check_optional("seed", &self.seed, |_| None)?;
         let cost = &self.running_cost;
@@ -120,7 +123,7 @@ impl RelaxGrid {
         ] {
             check_optional(&format!("running_cost.{key}"), list, |w| {
                 let good = w.is_finite() && *w >= 0.0;
-                (!good).then(|| format!("it is {w}, a weight is not negative"))
+                (!good).then(|| format!("it is {}, a weight is not negative", plain(*w)))
             })?;
         }
         let limits = &self.enforced_limits;

@@ -1,0 +1,83 @@
+//! Texts that are read: of files and of the standard input.
+
+use crate::error::{Error, Result};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// The path that stands for the standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// The largest text that is read, in bytes; that of a robot or a scenario has a few thousand, up to a million with all its meshes named.
+/// Devices such as `/dev/zero` have no end.
+const LARGEST_TEXT: u64 = 1 << 26;
+
+/// The text of a file, or of the standard input for `-`, without a byte-order mark.
+///
+/// # Errors
+/// The file cannot be read, is larger than 64 MiB or no UTF-8.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    if !is_standard_input(path) {
+        let text = std::fs::File::open(path).and_then(read_whole);
+        return text.map_err(|e| Error::io(path, e));
+    }
+    // It can be read once only, but a robot from there may be asked for several times.
+    static TEXT: OnceLock<String> = OnceLock::new();
+    if let Some(text) = TEXT.get() {
+        return Ok(text.clone());
+    }
+    let text = read_whole(io::stdin().lock()).map_err(|e| Error::io(path, e))?;
+    Ok(TEXT.get_or_init(|| text).clone())
+}
+
+/// As [`read_text`]; a file that does not exist is no built-in `kind` either.
+pub(crate) fn read_named(path: &Path, kind: &str) -> Result<String> {
+    read_text(path).map_err(|error| match error {
+        Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
+            let condition = format!("there is neither a file nor a built-in {kind} of this name");
+            Error::input(path.display().to_string(), kind, condition)
+        }
+        other => other,
+    })
+}
+
+/// Tells whether this path stands for the standard input.
+pub(crate) fn is_standard_input(path: &Path) -> bool {
+    path == Path::new(STANDARD_INPUT)
+}
+
+/// The name of what a file holds: that of the file without its ending.
+#[cfg(feature = "output")]
+pub(crate) fn name_of(path: &str) -> String {
+    if is_standard_input(Path::new(path)) {
+        return "stdin".to_owned();
+    }
+    let stem = Path::new(path).file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+fn read_whole(source: impl Read) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    source.take(LARGEST_TEXT + 1).read_to_end(&mut bytes)?;
+    let refuse = |condition: &str| Err(io::Error::new(ErrorKind::InvalidData, condition));
+    if bytes.len() as u64 > LARGEST_TEXT {
+        return refuse("it has more than 64 MiB, which no robot, scenario or sweep has");
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return refuse("it is text in UTF-16, and UTF-8 is needed");
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(match text.strip_prefix('\u{feff}') {
+            Some(rest) => rest.to_owned(),
+            None => text,
+        }),
+        Err(error) => {
+            let valid = error.utf8_error().valid_up_to();
+            let line = 1 + error.as_bytes()[..valid]
+                .iter()
+                .filter(|b| **b == b'\n')
+                .count();
+            refuse(&format!("it is no text in UTF-8, from line {line} on"))
+        }
+    }
+}
