@@ -10,5 +10,6 @@ mod eval;
 mod files;
 mod input;
 mod robots;
+mod signals;
 mod solve;
 mod sweep;

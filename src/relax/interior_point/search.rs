@@ -66,23 +66,20 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     let grid = grids.get(&basis, points, horizon);
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7, horizon);
-    let coarse = grids.scan(&basis, SCAN * points, horizon);
-    let fine = grids.scan(
-        &basis,
-        if stage.last {
-            (FINE / basis.segments()).max(SCAN * points)
-        } else {
-            SCAN * points
-        },
-        horizon,
-    );
+    let looks = SCAN * points;
+    let last = if stage.last {
+        looks.max(FINE / basis.segments())
+    } else {
+        looks
+    };
+    let scans = [looks, last].map(|times| grids.scan(&basis, times, horizon));
     let barrier = Barrier { mu: 1.0, nu: 1.0 };
     let cost = BarrierCost::new(rows.clone(), barrier, &grid);
     let objective = Objective::new(&grid, cost, n);
     let kind = usize::from(rows.count() > 0);
     Search {
         grid: &grid,
-        scans: [&coarse, &fine],
+        scans: scans.each_ref().map(|scan| &**scan),
         finer: Objective::new(&finer, rows.cost.clone(), n),
         newton: Newton::new(&objective),
         objective,
@@ -111,8 +108,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let mut now = Iterate::new(candidate.path.coefficients.clone());
         let (mut steps, mut end) = (0_usize, None);
         while end.is_none() {
-            let late = steps >= stage.iterations || self.watch.stopped().is_some();
-            let out = late || self.is_stuck(steps);
+            let out = self.is_over(steps);
             self.evaluate(&mut now, steps, out)?;
             let stationary = now.at_last_barrier && now.iteration.gradient_norm <= stage.tolerance;
             let done = stationary || out;
@@ -204,10 +200,11 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         }
     }
 
-    /// Tells whether rows are still relaxed after so many steps that another start is worth more than further ones.
-    fn is_stuck(&mut self, steps: usize) -> bool {
+    /// Tells whether this step is the last: it is asked for, or rows are relaxed when another start is worth more than further steps.
+    fn is_over(&mut self, steps: usize) -> bool {
         let late = self.constrained && steps >= CONSTRAINED_STEPS;
-        late && self.objective.cost_mut().largest_relaxation() > 0.0
+        let stuck = late && self.objective.cost_mut().largest_relaxation() > 0.0;
+        stuck || steps >= self.stage.iterations || self.watch.stopped().is_some()
     }
 
     /// After a step that promised so much: how far from a minimum of this barrier that was, and a weaker barrier where it was near.

@@ -1,0 +1,77 @@
+//! Searches that are asked to end, and files that cannot be completed.
+#![cfg(unix)]
+
+use crate::command::{empty_folder, files};
+use std::collections::BTreeSet;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Runs a search that would go on for minutes until it tells of a stage, and then asks it to end.
+fn interrupted(folder: &Path, signal: &str, stage: &str) -> (Option<i32>, String) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_aghf"))
+        .current_dir(folder)
+        .args([
+            "solve",
+            "pendulum_2_swingup",
+            "--seconds",
+            "600",
+            "-v",
+            "--starts",
+            "2",
+        ])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it runs");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    lines
+        .by_ref()
+        .map(|line| line.expect("it prints text"))
+        .find(|line| line.starts_with(stage))
+        .expect("it comes to this stage");
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &id]).status();
+    assert!(sent.expect("there is such a command").success());
+    // Read to its end, so that it can go on telling.
+    lines.for_each(drop);
+    let output = child.wait_with_output().expect("it ends");
+    let stdout = String::from_utf8(output.stdout).expect("it prints text");
+    (output.status.code(), stdout)
+}
+
+#[test]
+fn ctrl_c_keeps_the_best_motion_and_says_so() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        let folder = empty_folder(&format!("signal{signal}"));
+        // The first wave has ended by then, and something was found.
+        let (code, stdout) = interrupted(&folder, signal, "start 4");
+        assert_eq!(code, Some(0), "{signal}: {stdout}");
+        assert!(
+            stdout.contains("interrupted: the motion is the best until then"),
+            "{stdout}"
+        );
+        let out = "out/pendulum_2_swingup";
+        let expected = ["summary.json", "trajectory.csv"].map(|f| format!("{out}/{f}"));
+        assert_eq!(files(&folder), expected.into());
+    }
+}
+
+/// A file that the system does not let grow to its size.
+#[test]
+fn a_file_that_cannot_be_completed_leaves_nothing() {
+    let folder = empty_folder("too_large");
+    let command = format!(
+        "ulimit -f 8; exec {} solve pendulum_1_swingup --samples 20000",
+        env!("CARGO_BIN_EXE_aghf")
+    );
+    let output = Command::new("sh")
+        .current_dir(&folder)
+        .args(["-c", &command])
+        .output();
+    let output = output.expect("it runs");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("trajectory.csv"), "{stderr}");
+    assert_eq!(files(&folder), BTreeSet::new());
+}
