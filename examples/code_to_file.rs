@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A folder that was not there before: out/code_to_file, then out/code_to_file-2 and so on.
     let folder = OutputFolder::fresh(Path::new("out/code_to_file"))?;
     let model = &scenario.model;
-    let files = write_report(model, &report, folder.path(), Sampling::Rate(1e3))?;
+    let files = write_report(model, &report, &folder, Sampling::Rate(1e3))?;
     let samples = sample(model, &report.curve, 400)?;
     let (positions, torques) = (folder.path().join("q.svg"), folder.path().join("u.svg"));
     write_text(&plot("positions, rad", model, &samples, |s| &s.q)?, &positions)?;

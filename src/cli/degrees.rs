@@ -14,8 +14,8 @@ const FILE: &str = "degrees.csv";
 
 /// How much less effort a scenario takes with higher degrees and more pieces.
 ///
-/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. The folder, out/degrees/SCENARIO unless
-/// there is one, gets degrees.csv.
+/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. A new folder, out/degrees/SCENARIO or
+/// with a number after that, gets degrees.csv.
 #[derive(Debug, Args)]
 pub(super) struct Degrees {
     /// A scenario that is built in, or the path of a JSON file, "-" for the standard input.

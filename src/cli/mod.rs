@@ -10,6 +10,7 @@ mod reproduce;
 mod robots;
 mod sample;
 mod scenarios;
+mod signals;
 mod solve;
 mod stages;
 mod sweep;
@@ -118,7 +119,7 @@ fn tell_notes(robot: &str, notes: &[LoadNote]) {
             } else {
                 robot
             };
-            eprintln!("note: {robot}: {note}");
+            tell(&format!("note: {robot}: {note}"));
         }
     }
 }
@@ -137,7 +138,8 @@ fn tell_notes_of<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) {
 #[must_use]
 pub fn main() -> ExitCode {
     let command = Cli::parse().command;
-    let result = match command.unwrap_or_else(|| Command::Solve(solve::Solve::default())) {
+    let command = command.unwrap_or_else(|| Command::Solve(solve::Solve::default()));
+    let result = signals::listen().and_then(|()| match command {
         Command::Solve(solve) => solve.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
@@ -148,11 +150,17 @@ pub fn main() -> ExitCode {
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
-    };
+    });
     result.unwrap_or_else(|error: Error| {
-        eprintln!("aghf: {error}");
+        tell(&format!("aghf: {error}"));
         ExitCode::from(BAD_INPUT)
     })
+}
+
+/// Prints a line to the standard error. Whoever does not listen any more is no reason to stop.
+fn tell(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Prints to the standard output; a reader that went away is no error.

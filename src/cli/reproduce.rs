@@ -1,7 +1,7 @@
 //! `aghf reproduce`.
 
 use super::output::OutArgs;
-use super::print;
+use super::{print, tell};
 use crate::error::Result;
 use crate::experiments::reproduce::{Reproduction, Settings, reproduce};
 use clap::Args;
@@ -22,7 +22,7 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// spreads a table over machines. --quick takes the paper's best sets and our own instead.
 ///
 /// Then solves every scenario, built in or generated, with the best sets, and times the right-hand side of the flow and its Jacobian
-/// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). The folder, out/reproduce unless there is one, gets
+/// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). A new folder, out/reproduce or out/reproduce-2 and so on, gets
 /// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg and figure_5.svg.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
@@ -87,7 +87,7 @@ impl Reproduce {
             progress.tick();
             if !watched && told.elapsed() >= LINE_EVERY {
                 told = Instant::now();
-                eprintln!("{what}");
+                tell(what);
             }
         })?;
         progress.finish_and_clear();

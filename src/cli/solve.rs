@@ -3,28 +3,24 @@
 use super::choice::choice;
 use super::output::{OutArgs, SamplingArgs};
 use super::stages::Stages;
-use super::{FAILED, RobotArgs, print, print_json};
+use super::{FAILED, RobotArgs, print, print_json, signals, tell};
 use crate::error::{Error, Result, plain};
 use crate::flow::jacobian::JacobianKind;
-use crate::motion::{Guess, Interrupt};
+use crate::motion::Guess;
 use crate::ode::IntegratorKind;
-use crate::output::{REPORT_FILES, summary_table, write_report};
+use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
 use crate::relax::Iteration;
 use crate::scenario::{Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use signal_hook::consts;
-use signal_hook::flag::{register, register_conditional_shutdown};
 use std::path::Path;
 use std::process::ExitCode;
-#[cfg(unix)]
-use std::sync::Arc;
 use std::time::Duration;
 
 /// Solve a scenario and write the trajectory that was found.
 ///
-/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's. The folder, out/SCENARIO unless
-/// there is one, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows) and summary.json, from which
+/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's. A new folder, out/SCENARIO or
+/// out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows) and summary.json, from which
 /// the solve can be repeated. If the solve fails they are trajectory.failed.csv and summary.failed.json, beside those of an earlier success.
 /// Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
@@ -131,10 +127,11 @@ impl Solve {
         let options = self.options(repeated)?;
         let sampling = self.sampling.sampling();
         // Better to learn now than in the end that it cannot be written.
-        let _ = sampling.times(scenario.file.horizon_s)?;
+        let longest = scenario.file.free_horizon.map(|free| free.longest_s);
+        let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
-        stop_on_signals(&options.interrupt)?;
+        signals::stop_first(&options.interrupt);
         let progress = if self.json || self.verbose {
             ProgressBar::hidden()
         } else {
@@ -154,7 +151,17 @@ impl Solve {
         stages.finish();
         progress.finish_and_clear();
 
-        let files = write_report(&scenario.model, &outcome, folder.path(), sampling)?;
+        let model = &scenario.model;
+        let files = write_report(model, &outcome, &folder, sampling).or_else(|error| {
+            // What took long to find is not lost because the folder is gone, full, or taken by another process meanwhile.
+            let spare = std::env::temp_dir().join("aghf").join(&scenario.name);
+            let spare = OutputFolder::fresh(&spare)?;
+            tell(&format!(
+                "aghf: {error}; the files are in {}",
+                spare.path().display()
+            ));
+            write_report(model, &outcome, &spare, sampling)
+        })?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {
@@ -206,25 +213,6 @@ impl Solve {
             interrupt: other.interrupt,
         })
     }
-}
-
-/// Lets Ctrl-C, and other requests to end, stop a search with the best motion so far, and a second one end the program at once. A file
-/// that becomes too large is then an error of writing.
-fn stop_on_signals(interrupt: &Interrupt) -> Result<()> {
-    let failed = |e| Error::io("signals", e);
-    #[cfg(unix)]
-    register(consts::SIGXFSZ, Arc::default()).map_err(failed)?;
-    for signal in [
-        consts::SIGINT,
-        consts::SIGTERM,
-        #[cfg(unix)]
-        consts::SIGHUP,
-    ] {
-        // In this order: the first one finds the flag down.
-        register_conditional_shutdown(signal, 128 + signal, interrupt.flag()).map_err(failed)?;
-        register(signal, interrupt.flag()).map_err(failed)?;
-    }
-    Ok(())
 }
 
 /// How far a solve has come.

@@ -1,5 +1,6 @@
 //! A line for every stage of a search, where nobody watches a terminal.
 
+use super::tell;
 use crate::relax::Iteration;
 use crate::scenario::Record;
 
@@ -15,10 +16,10 @@ impl Stages {
     pub fn observe(&mut self, record: &Record) {
         let iteration = match record {
             Record::Flow(r) => {
-                eprintln!(
+                tell(&format!(
                     "s {:.2e}: action at the nodes {:.6e}",
                     r.s, r.action_at_nodes
-                );
+                ));
                 return;
             }
             Record::Relax(iteration) => iteration,
@@ -57,8 +58,8 @@ impl Stages {
         } else {
             format!("{segments} segments of ")
         };
-        eprintln!(
-            "{of}, {segments}degree {degree}: {count} iterations, cost {cost:.6e}, gradient norm {gradient_norm:.1e}"
-        );
+        tell(&format!(
+            "{of}, {segments}degree {degree}: {count} steps, cost {cost:.6e}, gradient norm {gradient_norm:.1e}"
+        ));
     }
 }

@@ -1,6 +1,6 @@
 //! `aghf sweep`.
 
-use super::print;
+use super::{print, tell};
 use crate::error::Result;
 use crate::experiments::sweep::{
     Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run,
@@ -149,7 +149,9 @@ impl Progress {
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
             let left = indicatif::HumanDuration(self.bar.eta());
             let solved = lines.solved;
-            eprintln!("{done} of {all} sets tried, {solved} solved, {left} left");
+            tell(&format!(
+                "{done} of {all} sets tried, {solved} solved, {left} left"
+            ));
         }
     }
 }

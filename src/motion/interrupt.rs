@@ -64,6 +64,12 @@ impl Watch {
         }
     }
 
+    /// Tells whether this share of the time limit is over.
+    pub fn is_late(&self, share: f64) -> bool {
+        let limit = self.limit.map(|limit| limit.mul_f64(share));
+        limit.is_some_and(|limit| self.began.elapsed() >= limit)
+    }
+
     /// The reason to stop, once there is one.
     pub fn stopped(&self) -> Option<Stopped> {
         if self.interrupt.is_raised() {

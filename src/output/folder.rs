@@ -1,5 +1,6 @@
 //! Folders for results, in which nothing is lost.
 
+use super::files::unfinished;
 use crate::error::{Error, Result};
 use std::fs;
 use std::io::ErrorKind;
@@ -13,6 +14,7 @@ const MOST: usize = 10_000;
 pub struct OutputFolder {
     path: PathBuf,
     made: bool,
+    replace: bool,
 }
 
 impl OutputFolder {
@@ -27,7 +29,7 @@ impl OutputFolder {
         }
         let made = !path.exists();
         fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
-        Self::new(path, made)
+        Self::new(path, made, replace)
     }
 
     /// A folder that was not there before: this one, or else the same with `-2`, `-3` and so on after its name.
@@ -45,7 +47,7 @@ impl OutputFolder {
             }
             // Another process that looks for a folder at the same time finds this one taken.
             match fs::create_dir(&name) {
-                Ok(()) => return Self::new(Path::new(&name), true),
+                Ok(()) => return Self::new(Path::new(&name), true, false),
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => (),
                 Err(e) => return Err(Error::io(name, e)),
             }
@@ -58,17 +60,27 @@ impl OutputFolder {
         ))
     }
 
-    fn new(path: &Path, made: bool) -> Result<Self> {
+    fn new(path: &Path, made: bool, replace: bool) -> Result<Self> {
         let folder = Self {
             path: path.to_owned(),
             made,
+            replace,
         };
+        if made {
+            unfinished(path, true);
+        }
         let probe = path.join(format!("probe.{}.partial", std::process::id()));
         let written = fs::write(&probe, b"probe");
         // Whatever was written of it, or nothing.
         let _ = fs::remove_file(&probe);
         written.map_err(|e| Error::io(path, e))?;
         Ok(folder)
+    }
+
+    /// True if files in it may be replaced.
+    #[must_use]
+    pub fn replaces(&self) -> bool {
+        self.replace
     }
 
     /// Its path.
@@ -83,6 +95,7 @@ impl Drop for OutputFolder {
         if self.made {
             // Only an empty one can be removed, and one that is not has results.
             let _ = fs::remove_dir(&self.path);
+            unfinished(&self.path, false);
         }
     }
 }

@@ -8,8 +8,8 @@ mod table;
 mod trajectory;
 
 pub use evaluation::{Evaluation, evaluate};
-pub use files::write_text;
 pub(crate) use files::write_whole;
+pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};

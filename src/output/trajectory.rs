@@ -1,7 +1,7 @@
 //! A motion as a table, and the files of a solve.
 
 use super::files::{Partial, write_whole};
-use super::write_json;
+use super::{OutputFolder, write_json};
 use crate::curve::Curve;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -47,7 +47,8 @@ impl Sampling {
                 if !(rate.is_finite() && rate > 0.0) {
                     return refuse("rate", format!("it is {rate}, a positive number is needed"));
                 }
-                let count = (horizon * rate).ceil();
+                // A product that is a whole number but for rounding is that number.
+                let count = (horizon * rate * (1.0 - 1e-12)).ceil();
                 if count >= most as f64 {
                     let condition = format!("{rate} Hz over {horizon} s are more than {most} rows");
                     return refuse("rate", condition);
@@ -90,15 +91,25 @@ pub fn write_trajectory(
         let joints = model.joints().iter();
         joints.map(move |joint| format!("{quantity}_{}", joint.name()))
     });
-    csv.write_record(std::iter::once("t".to_owned()).chain(columns))?;
+    let header = std::iter::once("t".to_owned()).chain(columns);
+    csv.write_record(header).map_err(of_csv)?;
     let times = times.map(|t| (curve.segment_at(t), t));
     for sample in samples_at(model, curve, times) {
         let s = sample.map_err(io::Error::other)?;
         let row = [&s.q, &s.v, &s.a, &s.u].into_iter().flatten();
         let row = std::iter::once(&s.t).chain(row);
-        csv.write_record(row.map(|x| format!("{x:?}")))?;
+        csv.write_record(row.map(|x| format!("{x:?}")))
+            .map_err(of_csv)?;
     }
     csv.flush()
+}
+
+/// The error of the writer below, whose kind would be lost.
+fn of_csv(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
 }
 
 /// Writes the table of a motion to the file at `path`, as [`write_trajectory`].
@@ -118,23 +129,24 @@ pub fn write_table(
 }
 
 /// Writes `trajectory.csv`, see [`write_trajectory`], and `summary.json` into `folder` and returns where they are; of a solve that is no
-/// success `trajectory.failed.csv` and `summary.failed.json`, so that the files of an earlier success stay.
+/// success `trajectory.failed.csv` and `summary.failed.json`, so that the files of an earlier success stay. Where files may be
+/// replaced a success removes those of an earlier failure.
 ///
 /// # Errors
 /// A file cannot be written, and none is; or the sampling is out of range.
 pub fn write_report(
     model: &Model,
     outcome: &SolveReport,
-    folder: &Path,
+    folder: &OutputFolder,
     sampling: Sampling,
 ) -> Result<Vec<PathBuf>> {
     let summary = &outcome.summary;
-    let names = if summary.success {
-        &REPORT_FILES[..2]
+    let [own, other] = if summary.success {
+        [&REPORT_FILES[..2], &REPORT_FILES[2..]]
     } else {
-        &REPORT_FILES[2..]
+        [&REPORT_FILES[2..], &REPORT_FILES[..2]]
     };
-    let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
+    let paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
     let times = sampling.times(outcome.curve.horizon())?;
     let failure = summary.failure.as_deref();
     let parts = [
@@ -147,7 +159,13 @@ pub fn write_report(
         })?,
     ];
     for part in parts {
-        part.complete()?;
+        part.complete(folder.replaces())?;
+    }
+    if summary.success && folder.replaces() {
+        for name in other {
+            // Mostly there is none.
+            let _ = std::fs::remove_file(folder.path().join(name));
+        }
     }
     Ok(paths)
 }

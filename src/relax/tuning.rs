@@ -90,6 +90,8 @@ pub(super) const LARGEST_PRICE: f64 = 1e9;
 pub(super) const START_SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 /// The number of starts that are worked on side by side.
 pub(super) const WAVE: usize = 8;
+/// The part of a time limit for which starts are tried where a horizon or a degree is looked for after them.
+pub(super) const SHARE_OF_STARTS: f64 = 0.5;
 /// Those that cost more than the best one before them by more than this, relative, do not go on, by the number of rungs that are left: low
 /// degrees tell little.
 pub(super) const HOPELESS: [f64; 3] = [0.02, 0.1, 1.0];

@@ -2,6 +2,7 @@
 
 use crate::curve::Curve;
 use crate::error::{Error, Result};
+use crate::model::{Joint, Model};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -48,9 +49,14 @@ impl CurveFile {
     /// The curve through the states. `file` names it in errors.
     ///
     /// # Errors
-    /// The states are not those of such a curve of a robot of `dof` joints.
-    pub(super) fn curve(&self, dof: usize, file: &str) -> Result<Curve> {
+    /// The joints are not those of the robot, or the states not those of such a curve.
+    pub(super) fn curve(&self, model: &Model, file: &str) -> Result<Curve> {
+        let dof = model.dof();
         let refuse = |element: String, condition: String| Error::input(file, element, condition);
+        if !model.joints().iter().map(Joint::name).eq(&self.joints) {
+            let condition = "they are not those of the robot";
+            return Err(refuse("curve.joints".to_owned(), condition.to_owned()));
+        }
         for (i, state) in self.states.iter().enumerate() {
             if state.len() != 2 * dof {
                 let condition = format!(

@@ -104,7 +104,13 @@ impl Solved {
         } = provenance;
         file.mimic = mimic.unwrap_or(file.mimic);
         let mut scenario = Scenario::new(file, path, Path::new(""))?;
-        scenario.name = name;
+        scenario.name = match Path::new(&name).file_name() {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => {
+                let condition = format!("'{name}' is no name");
+                return Err(Error::input(path, "scenario", condition));
+            }
+        };
         if scenario.robot_xxh64 != robot_xxh64 {
             let condition = format!(
                 "its text is not what it was: the hash is {}, that of the solve {robot_xxh64}",
@@ -112,7 +118,7 @@ impl Solved {
             );
             return Err(Error::input(path, scenario.robot_place, condition));
         }
-        let curve = curve.curve(scenario.model.dof(), path)?;
+        let curve = curve.curve(&scenario.model, path)?;
         Ok(Self {
             scenario,
             options,

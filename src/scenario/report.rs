@@ -222,6 +222,9 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         ..
     } = solution;
     if *largest_violation > RelaxSettings::FEASIBLE {
+        if solution.stopped.is_some() {
+            return Some("no motion within the constraints was found".to_owned());
+        }
         let starts = match start_costs.len() {
             0 | 1 => "the one start did not lead".to_owned(),
             starts => format!("none of {starts} starts led"),

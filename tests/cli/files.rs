@@ -279,6 +279,14 @@ fn a_summary_gives_tables_at_any_rate() {
         })
         .collect()
     };
+    // Products with the rate that are whole numbers but for rounding have no row twice.
+    for rate in ["27.5", "100", "0.55", "4.35", "1e3"] {
+        let times = times(&table(&["--rate", rate]));
+        assert!(
+            times.windows(2).all(|w| w[1] - w[0] > 1e-9),
+            "{rate}: {times:?}"
+        );
+    }
     assert_eq!(times(&table(&["--rate", "2"])), [0.0, 0.5, 1.0, 1.5, 2.0]);
     // Twenty of them, and the end.
     let slow = times(&table(&["--rate", "10.3"]));

@@ -75,3 +75,56 @@ fn a_file_that_cannot_be_completed_leaves_nothing() {
     assert!(stderr.contains("trajectory.csv"), "{stderr}");
     assert_eq!(files(&folder), BTreeSet::new());
 }
+
+/// Whoever reads what is told may go away: the motion is written all the same.
+#[test]
+fn nobody_who_listens_is_no_reason_to_stop() {
+    let folder = empty_folder("nobody");
+    let binary = env!("CARGO_BIN_EXE_aghf");
+    let command = format!(
+        "{binary} solve pendulum_1_swingup -v 2>/dev/full && {binary} sample out/*/summary.json --rate 1e5 | head -1"
+    );
+    let output = Command::new("sh")
+        .current_dir(&folder)
+        .args(["-c", &command])
+        .output();
+    let output = output.expect("it runs");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), stderr.as_ref()), (Some(0), ""));
+    assert_eq!(files(&folder).len(), 2);
+}
+
+/// Two at once for the same folder: one has it, and the other says where its files are.
+#[test]
+fn two_solves_for_one_folder_lose_none() {
+    let folder = empty_folder("two");
+    let solve = || {
+        Command::new(env!("CARGO_BIN_EXE_aghf"))
+            .current_dir(&folder)
+            .env("TMPDIR", folder.join("spare"))
+            .args([
+                "solve",
+                "pendulum_3_swingup",
+                "--out",
+                "same",
+                "--seconds",
+                "1",
+            ])
+            .output()
+            .expect("it runs")
+    };
+    let runs = std::thread::scope(|scope| {
+        let both = [scope.spawn(solve), scope.spawn(solve)];
+        both.map(|run| run.join().expect("it ends"))
+    });
+    assert!(runs.iter().all(|run| run.status.success()));
+    let told: String = runs
+        .iter()
+        .map(|run| String::from_utf8_lossy(&run.stderr))
+        .collect();
+    assert!(
+        told.contains("same/") && told.contains("; the files are in "),
+        "{told}"
+    );
+    assert_eq!(files(&folder).len(), 4, "{:?}", files(&folder));
+}

@@ -4,7 +4,9 @@ use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
-use crate::relax::tuning::{HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, WAVE};
+use crate::relax::tuning::{
+    HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
+};
 use crate::relax::{CostWithControl, Iteration, Path, RelaxSettings};
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -41,6 +43,9 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
     let stopped = || context.watch.stopped().is_some();
+    // What comes after the starts needs its part of the time.
+    let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
+    let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
     let constrained = context.rows.count() > 0;
     let line = Path::line(context.problem, rungs[0].basis.clone());
     let mut least = vec![f64::INFINITY; rungs.len()];
@@ -100,7 +105,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
             None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),
         };
-        if stopped() || !more {
+        if stopped() || context.watch.is_late(share) || !more {
             break;
         }
     }

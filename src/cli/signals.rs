@@ -1,0 +1,63 @@
+//! Requests to end: Ctrl-C, and those of other programs.
+
+#[cfg(unix)]
+use super::tell;
+#[cfg(unix)]
+use crate::error::Error;
+use crate::error::Result;
+use crate::motion::Interrupt;
+use std::sync::OnceLock;
+
+/// The search that the first request stops; without one it ends the program.
+static SEARCH: OnceLock<Interrupt> = OnceLock::new();
+
+/// From now on the first request to end stops this search with the best motion so far, and the second one ends the program.
+pub(super) fn stop_first(interrupt: &Interrupt) {
+    // There is one search per program.
+    let _ = SEARCH.set(interrupt.clone());
+}
+
+/// Begins to listen for requests to end. Nothing unfinished is left behind by one. A file that becomes too large is an error of writing
+/// from then on and no longer the end.
+#[cfg(unix)]
+pub(super) fn listen() -> Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::iterator::Signals;
+    let failed = |e| Error::io("signals", e);
+    signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default()).map_err(failed)?;
+    // `nohup` has some ignored, and they stay so.
+    let heard = [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|s| !is_ignored(*s));
+    let mut signals = Signals::new(heard).map_err(failed)?;
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            match SEARCH.get() {
+                Some(search) if !search.is_raised() => {
+                    search.raise();
+                    tell("aghf: stopping with the best motion so far; once more ends at once");
+                }
+                _ => {
+                    crate::output::remove_unfinished();
+                    std::process::exit(128 + signal);
+                }
+            }
+        }
+    });
+    Ok(())
+}
+
+/// Tells whether a signal was ignored when the program began, where the system says so.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
+}
+
+/// Leaves Ctrl-C to the system, which ends the program.
+#[cfg(not(unix))]
+pub(super) fn listen() -> Result<()> {
+    Ok(())
+}
