@@ -313,8 +313,9 @@ fn is_finite(inertia: &Inertia<f64>) -> bool {
     numbers.chain([&inertia.mass]).all(|x| x.is_finite())
 }
 
-/// The square of 1e-10 m, below the size of an atom: a body of a mass whose moments are smaller than by this is a point.
-const ATOM: f64 = 1e-20;
+/// The square of 1e-8 m: moments that are smaller than a mass times this are those of a point, and what rounding leaves where they were
+/// moved from a frame some tenths of a metre away.
+const POINT: f64 = 1e-16;
 
 /// Why no body can have this inertia about its centre of mass, if none can.
 fn impossible(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
@@ -322,7 +323,7 @@ fn impossible(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
         return Some("it has rotational inertia but no mass".to_owned());
     }
     let moments = rotational.symmetric_eigenvalues();
-    let rounding = (1e-9 * moments.amax()).max(mass * ATOM);
+    let rounding = (1e-9 * moments.amax()).max(mass * POINT);
     if moments.min() < -rounding {
         return Some(format!(
             "its principal moment of inertia {:e} is negative",

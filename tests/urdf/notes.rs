@@ -72,7 +72,7 @@ fn a_summary_has_a_line_a_kind_of_what_bears_on_motions() {
     );
 }
 
-/// Exporters leave rounding where zeros are meant; what is smaller than an atom is no moment of a body.
+/// Exporters leave rounding where zeros are meant; what is smaller than a mass times (1e-8 m)^2 is no moment.
 #[test]
 fn a_moment_of_rounding_is_not_impossible() {
     let notes = |ixz: &str| {
@@ -85,7 +85,7 @@ fn a_moment_of_rounding_is_not_impossible() {
         report.len() - 1
     };
     assert_eq!(
-        [notes("2.40741e-35"), notes("1e-21"), notes("1e-19")],
+        [notes("2.40741e-35"), notes("1e-19"), notes("1e-15")],
         [0, 0, 1]
     );
 }
