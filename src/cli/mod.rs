@@ -16,6 +16,7 @@ mod stages;
 mod sweep;
 
 use crate::error::Error;
+use crate::input::is_standard_input;
 use crate::model::Model;
 use crate::scenario::{Scenario, SolveOptions};
 use crate::urdf::{
@@ -114,7 +115,7 @@ impl RobotArgs {
 fn tell_notes(robot: &str, notes: &[LoadNote]) {
     if builtin_robots().all(|name| name != robot) {
         for note in summarised(notes) {
-            let robot = if robot == "-" {
+            let robot = if is_standard_input(Path::new(robot)) {
                 "standard input"
             } else {
                 robot
@@ -165,9 +166,16 @@ fn tell(text: &str) {
 
 /// Prints to the standard output; a reader that went away is no error.
 fn print(text: &str) -> Result<(), Error> {
-    use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io("standard output", e)),
+    use std::io::Write;
+    printed(writeln!(std::io::stdout(), "{text}"))
+}
+
+/// The result of writing to the standard output.
+fn printed(result: std::io::Result<()>) -> Result<(), Error> {
+    match result {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::io("standard output", e))
+        }
         _ => Ok(()),
     }
 }

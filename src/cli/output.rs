@@ -5,7 +5,7 @@ use crate::output::{OutputFolder, Sampling};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Where files go.
+/// The place for files.
 #[derive(Debug, Default, Args)]
 pub(super) struct OutArgs {
     /// The folder for the files [default: one below out/ with the name of what runs, and a number where there is such a folder already].

@@ -1,12 +1,11 @@
 //! `aghf sample`.
 
 use super::output::SamplingArgs;
-use super::print;
-use crate::error::{Error, Result};
+use super::{print, printed};
+use crate::error::Result;
 use crate::output::{refuse_existing, write_table, write_trajectory};
 use crate::scenario::Solved;
 use clap::Args;
-use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -44,13 +43,10 @@ impl Sample {
                 write_table(model, &curve, times, failure, path)?;
                 print(&format!("wrote {}", path.display()))?;
             }
-            None => match write_trajectory(model, &curve, times, failure, std::io::stdout().lock())
-            {
-                Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-                    return Err(Error::io("standard output", e));
-                }
-                _ => (),
-            },
+            None => {
+                let out = std::io::stdout().lock();
+                printed(write_trajectory(model, &curve, times, failure, out))?;
+            }
         }
         Ok(ExitCode::SUCCESS)
     }

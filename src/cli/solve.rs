@@ -31,7 +31,7 @@ pub(super) struct Solve {
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// How to solve it [default: relax].
+    /// The method of solving it [default: relax].
     #[arg(long, value_parser = choice::<Method>())]
     method: Option<Method>,
     /// Degree of the polynomial, or of each segment [default: 16 for relax].

@@ -109,7 +109,7 @@ struct Progress {
     lines: Option<Mutex<Lines>>,
 }
 
-/// What the lines say.
+/// The contents of the lines.
 struct Lines {
     /// When the last one was printed.
     printed: Instant,

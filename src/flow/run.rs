@@ -41,7 +41,7 @@ pub struct FlowSettings {
     pub integrator: IntegratorKind,
     /// The wall time after which the flow stops where it is, as a failure.
     pub time_limit: Option<Duration>,
-    /// What stops it likewise when it is raised.
+    /// The request that stops it likewise when it is raised.
     pub interrupt: Interrupt,
 }
 
@@ -134,7 +134,7 @@ pub struct FlowFailure {
     pub history: Vec<FlowRecord>,
     /// The reason why it stopped.
     pub reason: String,
-    /// What stopped it, if it was not the integration itself.
+    /// The reason why it was stopped, if that was not the integration itself.
     pub stopped: Option<Stopped>,
     /// The work that the integrator did.
     pub statistics: Statistics,

@@ -1,5 +1,5 @@
 //! How to extend the mathematics: one page for each thing that a user can replace, with an example that is compiled and run as a test.
-//! How to run [many solves](sweeps), on one machine or several, is a page as well.
+//! A page on [many solves](sweeps) tells how to run them on one machine or several.
 //!
 //! Every page of the former has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
 //! goes, and what the limits are.

@@ -14,3 +14,10 @@ pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;
 pub use tensor::{Tensor3, Tensor4};
+
+/// A matrix as a list of its rows, as files have it.
+#[cfg(feature = "output")]
+pub(crate) fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
+    let rows = matrix.row_iter();
+    rows.map(|row| row.iter().copied().collect()).collect()
+}

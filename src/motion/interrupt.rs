@@ -7,24 +7,31 @@ use std::time::{Duration, Instant};
 /// A request to stop a search. All clones are one request, so that one of them can be raised from another thread, such as
 /// that of a signal.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt(Arc<AtomicBool>);
+pub struct Interrupt {
+    raised: Arc<AtomicBool>,
+    /// The time at which it raises itself.
+    at: Option<Instant>,
+}
 
 impl Interrupt {
+    /// A request that raises itself after a time, counted from now.
+    #[must_use]
+    pub fn after(time: Duration) -> Self {
+        Self {
+            raised: Arc::default(),
+            at: Some(Instant::now() + time),
+        }
+    }
+
     /// Asks for the search to stop.
     pub fn raise(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.raised.store(true, Ordering::Relaxed);
     }
 
     /// Tells whether it is to stop.
     #[must_use]
     pub fn is_raised(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-
-    /// The flag itself, as libraries for signals take it.
-    #[must_use]
-    pub fn flag(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.0)
+        self.raised.load(Ordering::Relaxed) || self.at.is_some_and(|at| Instant::now() >= at)
     }
 }
 
@@ -75,7 +82,7 @@ impl Watch {
         if self.interrupt.is_raised() {
             return Some(Stopped::Interrupt);
         }
-        let late = |limit: &Duration| self.began.elapsed() >= *limit;
-        self.limit.filter(late).map(Stopped::TimeLimit)
+        let over = self.limit.filter(|_| self.is_late(1.0));
+        over.map(Stopped::TimeLimit)
     }
 }

@@ -20,7 +20,7 @@ impl<'m> Problem<'m> {
     /// The longest horizon, s: a year. What a robot does in all that time is no one polynomial.
     pub const LONGEST_HORIZON: f64 = 31_536_000.0;
 
-    /// What is wrong with a horizon, if anything is.
+    /// Refuses a horizon that is out of range, with the condition that it breaks.
     pub(crate) fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
         if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
             return Ok(());

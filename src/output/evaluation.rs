@@ -5,11 +5,12 @@ use crate::dynamics::{
 };
 use crate::error::{Error, Result, plain};
 use crate::flow::{ControlForm, Node, RightHandSide};
+use crate::linalg::rows;
 use crate::model::Model;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// What the input file says.
+/// The contents of the input file.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Input {
@@ -27,7 +28,7 @@ struct State {
     tau: Option<Vec<f64>>,
 }
 
-/// What the flow reads at a node.
+/// The quantities that the flow reads at a node.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Curve {
@@ -187,12 +188,4 @@ impl Evaluation {
             None => Ok(()),
         }
     }
-}
-
-/// A matrix as a list of rows.
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect()
 }

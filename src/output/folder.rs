@@ -23,9 +23,8 @@ impl OutputFolder {
     /// # Errors
     /// One of them is there already and may not be replaced; the folder cannot be made, or no file be written in it.
     pub fn open(path: &Path, files: &[&str], replace: bool) -> Result<Self> {
-        let there = files.iter().map(|file| path.join(file));
-        if let Some(file) = there.into_iter().find(|file| !replace && file.exists()) {
-            return Err(exists(&file));
+        for file in files {
+            refuse_existing(&path.join(file), replace)?;
         }
         let made = !path.exists();
         fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
@@ -105,13 +104,10 @@ impl Drop for OutputFolder {
 /// # Errors
 /// Names the file.
 pub fn refuse_existing(path: &Path, replace: bool) -> Result<()> {
-    if path.exists() && !replace {
-        return Err(exists(path));
+    if replace || !path.exists() {
+        return Ok(());
     }
-    Ok(())
-}
-
-fn exists(path: &Path) -> Error {
     let condition = "it exists already; --force replaces it";
-    Error::input(path.display().to_string(), "output", condition)
+    let file = path.display().to_string();
+    Err(Error::input(file, "output", condition))
 }

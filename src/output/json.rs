@@ -21,7 +21,7 @@ struct Lines {
     lists: usize,
 }
 
-/// What separates the entries of a list, and the keys of an object in a list.
+/// Writes the separator between the entries of a list, or the keys of an object in a list.
 fn separate<W: ?Sized + Write>(writer: &mut W, first: bool) -> io::Result<()> {
     writer.write_all(if first { b"" } else { b", " })
 }

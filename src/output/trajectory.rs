@@ -37,12 +37,12 @@ impl Sampling {
         let most = Self::MOST;
         let refuse = |what: &str, condition: String| Err(Error::input("options", what, condition));
         // Times are quotients, so that none is off by more than its rounding.
-        let (count, of_end, end) = match self {
+        let (count, per_second) = match self {
             Self::Samples(samples) if !(2..=most).contains(&samples) => {
                 let condition = format!("it is {samples}, at least 2 and at most {most} is needed");
                 return refuse("samples", condition);
             }
-            Self::Samples(samples) => (samples - 1, (samples - 1) as f64 / horizon, horizon),
+            Self::Samples(samples) => (samples - 1, (samples - 1) as f64 / horizon),
             Self::Rate(rate) => {
                 if !(rate.is_finite() && rate > 0.0) {
                     return refuse("rate", format!("it is {rate}, a positive number is needed"));
@@ -53,11 +53,11 @@ impl Sampling {
                     let condition = format!("{rate} Hz over {horizon} s are more than {most} rows");
                     return refuse("rate", condition);
                 }
-                (count as usize, rate, horizon)
+                (count as usize, rate)
             }
         };
-        let inner = (0..count).map(move |i| (i as f64 / of_end).min(end));
-        Ok(inner.chain([end]))
+        let inner = (0..count).map(move |i| (i as f64 / per_second).min(horizon));
+        Ok(inner.chain([horizon]))
     }
 }
 

@@ -31,7 +31,7 @@ pub struct RelaxSettings {
     pub seed: u64,
     /// The time after which the search stops with the best motion so far. Until then it tries further starts.
     pub time_limit: Option<Duration>,
-    /// What stops it likewise when it is raised.
+    /// The request that stops it likewise when it is raised.
     pub interrupt: Interrupt,
     /// The number of threads that work on starts; the result does not depend on it.
     pub threads: usize,
@@ -281,7 +281,7 @@ pub struct RelaxSolution {
     pub quadrature_error: f64,
     /// True if the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
-    /// What stopped it, if it did not come to its end; the motion is then the best so far.
+    /// The reason why it was stopped, if it did not come to its end; the motion is then the best so far.
     pub stopped: Option<Stopped>,
     /// The degrees on the way, where the degree is adaptive.
     pub adapted: Option<DegreeRefinement>,

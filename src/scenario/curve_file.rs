@@ -2,6 +2,7 @@
 
 use crate::curve::Curve;
 use crate::error::{Error, Result};
+use crate::linalg::rows;
 use crate::model::{Joint, Model};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -75,11 +76,4 @@ impl CurveFile {
         Curve::piecewise(self.horizon_s, self.segments, x)
             .map_err(|e| refuse("curve".to_owned(), e.to_string()))
     }
-}
-
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect()
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result, plain};
 use crate::input::{name_of, read_named};
 use crate::model::{Model, Reduced};
 use crate::motion::{Feedback, Guess, Problem};
-use crate::urdf::{LoadReport, Mimic, UrdfOptions, load_robot_with, robot_text};
+use crate::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -241,10 +241,10 @@ impl Scenario {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
-        let (robot, load_notes) =
-            load_robot_with(&file.robot, folder, options).map_err(of_robot)?;
-        let (robot_place, text) = robot_text(&file.robot, folder).map_err(of_robot)?;
-        let robot_xxh64 = twox_hash::XxHash64::oneshot(0, text.as_bytes());
+        let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;
+        let (robot, load_notes) = source.parse(options).map_err(of_robot)?;
+        let robot_place = source.absolute().map_err(of_robot)?;
+        let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
         let environment = Environment::new(&robot, &file, path)?;
         let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
         let states = [

@@ -75,7 +75,7 @@ pub struct SolveOptions {
         skip_serializing_if = "Option::is_none"
     )]
     pub time_limit: Option<Duration>,
-    /// What stops either likewise when it is raised.
+    /// The request that stops either likewise when it is raised.
     #[serde(skip)]
     pub interrupt: Interrupt,
 }

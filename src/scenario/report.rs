@@ -36,7 +36,7 @@ pub struct SolveReport {
     pub history: Vec<Record>,
     /// True if the method came to its end.
     pub completed: bool,
-    /// What stopped it, if something did.
+    /// The reason why it was stopped, if it was.
     pub stopped: Option<Stopped>,
 }
 

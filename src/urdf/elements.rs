@@ -37,7 +37,7 @@ pub(super) struct Joint {
     pub limit: Option<Limit>,
     /// The joint that it is to follow.
     pub mimics: Option<String>,
-    /// What of damping and friction it has.
+    /// The names of damping and friction as far as it has them.
     pub losses: Vec<&'static str>,
 }
 

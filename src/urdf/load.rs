@@ -1,10 +1,15 @@
 //! Robots by name or by path.
 
-use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf, parse_urdf_with};
+use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf_with};
+#[cfg(feature = "output")]
+use crate::error::Error;
 use crate::error::Result;
+#[cfg(feature = "output")]
+use crate::input::is_standard_input;
 use crate::input::read_named;
 use crate::model::Model;
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 /// The built-in robot of this name, or else the one in the URDF file at this path, `-` for the standard input.
 ///
@@ -23,30 +28,66 @@ pub fn load_robot_with(
     folder: &Path,
     options: UrdfOptions,
 ) -> Result<(Model, LoadReport)> {
-    if let Some(text) = builtin_robot_text(name_or_path) {
-        return parse_urdf(text, name_or_path);
-    }
-    let path = folder.join(name_or_path);
-    let text = read_named(&path, "robot")?;
-    parse_urdf_with(&text, &path.display().to_string(), options)
+    RobotSource::find(name_or_path, folder)?.parse(options)
 }
 
-/// The name of the robot that is built in under this name, or else the absolute path of the file at this path below `folder`, and
-/// its text.
-///
-/// # Errors
-/// The file cannot be read.
-#[cfg(feature = "output")]
-pub(crate) fn robot_text(name_or_path: &str, folder: &Path) -> Result<(String, String)> {
-    if let Some(text) = builtin_robot_text(name_or_path) {
-        return Ok((name_or_path.to_owned(), text.to_owned()));
+/// The text of a robot, and where it is from.
+pub(crate) struct RobotSource {
+    pub text: Cow<'static, str>,
+    /// The name of a robot that is built in, or else the path of its file.
+    place: Place,
+}
+
+enum Place {
+    BuiltIn(String),
+    File(PathBuf),
+}
+
+impl RobotSource {
+    /// That of the robot that is built in under this name, or else of the file at this path below `folder`.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn find(name_or_path: &str, folder: &Path) -> Result<Self> {
+        if let Some(text) = builtin_robot_text(name_or_path) {
+            return Ok(Self {
+                text: Cow::Borrowed(text),
+                place: Place::BuiltIn(name_or_path.to_owned()),
+            });
+        }
+        let path = folder.join(name_or_path);
+        Ok(Self {
+            text: Cow::Owned(read_named(&path, "robot")?),
+            place: Place::File(path),
+        })
     }
-    let path = folder.join(name_or_path);
-    let text = crate::input::read_text(&path)?;
-    let place = if crate::input::is_standard_input(&path) {
-        path
-    } else {
-        std::path::absolute(&path).map_err(|e| crate::error::Error::io(&path, e))?
-    };
-    Ok((place.to_string_lossy().into_owned(), text))
+
+    /// The robot, as `options` say.
+    ///
+    /// # Errors
+    /// As [`load_robot`].
+    pub fn parse(&self, options: UrdfOptions) -> Result<(Model, LoadReport)> {
+        let name = match &self.place {
+            Place::BuiltIn(name) => name.clone(),
+            Place::File(path) => path.display().to_string(),
+        };
+        parse_urdf_with(&self.text, &name, options)
+    }
+
+    /// The name of a robot that is built in, or else the absolute path of its file.
+    ///
+    /// # Errors
+    /// There is no current folder.
+    #[cfg(feature = "output")]
+    pub fn absolute(&self) -> Result<String> {
+        let path = match &self.place {
+            Place::BuiltIn(name) => return Ok(name.clone()),
+            Place::File(path) => path,
+        };
+        if is_standard_input(path) {
+            return Ok(path.display().to_string());
+        }
+        let absolute = std::path::absolute(path).map_err(|e| Error::io(path, e))?;
+        Ok(absolute.to_string_lossy().into_owned())
+    }
 }

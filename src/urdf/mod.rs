@@ -12,7 +12,7 @@ mod write;
 pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 #[cfg(feature = "output")]
-pub(crate) use load::robot_text;
+pub(crate) use load::RobotSource;
 pub use load::{load_robot, load_robot_with};
 pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions, summarised};
 pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};

@@ -98,7 +98,7 @@ impl LoadNote {
         }
     }
 
-    /// What is said of several elements at once.
+    /// The sentence that is said of several elements at once.
     fn kind(&self) -> String {
         match self {
             Self::Massless { .. } => "massless".to_owned(),

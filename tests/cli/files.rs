@@ -1,6 +1,7 @@
 //! Nothing that was found is lost, and everything that was found can be found again.
 
 use crate::command::{Run, aghf, assert_bad_input, empty_folder, files, parsed};
+use crate::solve::MISSING;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,20 +21,6 @@ fn solved(folder: &Path, arguments: &[&str]) -> Run {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     run
 }
-
-/// A flow that misses the goal.
-const FAILING: &[&str] = &[
-    "solve",
-    "pendulum_5_swingup",
-    "--method",
-    "flow",
-    "--k",
-    "1e5",
-    "--s-max",
-    "1",
-    "--out",
-    "keep",
-];
 
 #[test]
 fn a_folder_that_takes_no_file_is_refused_before_the_search() {
@@ -61,13 +48,14 @@ fn a_failure_is_written_beside_an_earlier_success() {
     );
     let good = ["keep/summary.json", "keep/trajectory.csv"];
     let before = good.map(|f| text(&folder.join(f)));
+    let failing = [MISSING, &["--out", "keep"]].concat();
     // Without leave not even that.
     assert_bad_input(
         &folder,
-        FAILING,
+        &failing,
         "keep/trajectory.csv: output: it exists already; --force",
     );
-    let run = aghf(&folder, &[FAILING, &["--force"]].concat());
+    let run = aghf(&folder, &[&failing[..], &["--force"]].concat());
     assert_eq!(run.code, Some(3), "{}", run.stderr);
     assert_eq!(good.map(|f| text(&folder.join(f))), before);
     let failed = ["keep/summary.failed.json", "keep/trajectory.failed.csv"];

@@ -69,6 +69,15 @@ fn ctrl_c_keeps_the_best_motion_and_says_so() {
     }
 }
 
+/// The exit code of a command of the shell, and what it said on the standard error.
+fn shell(folder: &Path, command: &str) -> (Option<i32>, String) {
+    let mut shell = Command::new("sh");
+    let output = shell.current_dir(folder).args(["-c", command]).output();
+    let output = output.expect("it runs");
+    let stderr = String::from_utf8(output.stderr).expect("it prints text");
+    (output.status.code(), stderr)
+}
+
 /// A file that the system does not let grow to its size.
 #[test]
 fn a_file_that_cannot_be_completed_leaves_nothing() {
@@ -77,13 +86,8 @@ fn a_file_that_cannot_be_completed_leaves_nothing() {
         "ulimit -f 8; exec {} solve pendulum_1_swingup --samples 20000",
         env!("CARGO_BIN_EXE_aghf")
     );
-    let output = Command::new("sh")
-        .current_dir(&folder)
-        .args(["-c", &command])
-        .output();
-    let output = output.expect("it runs");
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    let (code, stderr) = shell(&folder, &command);
+    assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("trajectory.csv"), "{stderr}");
     assert_eq!(files(&folder), BTreeSet::new());
 }
@@ -96,13 +100,8 @@ fn nobody_who_listens_is_no_reason_to_stop() {
     let command = format!(
         "{binary} solve pendulum_1_swingup -v 2>/dev/full && {binary} sample out/*/summary.json --rate 1e5 | head -1"
     );
-    let output = Command::new("sh")
-        .current_dir(&folder)
-        .args(["-c", &command])
-        .output();
-    let output = output.expect("it runs");
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!((output.status.code(), stderr.as_ref()), (Some(0), ""));
+    let (code, stderr) = shell(&folder, &command);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
     assert_eq!(files(&folder).len(), 2);
 }
 

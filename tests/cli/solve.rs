@@ -259,20 +259,22 @@ fn a_scenario_file_is_solved_under_its_own_name() {
     );
 }
 
+/// A flow that misses the goal.
+pub const MISSING: &[&str] = &[
+    "solve",
+    "pendulum_5_swingup",
+    "--method",
+    "flow",
+    "--k",
+    "1e5",
+    "--s-max",
+    "1",
+];
+
 #[test]
 fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     let folder = empty_folder("failed");
-    let arguments = [
-        "solve",
-        "pendulum_5_swingup",
-        "--method",
-        "flow",
-        "--k",
-        "1e5",
-        "--s-max",
-        "1",
-    ];
-    let run = aghf(&folder, &arguments);
+    let run = aghf(&folder, MISSING);
     assert_eq!(run.code, Some(3), "{}", run.stderr);
     let words: Vec<_> = run
         .stdout

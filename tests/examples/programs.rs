@@ -41,7 +41,7 @@ fn empty_folder(test: &str) -> PathBuf {
     folder
 }
 
-/// What an example prints; it has to end well and say nothing else.
+/// The output of an example; it has to end well and say nothing else.
 fn run(name: &str, folder: &Path, arguments: &[&str]) -> String {
     let program = program(name);
     let time_of = |path: &Path| path.metadata().and_then(|of| of.modified()).ok();

@@ -93,7 +93,7 @@ fn fuzz(format: &'static str, target: Target) {
     }
 }
 
-/// What was tried.
+/// The numbers of inputs.
 struct Counts {
     all: u64,
     accepted: u64,

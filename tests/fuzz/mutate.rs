@@ -57,10 +57,10 @@ const ODD: [&str; 44] = [
     "\n",
 ];
 
-/// How many of these are numbers that any format may have.
+/// The number of these that are numbers, which any format may have.
 const NUMBERS: usize = 15;
 
-/// What opens something, to be nested deeply.
+/// Texts that open something, to be nested deeply.
 const OPENINGS: [&str; 9] = [
     "[", "{\"a\":", "<a>", "<robot>", "[a.", "[[", "{a=", "&lt;", "\\",
 ];

@@ -1,4 +1,4 @@
-//! What is done with an input of each format.
+//! The use that is made of an input of each format.
 
 use aghf::constraint::{Capsule, Constraint};
 use aghf::dynamics::{Data, crba, rnea};
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Tries an input that is in the file at this path as well. The error says what is wrong with what came of it.
 pub type Target = fn(&Path, &[u8]) -> Result<Outcome, String>;
 
-/// What came of an input.
+/// The result of an input.
 pub enum Outcome {
     Accepted,
     /// With this message.

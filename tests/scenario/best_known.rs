@@ -3,9 +3,9 @@
 use aghf::scenario::{Details, Scenario, SolveOptions, builtin_scenarios, solve};
 use serde_json::Value;
 
-/// How much more than the least cost that is known the defaults may find without limits.
+/// The factor above the least known cost that the defaults may find without limits.
 const NEAR: f64 = 1.5;
-/// What the digits of the file leave out.
+/// The part that the digits of the file leave out.
 const DIGITS: f64 = 1e-5;
 
 fn known() -> Value {

@@ -1,4 +1,4 @@
-//! What is noted on loading a robot beside its limits.
+//! The notes on loading a robot, beside those on its limits.
 
 use crate::model::{massless, one_joint, unlimited};
 use aghf::urdf::LoadNote::{self, ImpossibleInertia, Independent, LeftOut, Merged};

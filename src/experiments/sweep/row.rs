@@ -67,19 +67,19 @@ pub struct Row {
     pub open_loop_error_inf: Option<f64>,
     /// $\int |u|^2 dt$.
     pub control_effort: Option<f64>,
-    /// What was minimised: the column `action` of the flow, `cost` of the relaxation.
+    /// The quantity that was minimised: the column `action` of the flow, `cost` of the relaxation.
     pub minimised: Option<f64>,
     /// $\max |\dot q - v|_\infty$.
     pub dynamics_defect: Option<f64>,
     /// The smallest clearance in m, where there are obstacles.
     pub smallest_clearance_m: Option<f64>,
-    /// What the method says beside this, each a column.
+    /// The further details that the method gives, each a column.
     pub work: Work,
     /// Wall time of the solve.
     pub solve_seconds: f64,
 }
 
-/// What only one method says of a solve.
+/// The details of a solve that only one method gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
     /// The flow.
@@ -99,7 +99,7 @@ pub struct FlowWork {
     pub jacobian_evaluations: Option<usize>,
 }
 
-/// What a relaxation came to, and its work.
+/// The end of a relaxation, and its work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct RelaxWork {
     /// The duration of the motion, s.

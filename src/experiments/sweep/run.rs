@@ -4,13 +4,11 @@ use super::{ParameterSet, Row, Sweep};
 use crate::error::{Error, Result, check_count};
 use crate::motion::Interrupt;
 use crate::relax::RelaxSettings;
-use crate::scenario::{Scenario, solve};
+use crate::scenario::{Scenario, SolveOptions, solve};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::thread::scope;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Solves `sets` of `sweep`, each on one thread, `jobs` at a time or on all cores if `None`. `done` is called with each row as
 /// soon as it is there, from any thread and in any order.
@@ -39,16 +37,17 @@ pub fn run(
 
 /// The row of one set. Limits that no motion can keep are a failure of this set alone, and so is a panic, which none should be.
 fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
-    let options = sweep.options(&set.parameters);
     let scenario: &Scenario = &sweep.scenario(set);
     let started = Instant::now();
     if let Err(reason) = scenario.check_feasible() {
         let seconds = started.elapsed().as_secs_f64();
         return Ok(Row::failed(sweep, set, &reason.to_string(), seconds));
     }
-    let solved = within(sweep.timeout(), &options.interrupt, || {
-        catch_unwind(AssertUnwindSafe(|| solve(scenario, &options, &mut |_| ())))
-    });
+    let options = SolveOptions {
+        interrupt: Interrupt::after(sweep.timeout()),
+        ..sweep.options(&set.parameters)
+    };
+    let solved = catch_unwind(AssertUnwindSafe(|| solve(scenario, &options, &mut |_| ())));
     Ok(match solved {
         Ok(outcome) => Row::new(sweep, set, &outcome?),
         Err(panic) => {
@@ -58,20 +57,5 @@ fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
             let reason = format!("it panicked: {message}");
             Row::failed(sweep, set, &reason, started.elapsed().as_secs_f64())
         }
-    })
-}
-
-/// Does `work`, which ends early when the interrupt is raised; it is when the time is over.
-fn within<T>(time: Duration, interrupt: &Interrupt, work: impl FnOnce() -> T) -> T {
-    let (done, waiting) = mpsc::channel::<()>();
-    scope(|threads| {
-        threads.spawn(move || {
-            if waiting.recv_timeout(time) == Err(RecvTimeoutError::Timeout) {
-                interrupt.raise();
-            }
-        });
-        let result = work();
-        drop(done);
-        result
     })
 }

@@ -82,7 +82,7 @@ impl Grid {
         lengths.try_fold(1, usize::checked_mul)
     }
 
-    /// How often each set of parameters is tried in a scenario: the number of seeds.
+    /// The number of times that each set of parameters is tried in a scenario: that of seeds.
     pub(super) fn repetitions(&self) -> usize {
         match self {
             Self::Flow(_) => 1,
@@ -220,7 +220,7 @@ fn check_optional<T: PartialEq>(
     }
 }
 
-/// What is wrong with a number that has to be positive.
+/// The fault of a number that has to be positive, if it has one.
 fn not_positive(x: &f64) -> Option<String> {
     let positive = x.is_finite() && *x > 0.0;
     (!positive).then(|| format!("it is {}, a positive number is needed", plain(*x)))

@@ -234,7 +234,7 @@ fn share(enforced: &Enforced) -> f64 {
     }
 }
 
-/// What is wrong with limits in a list.
+/// The fault of limits in a list, if they have one.
 fn not_a_share(enforced: &Enforced) -> Option<String> {
     match enforced {
         Enforced::Share {
