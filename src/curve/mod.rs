@@ -9,4 +9,5 @@ mod piecewise;
 pub use basis::Basis;
 pub use chebyshev::Chebyshev;
 pub use legendre::gauss_legendre;
+pub(crate) use legendre::{collocated, legendre};
 pub use piecewise::Curve;

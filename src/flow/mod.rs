@@ -13,7 +13,9 @@ mod lagrangian_flow;
 mod node;
 mod omega;
 mod penalty;
+pub mod rest;
 mod run;
+pub mod weak;
 
 pub use action::{EffortSummary, effort_of};
 pub use collocation::{Collocation, assemble_jacobian};

@@ -3,17 +3,25 @@
 
 #[cfg(feature = "solvers")]
 mod block_tridiagonal;
+#[cfg(feature = "solvers")]
+mod gram;
 mod ldlt;
 #[cfg(feature = "solvers")]
 mod matmul;
 mod tensor;
+#[cfg(feature = "solvers")]
+mod trust_region;
 
 #[cfg(feature = "solvers")]
 pub use block_tridiagonal::BlockTridiagonal;
+#[cfg(feature = "solvers")]
+pub(crate) use gram::weighted_gram;
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;
 pub use tensor::{Tensor3, Tensor4};
+#[cfg(feature = "solvers")]
+pub(crate) use trust_region::{Region, Step};
 
 /// A matrix as a list of its rows, as files have it.
 #[cfg(feature = "output")]

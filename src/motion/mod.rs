@@ -3,6 +3,7 @@
 
 mod control;
 mod interrupt;
+mod path;
 mod problem;
 mod simulate;
 mod violations;
@@ -12,6 +13,7 @@ pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]
 pub(crate) use interrupt::Watch;
 pub use interrupt::{Interrupt, Stopped};
+pub(crate) use path::{Path, curve_of, path_of};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
 pub use violations::{Violation, violations};

@@ -19,7 +19,6 @@
 //! constant.
 
 mod interior_point;
-mod path;
 mod running_cost;
 mod settings;
 mod strategy;
@@ -27,7 +26,6 @@ mod transcription;
 mod tuning;
 
 pub use interior_point::{Barrier, BarrierCost};
-pub(crate) use path::{Path, curve_of};
 pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
     StageInput, Weighted, WeightedSquares,
@@ -42,9 +40,8 @@ pub use transcription::{
 
 use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::error::Result;
-use crate::motion::{Problem, Watch};
+use crate::motion::{Problem, Watch, curve_of, path_of};
 use interior_point::{Candidate, Context, minimise};
-use path::path_of;
 use strategy::{Tried, multistart, refine, search};
 use transcription::{Grids, Rows};
 

@@ -43,13 +43,6 @@ pub(super) const LEAVE: f64 = 0.3;
 /// The number of lengths that are tried there, and the factor from one to the next.
 pub(super) const LEAVE_TRIES: usize = 20;
 pub(super) const LEAVE_FACTOR: f64 = 0.3;
-/// A step is as long as the region allows within these factors of the radius.
-pub(super) const REGION_SHORT: f64 = 0.6;
-pub(super) const REGION_LONG: f64 = 1.3;
-/// The number of multipliers that are tried for one step.
-pub(super) const REGION_TRIES: usize = 40;
-/// The number of them that are tried before a step shorter than the region allows is good enough.
-pub(super) const REGION_PATIENCE: usize = 6;
 /// After so many steps at the highest degree, without and with rows, the metric of Gauss and Newton is computed anew.
 pub(super) const FRESH: [usize; 2] = [60, 10];
 
@@ -86,8 +79,6 @@ pub(super) const LARGEST_PRICE: f64 = 1e9;
 
 // Starts.
 
-/// The sizes of the bends of starts, in turn, relative to the amplitude of the settings.
-pub(super) const START_SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 /// The number of starts that are worked on side by side.
 pub(super) const WAVE: usize = 8;
 /// The part of a time limit for which starts are tried where a horizon or a degree is looked for after them.

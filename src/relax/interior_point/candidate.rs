@@ -1,7 +1,7 @@
 //! A curve with the multipliers that hold it within its constraints.
 
+use crate::motion::Path;
 use crate::motion::Problem;
-use crate::relax::Path;
 
 /// The start of a minimisation, and its end.
 #[derive(Clone, Debug)]

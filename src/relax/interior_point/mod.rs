@@ -22,7 +22,6 @@ mod margins;
 mod newton;
 mod row;
 mod search;
-mod trust_region;
 
 pub use barrier::Barrier;
 pub use barrier_cost::BarrierCost;

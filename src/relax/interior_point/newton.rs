@@ -1,10 +1,9 @@
 //! Newton's method with the exact Hessian in a trust region.
 
 use super::barrier_cost::BarrierCost;
-use super::trust_region::{Region, Step};
 use crate::constraint::Constraint;
 use crate::error::Result;
-use crate::linalg::BlockTridiagonal;
+use crate::linalg::{BlockTridiagonal, Region, Step};
 use crate::relax::tuning::{CUT, CUTS, REFUSALS, ROUNDING, SMALLEST_COST, SUFFICIENT};
 use crate::relax::{CostWithControl, Derivatives, Iteration, Objective};
 use nalgebra::{DMatrix, DVector};

@@ -2,12 +2,13 @@
 
 use crate::constraint::Constraint;
 use crate::error::Result;
+use crate::motion::Path;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
 use crate::relax::tuning::{
     HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
 };
-use crate::relax::{CostWithControl, Iteration, Path, RelaxSettings};
+use crate::relax::{CostWithControl, Iteration, RelaxSettings};
 use serde::Serialize;
 use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};

@@ -9,6 +9,7 @@ use crate::dynamics::{
     Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
 };
 use crate::error::{Result, check_length};
+use crate::linalg::weighted_gram;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
@@ -169,7 +170,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         }
         let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
         let doubled = &self.squares_of[0] * two;
-        squares(column, &doubled, &mut self.squares);
+        weighted_gram(column, &doubled, &mut self.squares);
         if self.with_motion {
             for x in 1..3 {
                 for i in 0..n {
@@ -178,7 +179,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         if stiff {
-            squares(column, &self.stiffness, &mut self.stiff);
+            weighted_gram(column, &self.stiffness, &mut self.stiff);
         }
         for (x, y, phi) in [
             (0, 0, Some(qq)),
@@ -321,42 +322,4 @@ pub(in crate::relax) fn alone<S: Scalar>(
     out.metric = all.metrics.get(0);
     out.gradient.copy_from_slice(all.gradients.as_slice());
     Ok(all.costs[0])
-}
-
-/// The lower half of $A^T D A$ for columns of `A` and a diagonal `D`, in tiles that stay in registers.
-fn squares<'a, S: Scalar>(
-    columns: impl Fn(usize) -> &'a [S],
-    diagonal: &DVector<S>,
-    out: &mut DMatrix<S>,
-) {
-    const ROWS: usize = 2;
-    const COLUMNS: usize = 4;
-    let last = out.nrows() - 1;
-    let mut scaled: [Vec<S>; ROWS] = std::array::from_fn(|_| diagonal.as_slice().to_vec());
-    for row in (0..=last).step_by(ROWS) {
-        for (k, scaled) in scaled.iter_mut().enumerate() {
-            let column = columns((row + k).min(last)).iter().zip(diagonal);
-            for (to, (x, d)) in scaled.iter_mut().zip(column) {
-                *to = *x * *d;
-            }
-        }
-        for column in (0..=row + 1).step_by(COLUMNS) {
-            let right: [&[S]; COLUMNS] = std::array::from_fn(|k| columns((column + k).min(last)));
-            let mut sums = [[S::zero(); COLUMNS]; ROWS];
-            for k in 0..diagonal.len() {
-                for (sums, scaled) in sums.iter_mut().zip(&scaled) {
-                    for (sum, right) in sums.iter_mut().zip(&right) {
-                        *sum += scaled[k] * right[k];
-                    }
-                }
-            }
-            for (i, sums) in sums.into_iter().enumerate() {
-                for (j, sum) in sums.into_iter().enumerate() {
-                    if row + i <= last && column + j <= last {
-                        out[(row + i, column + j)] = sum;
-                    }
-                }
-            }
-        }
-    }
 }

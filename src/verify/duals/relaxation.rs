@@ -6,8 +6,8 @@ use crate::dynamics::{Data, crba, rnea};
 use crate::error::Result;
 use crate::flow::{ControlForm, Node, RightHandSide};
 use crate::model::Model;
-use crate::motion::Problem;
-use crate::relax::{ControlEffort, Derivatives, Grid, Objective, Path, curve_of};
+use crate::motion::{Path, Problem, curve_of};
+use crate::relax::{ControlEffort, Derivatives, Grid, Objective};
 use nalgebra::{DMatrix, DVector};
 
 /// Points on each segment: on curves that turn by a few radians their quadrature is exact to rounding.

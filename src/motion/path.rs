@@ -1,12 +1,14 @@
 //! A curve in a basis.
 
-use super::tuning::START_SIZES;
+use super::Problem;
 use crate::curve::{Basis, Chebyshev, Curve};
 use crate::error::Result;
-use crate::motion::Problem;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+/// The sizes of the bends of starts, in turn, relative to their amplitude.
+const SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 
 /// A curve in a basis.
 #[derive(Clone, Debug)]
@@ -50,7 +52,7 @@ impl Path {
         if number == 0 {
             return self.clone();
         }
-        let size = START_SIZES[number as usize % START_SIZES.len()];
+        let size = SIZES[number as usize % SIZES.len()];
         let size = amplitude * size;
         let mut rng = ChaCha8Rng::seed_from_u64(number);
         rng.set_stream(seed);
@@ -133,7 +135,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
 }
 
 /// The configuration of a curve in a basis.
-pub(super) fn path_of(curve: &Curve, basis: Basis) -> Path {
+pub(crate) fn path_of(curve: &Curve, basis: Basis) -> Path {
     let (n, chebyshev) = (curve.dof(), curve.chebyshev());
     let horizon = curve.horizon();
     let d2 = chebyshev.d2().transpose();

@@ -1,12 +1,19 @@
 //! Steps of Newton's method that stay where the quadratic model is worth something.
 
-use crate::linalg::BlockTridiagonal;
-use crate::relax::tuning::{REGION_LONG, REGION_PATIENCE, REGION_SHORT, REGION_TRIES};
+use super::BlockTridiagonal;
 use nalgebra::DVector;
+
+/// A step is as long as the region allows within these factors of the radius.
+const SHORT: f64 = 0.6;
+const LONG: f64 = 1.3;
+/// The number of multipliers that are tried for one step.
+const TRIES: usize = 40;
+/// The number of them that are tried before a step shorter than the region allows is good enough.
+const PATIENCE: usize = 6;
 
 /// A region about the present curve, and the multiplier with which the last step kept within it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Region {
+pub(crate) struct Region {
     pub radius: f64,
     /// $\lambda$.
     pub damping: f64,
@@ -15,7 +22,7 @@ pub(super) struct Region {
 }
 
 /// A step and its length.
-pub(super) struct Step {
+pub(crate) struct Step {
     pub step: DVector<f64>,
     pub length: f64,
 }
@@ -45,7 +52,7 @@ impl Region {
     ) -> Option<Step> {
         // Multipliers at or below the lower bound leave the matrix indefinite or the step too long.
         let (mut lower, mut upper) = (None::<f64>, f64::INFINITY);
-        for tries in 0..REGION_TRIES {
+        for tries in 0..TRIES {
             *factorisations += 1;
             factor.set_sum(hessian, self.damping, norm);
             let next = if factor.factorise() {
@@ -54,9 +61,8 @@ impl Region {
                 let image = norm.product(&step);
                 let length = step.dot(&image).sqrt();
                 let ratio = length / self.radius;
-                let long_enough =
-                    self.damping == 0.0 || ratio >= REGION_SHORT || tries > REGION_PATIENCE;
-                if ratio <= REGION_LONG && long_enough {
+                let long_enough = self.damping == 0.0 || ratio >= SHORT || tries > PATIENCE;
+                if ratio <= LONG && long_enough {
                     return Some(Step { step, length });
                 }
                 if ratio > 1.0 {

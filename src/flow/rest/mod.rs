@@ -1,0 +1,394 @@
+//! The flow to rest: by an implicit scheme whose steps grow without bound, with duals where a penalty is not enough.
+//!
+//! The flow as published follows $\partial x / \partial s = \Omega$ up to some `s_max` with an integrator that resolves the path, and
+//! stalls; `proofs/penalty.md` says why. Here only the end of the path matters, so that the steps in `s` may be as large as they like.
+//!
+//! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the coefficients of a continuous
+//!    piecewise polynomial in the state.
+//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\, \delta = -\nabla A$ with the exact Hessian, becomes a step of Newton's
+//!    method as `h` grows (`euler.rs`).
+//! 3. Between stretches of the flow duals take over what large penalties would have to do: of the slip $\dot x_{P1} - x_{P2}$, of rows of
+//!    constraints, of torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).
+//! 4. Low degrees first, then the degree and the segments that are asked for, each from where the one before came to rest. In two phases
+//!    (the idea of BLAZE, arXiv 2505.01589) the first looks for a motion within the constraints and hardly at what it costs.
+
+mod euler;
+mod stage;
+
+pub use euler::RestMetric;
+
+use super::weak::{ControlLagrangian, StateGrid};
+use crate::constraint::{Constraint, Constraints};
+use crate::curve::{Basis, Curve};
+use crate::error::{Error, Result, check_count};
+use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
+use stage::{Demands, Outcome, Stage, Walk};
+use std::time::Duration;
+
+/// Points of the quadrature per degree to start with, without and with rows, and the most.
+const POINTS: [f64; 2] = [3.0, 3.5];
+const MOST_POINTS: usize = 16;
+/// The lowest degree without and with rows.
+const LOWEST_DEGREE: [usize; 2] = [6, 9];
+/// The degrees on the way, as those of the relaxation.
+const DEGREES: [usize; 6] = [6, 9, 16, 24, 32, 48];
+/// The amplitude of bent guesses without and with rows, rad or m.
+const AMPLITUDE: [f64; 2] = [2.5, 1.0];
+/// The most guesses while none leads to a motion within the constraints.
+const MOST_GUESSES: usize = 64;
+/// The factor of the running cost in the first of two phases.
+const FIRST_PHASE: f64 = 1e-3;
+
+/// The settings of a flow to rest.
+#[derive(Clone, Debug)]
+pub struct RestSettings {
+    /// The degree of the polynomial, or of each segment.
+    pub degree: usize,
+    /// The number of polynomials on equal parts of the horizon. The state is continuous where two meet.
+    pub segments: usize,
+    /// The metric in which the flow goes down.
+    pub metric: RestMetric,
+    /// Whether duals do what penalties alone cannot: $v = \dot q$ and rows of constraints then hold to their tolerances and not up to the
+    /// inverse of a penalty.
+    pub duals: bool,
+    /// Whether a first phase looks for a motion within the constraints.
+    pub two_phases: bool,
+    /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
+    pub tolerance: f64,
+    /// What a row of the constraints may be violated by, in rad, rad/s, m, N m or N.
+    pub feasible: f64,
+    /// The most steps between two updates of the duals.
+    pub steps: usize,
+    /// The most updates of the duals in one basis.
+    pub rounds: usize,
+    /// The number of guesses, the cubic between the ends and bent ones; more while none leads to a motion within the constraints.
+    pub guesses: usize,
+    /// The number from which the bends are drawn.
+    pub seed: u64,
+    /// A curve to start from instead, at once in the basis of the settings.
+    pub start: Option<Curve>,
+    /// The wall time after which the flow stops with the best curve so far.
+    pub time_limit: Option<Duration>,
+    /// The request that stops it likewise when it is raised.
+    pub interrupt: Interrupt,
+}
+
+impl Default for RestSettings {
+    fn default() -> Self {
+        Self {
+            degree: 16,
+            segments: 1,
+            metric: RestMetric::Action,
+            duals: true,
+            two_phases: false,
+            tolerance: 1e-8,
+            feasible: 1e-5,
+            steps: 500,
+            rounds: 40,
+            guesses: 1,
+            seed: 0,
+            start: None,
+            time_limit: None,
+            interrupt: Interrupt::default(),
+        }
+    }
+}
+
+impl RestSettings {
+    /// The largest degree, and the largest degree times the number of segments.
+    pub const LARGEST_DEGREE: usize = 64;
+    /// Beyond it the Hessians of a large robot do not fit into memory.
+    pub const LARGEST_SIZE: usize = 256;
+    /// The most guesses.
+    pub const LARGEST_GUESSES: usize = 100_000;
+
+    /// # Errors
+    /// A setting is out of range.
+    fn check(&self) -> Result<()> {
+        check_count(
+            "degree",
+            self.degree,
+            Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE,
+        )?;
+        check_count(
+            "segments",
+            self.segments,
+            1..=Self::LARGEST_SIZE / self.degree,
+        )?;
+        check_count("guesses", self.guesses, 1..=Self::LARGEST_GUESSES)?;
+        for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
+            if !(value.is_finite() && value > 0.0) {
+                let condition = format!("it is {value}, a positive number is needed");
+                return Err(Error::input("settings", what, condition));
+            }
+        }
+        Ok(())
+    }
+
+    /// The stages for a problem with or without rows, the last one last.
+    fn stages(&self, rows: bool) -> Vec<Demands> {
+        let last = Demands {
+            basis: (self.segments, self.degree),
+            tolerance: self.tolerance,
+            steps: self.steps,
+            rounds: self.rounds,
+            fresh: if rows { 10 } else { 60 },
+            feasible: self.feasible,
+            quadrature: 1e-3,
+            cost: 1.0,
+            dense: true,
+        };
+        if self.start.is_some() {
+            return vec![last];
+        }
+        // A curve there is no more than the start of the next.
+        let rough = Demands {
+            tolerance: 0.1,
+            steps: if rows { 20 } else { 12 },
+            rounds: if rows { 6 } else { 1 },
+            fresh: if rows { 10 } else { 1 },
+            feasible: 1e-2,
+            quadrature: if rows { 0.05 } else { 0.02 },
+            dense: false,
+            ..last
+        };
+        let lowest = LOWEST_DEGREE[usize::from(rows)].min(self.degree);
+        let on_the_way = |degree: &usize| *degree > lowest && *degree < self.degree;
+        let degrees = std::iter::once(lowest).chain(DEGREES.into_iter().filter(on_the_way));
+        let mut bases: Vec<_> = degrees.map(|degree| (1, degree)).collect();
+        let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
+        let segments: Vec<_> = std::iter::successors(fewer(&self.segments), fewer).collect();
+        bases.extend(segments.into_iter().rev().map(|n| (n, self.degree)));
+        if !rows {
+            bases.push(last.basis);
+        }
+        bases.dedup();
+        let mut stages: Vec<_> = bases
+            .into_iter()
+            .map(|basis| Demands { basis, ..rough })
+            .collect();
+        if let (true, true, Some(first)) = (self.two_phases, rows, stages.first().copied()) {
+            let feasible = Demands {
+                feasible: 1e-3,
+                rounds: self.rounds,
+                cost: FIRST_PHASE,
+                ..first
+            };
+            stages.insert(0, feasible);
+        }
+        stages.push(last);
+        stages
+    }
+}
+
+/// The progress of a flow to rest after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestRecord {
+    /// The homotopy variable, in units of the metric; a step of Newton's method counts as ten times the largest before it.
+    pub s: f64,
+    /// The action with the terms of the duals.
+    pub action: f64,
+    /// The relative gradient norm.
+    pub gradient_norm: f64,
+    /// The number of segments.
+    pub segments: usize,
+    /// The degree of each.
+    pub degree: usize,
+}
+
+/// The end of a flow to rest.
+#[derive(Clone, Debug)]
+pub struct RestSolution {
+    /// The curve.
+    pub curve: Curve,
+    /// The action there, with the terms of the duals.
+    pub action: f64,
+    /// The relative gradient norm.
+    pub gradient_norm: f64,
+    /// The largest slip $|\dot x_{P1} - x_{P2}|_\infty$ at the points of the quadrature, rad/s or m/s.
+    pub slip: f64,
+    /// The largest violation of a row of the constraints, in its unit.
+    pub violation: f64,
+    /// The relative difference of the quadrature and a finer one.
+    pub quadrature_error: f64,
+    /// True if the gradient vanishes and the constraints hold, to the tolerances of the settings.
+    pub at_rest: bool,
+    /// The number of the guess that led here.
+    pub guess: usize,
+    /// The number of guesses that were tried.
+    pub guesses: usize,
+    /// Steps, factorisations and updates of the duals, all guesses and stages together.
+    pub steps: usize,
+    /// As [`steps`](Self::steps).
+    pub factorisations: usize,
+    /// As [`steps`](Self::steps).
+    pub rounds: usize,
+    /// The path of the guess that led here.
+    pub history: Vec<RestRecord>,
+    /// The reason why it was stopped, if it was.
+    pub stopped: Option<Stopped>,
+}
+
+/// Follows the flow of `lagrangian` within `constraints` until it is at rest. `observe` is called after each step.
+///
+/// ```
+/// use aghf::constraint::{Constraints, TorqueLimits};
+/// use aghf::flow::rest::{RestSettings, flow_to_rest};
+/// use aghf::flow::weak::ControlLagrangian;
+/// use aghf::motion::Problem;
+/// let model = aghf::urdf::builtin_robot("pendulum_2")?;
+/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
+/// let free = Constraints { state: (), torque: TorqueLimits(Vec::new()) };
+/// let lagrangian = ControlLagrangian::new(&model, 1e5);
+/// let solution = flow_to_rest(&problem, &RestSettings::default(), &lagrangian, &free, &mut |_| {})?;
+/// assert!(solution.at_rest && solution.slip < 1e-6);
+/// # Ok::<(), aghf::Error>(())
+/// ```
+///
+/// # Errors
+/// A setting is out of range, or lagrangian, constraints or start are for another robot. A flow that does not come to rest is a solution that
+/// says so.
+pub fn flow_to_rest<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &RestSettings,
+    lagrangian: &ControlLagrangian<'_>,
+    constraints: &Constraints<K>,
+    observe: &mut dyn FnMut(&RestRecord),
+) -> Result<RestSolution> {
+    settings.check()?;
+    let watch = Watch::start(settings.time_limit, &settings.interrupt);
+    let rows = constraints.dim() > 0;
+    let line = Path::line(
+        problem,
+        Basis::new(1, LOWEST_DEGREE[usize::from(rows)], false),
+    );
+    let mut best: Option<RestSolution> = None;
+    let mut work = [0; 3];
+    for number in 0..settings.guesses.max(MOST_GUESSES) {
+        let enough = best.as_ref().is_some_and(|best| best.at_rest || !rows);
+        if best.is_some() && (watch.stopped().is_some() || (enough && number >= settings.guesses)) {
+            break;
+        }
+        let guess = match &settings.start {
+            Some(start) => start.clone(),
+            None => {
+                let amplitude = AMPLITUDE[usize::from(rows)];
+                curve_of(
+                    problem,
+                    &line.start(amplitude, settings.seed, number as u64),
+                )?
+            }
+        };
+        let from = (number, guess);
+        let mut found = walk(
+            problem,
+            settings,
+            lagrangian,
+            constraints,
+            from,
+            &watch,
+            observe,
+        )?;
+        for (sum, own) in work
+            .iter_mut()
+            .zip([found.steps, found.factorisations, found.rounds])
+        {
+            *sum += own;
+        }
+        [found.steps, found.factorisations, found.rounds] = work;
+        found.guesses = number + 1;
+        best = Some(match best {
+            Some(best) if !is_better(&found, &best) => RestSolution {
+                guesses: found.guesses,
+                steps: found.steps,
+                factorisations: found.factorisations,
+                rounds: found.rounds,
+                ..best
+            },
+            _ => found,
+        });
+        if settings.start.is_some() {
+            break;
+        }
+    }
+    best.ok_or_else(|| Error::input("settings", "guesses", "there is none"))
+}
+
+/// Tells whether a solution is to be preferred: at rest, then by the action; else by what is violated.
+fn is_better(a: &RestSolution, b: &RestSolution) -> bool {
+    match (a.at_rest, b.at_rest) {
+        (true, true) => a.action < b.action,
+        (false, false) => a.violation.max(a.slip) < b.violation.max(b.slip),
+        (a, _) => a,
+    }
+}
+
+/// From one guess to rest, stage by stage.
+fn walk<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &RestSettings,
+    lagrangian: &ControlLagrangian<'_>,
+    constraints: &Constraints<K>,
+    (guess, curve): (usize, Curve),
+    watch: &Watch,
+    observe: &mut dyn FnMut(&RestRecord),
+) -> Result<RestSolution> {
+    let kind = usize::from(constraints.dim() > 0);
+    let mut history = Vec::new();
+    let mut record = |record: RestRecord| {
+        observe(&record);
+        history.push(record);
+    };
+    let mut walk = Walk {
+        curve,
+        s: 0.0,
+        steps: 0,
+        factorisations: 0,
+        rounds: 0,
+        watch,
+        observe: &mut record,
+    };
+    let mut outcome = Outcome::default();
+    for demands in settings.stages(kind == 1) {
+        let (segments, degree) = demands.basis;
+        let mut points = (POINTS[kind] * degree as f64) as usize + 4;
+        loop {
+            let grid = StateGrid::new(segments, degree, points, problem.horizon());
+            let plain = lagrangian.clone();
+            let stage = Stage::new(problem, settings, constraints, plain, demands, &grid)?;
+            outcome = stage.run(&mut walk)?;
+            let coarse = outcome.quadrature_error > demands.quadrature;
+            if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {
+                break;
+            }
+            points = points * 3 / 2;
+        }
+        if watch.stopped().is_some() {
+            outcome.at_rest = false;
+            break;
+        }
+    }
+    let Walk {
+        curve,
+        steps,
+        factorisations,
+        rounds,
+        ..
+    } = walk;
+    Ok(RestSolution {
+        curve,
+        action: outcome.action,
+        gradient_norm: outcome.gradient_norm,
+        slip: outcome.slip,
+        violation: outcome.violation,
+        quadrature_error: outcome.quadrature_error,
+        at_rest: outcome.at_rest,
+        guess,
+        guesses: 1,
+        steps,
+        factorisations,
+        rounds,
+        history,
+        stopped: watch.stopped(),
+    })
+}

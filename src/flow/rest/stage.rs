@@ -1,0 +1,282 @@
+//! The flow to rest in one basis and by one quadrature.
+
+use super::euler::{Euler, Progress, Stretch};
+use super::{RestRecord, RestSettings};
+use crate::constraint::{Constraint, Constraints};
+use crate::curve::Curve;
+use crate::error::Result;
+use crate::flow::weak::{Action, AugmentedLagrangian, ControlLagrangian, StateGrid};
+use crate::motion::{Problem, Watch, violations};
+use nalgebra::DMatrix;
+
+/// The number of steps between two looks at the quadrature.
+const LOOK: usize = 6;
+/// The relative difference of quadratures that is accepted on the way.
+const ON_THE_WAY: f64 = 0.05;
+/// The first penalty of a row, relative to the action per second, the factor by which it grows, and the largest.
+const FIRST_PENALTY: f64 = 1e3;
+const PENALTY_FACTOR: f64 = 10.0;
+const LARGEST_PENALTY: f64 = 1e9;
+/// The part of its violation that a row may keep from one round to the next before its penalty grows.
+const PROGRESS: f64 = 0.25;
+/// The factor of the tolerance from one round of duals to the next.
+const TIGHTER: f64 = 0.1;
+/// The slip at which its duals are done with, rad/s or m/s.
+const SLIP: f64 = 1e-6;
+/// The number of times at which rows are looked at between the points.
+const TIMES: usize = 2000;
+
+/// The demands on one stage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Demands {
+    /// The number of segments and their degree.
+    pub basis: (usize, usize),
+    /// The relative gradient norm, the most steps between two updates of the duals, and the most of these.
+    pub tolerance: f64,
+    pub steps: usize,
+    pub rounds: usize,
+    /// After so many steps the metric is that of the present curve again.
+    pub fresh: usize,
+    /// The violation of a row that does no harm, in its unit.
+    pub feasible: f64,
+    /// The largest relative difference of the quadrature and a finer one.
+    pub quadrature: f64,
+    /// The factor of the running cost; below one the constraints come first.
+    pub cost: f64,
+    /// True if rows are to hold between the points as well.
+    pub dense: bool,
+}
+
+/// What a stage did.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcome {
+    pub action: f64,
+    pub gradient_norm: f64,
+    pub slip: f64,
+    pub violation: f64,
+    pub quadrature_error: f64,
+    pub at_rest: bool,
+}
+
+/// Where the flow is, from stage to stage.
+pub(super) struct Walk<'w> {
+    pub curve: Curve,
+    pub s: f64,
+    pub steps: usize,
+    pub factorisations: usize,
+    pub rounds: usize,
+    pub watch: &'w Watch,
+    pub observe: &'w mut dyn FnMut(RestRecord),
+}
+
+/// One basis and one quadrature.
+pub(super) struct Stage<'s, 'g, 'a, K> {
+    problem: &'s Problem<'a>,
+    settings: &'s RestSettings,
+    constraints: &'s Constraints<K>,
+    demands: Demands,
+    grid: &'g StateGrid<f64>,
+    finer: StateGrid<f64>,
+    action: Action<'g, f64, AugmentedLagrangian<'s, K>>,
+    plain: ControlLagrangian<'s>,
+}
+
+impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
+    /// A stage on `grid`, for the Lagrangian without constraints `plain`.
+    pub fn new(
+        problem: &'s Problem<'a>,
+        settings: &'s RestSettings,
+        constraints: &'s Constraints<K>,
+        mut plain: ControlLagrangian<'s>,
+        demands: Demands,
+        grid: &'g StateGrid<f64>,
+    ) -> Result<Self> {
+        for weights in &mut plain.weights {
+            *weights *= demands.cost;
+        }
+        let augmented = AugmentedLagrangian::new(plain.clone(), constraints, grid)?;
+        // Not a multiple, so that it sees between the points.
+        let points = grid.points() * 3 / 2 + 7;
+        let (segments, degree) = demands.basis;
+        Ok(Self {
+            problem,
+            settings,
+            constraints,
+            demands,
+            grid,
+            finer: StateGrid::new(segments, degree, points, problem.horizon()),
+            action: Action::new(grid, augmented, problem.model().dof()),
+            plain,
+        })
+    }
+
+    /// Walks on from where `walk` is.
+    pub fn run(mut self, walk: &mut Walk<'_>) -> Result<Outcome> {
+        let demands = self.demands;
+        let mut progress = Progress::new(self.grid.fit(&walk.curve), walk.s);
+        let mut euler = Euler::new(&self.action);
+        let rows = self.constraints.dim();
+        let density = self.action.value(&progress.coefficients)?.abs() / self.problem.horizon();
+        let largest_penalty = LARGEST_PENALTY * density;
+        self.action
+            .lagrangian
+            .rows
+            .penalties
+            .fill(FIRST_PENALTY * density);
+        let mut before = vec![f64::INFINITY; rows];
+        let mut outcome = Outcome::default();
+        let mut asked = if rows > 0 { TIGHTER } else { demands.tolerance };
+        for _ in 0..demands.rounds {
+            walk.rounds += 1;
+            asked = asked.max(demands.tolerance);
+            let coarse = self.stretch(&mut euler, &mut progress, asked, walk)?;
+            outcome.action = progress.action;
+            outcome.gradient_norm = progress.gradient_norm;
+            let settled = progress.gradient_norm <= demands.tolerance;
+            outcome.slip = self.look_at_slip(&progress.coefficients, self.settings.duals);
+            let largest = self.action.lagrangian.rows.largest();
+            outcome.violation = largest.iter().copied().fold(0.0, f64::max);
+            if coarse || walk.watch.stopped().is_some() {
+                break;
+            }
+            let kept = outcome.violation <= demands.feasible
+                && (outcome.slip <= SLIP || !self.settings.duals);
+            if settled && kept {
+                if demands.dense {
+                    outcome.violation = outcome.violation.max(self.look_between(&progress)?);
+                }
+                outcome.at_rest = outcome.violation <= demands.feasible;
+                if outcome.at_rest {
+                    break;
+                }
+            }
+            let terms = &mut self.action.lagrangian.rows;
+            if self.settings.duals {
+                terms.update_duals();
+            }
+            for ((penalty, now), then) in terms.penalties.iter_mut().zip(&largest).zip(&mut before)
+            {
+                if *now > PROGRESS * *then && *now > demands.feasible {
+                    *penalty = (*penalty * PENALTY_FACTOR).min(largest_penalty);
+                }
+                *then = *now;
+            }
+            asked *= TIGHTER;
+            euler.refresh();
+        }
+        outcome.quadrature_error = self.quadrature_error(&progress.coefficients)?;
+        walk.curve = self
+            .grid
+            .curve(&progress.coefficients, self.problem.horizon())?;
+        walk.s = progress.s;
+        walk.steps += progress.steps;
+        walk.factorisations += progress.factorisations;
+        Ok(outcome)
+    }
+
+    /// Follows the flow with the duals as they are; returns whether the quadrature turned out to be far too coarse.
+    fn stretch(
+        &mut self,
+        euler: &mut Euler,
+        progress: &mut Progress,
+        tolerance: f64,
+        walk: &mut Walk<'_>,
+    ) -> Result<bool> {
+        let Demands {
+            basis,
+            steps,
+            fresh,
+            ..
+        } = self.demands;
+        let stretch = Stretch {
+            tolerance,
+            steps,
+            fresh,
+            metric: self.settings.metric,
+        };
+        let (grid, finer, plain) = (self.grid, &self.finer, &self.plain);
+        let (mut coarse, mut looks) = (false, 0);
+        let (watch, observe) = (walk.watch, &mut walk.observe);
+        let mut look = |progress: &Progress| {
+            observe(RestRecord {
+                s: progress.s,
+                action: progress.action,
+                gradient_norm: progress.gradient_norm,
+                segments: basis.0,
+                degree: basis.1,
+            });
+            looks += 1;
+            if looks % LOOK == 0 {
+                let error = quadrature_error(grid, finer, plain, &progress.coefficients)?;
+                coarse = error > ON_THE_WAY;
+            }
+            Ok(!coarse)
+        };
+        euler.run(&mut self.action, progress, stretch, watch, &mut look)?;
+        Ok(coarse)
+    }
+
+    /// The largest violation of a row between the points, in its unit; rows that are violated have larger margins afterwards. Equalities
+    /// in the control are not looked at there, since no polynomial keeps them everywhere.
+    fn look_between(&mut self, progress: &Progress) -> Result<f64> {
+        if self.constraints.dim() == 0 {
+            return Ok(0.0);
+        }
+        let curve = self
+            .grid
+            .curve(&progress.coefficients, self.problem.horizon())?;
+        let times = TIMES.div_ceil(self.grid.segments());
+        let mut largest = 0.0_f64;
+        for violation in violations(self.problem.model(), &curve, self.constraints, times)? {
+            let row = violation.row;
+            if self.constraints.is_equality(row) {
+                continue;
+            }
+            if violation.by > self.demands.feasible {
+                let terms = &mut self.action.lagrangian.rows;
+                terms.margins[row] += violation.by / terms.units[row];
+            }
+            largest = largest.max(violation.by);
+        }
+        Ok(largest)
+    }
+
+    /// The largest slip at the points; with `duals` they become those that the slip asks for, $\lambda + 2 k e$.
+    fn look_at_slip(&mut self, coefficients: &DMatrix<f64>, duals: bool) -> f64 {
+        let grid = self.grid;
+        let lagrangian = &mut self.action.lagrangian.lagrangian;
+        if duals && lagrangian.slip_duals.ncols() == 0 {
+            let n = lagrangian.weights[0].len();
+            lagrangian.slip_duals = DMatrix::zeros(n, grid.times().len());
+        }
+        let mut largest = 0.0_f64;
+        for e in 0..grid.segments() {
+            for (g, slip) in grid.slips(coefficients, e).column_iter().enumerate() {
+                largest = largest.max(slip.amax());
+                if duals {
+                    let column = e * grid.points() + g;
+                    let mut dual = lagrangian.slip_duals.column_mut(column);
+                    dual.axpy(2.0 * lagrangian.k, &slip, 1.0);
+                }
+            }
+        }
+        largest
+    }
+
+    fn quadrature_error(&self, coefficients: &DMatrix<f64>) -> Result<f64> {
+        quadrature_error(self.grid, &self.finer, &self.plain, coefficients)
+    }
+}
+
+/// The relative difference of the action on a grid and on a finer one.
+fn quadrature_error(
+    grid: &StateGrid<f64>,
+    finer: &StateGrid<f64>,
+    lagrangian: &ControlLagrangian<'_>,
+    coefficients: &DMatrix<f64>,
+) -> Result<f64> {
+    let n = lagrangian.model().dof();
+    let value = |grid| Action::new(grid, lagrangian.clone(), n).value(coefficients);
+    let (coarse, fine) = (value(grid)?, value(finer)?);
+    Ok((fine - coarse).abs() / fine.abs().max(f64::EPSILON))
+}

@@ -1,0 +1,261 @@
+//! The action of a curve and its derivatives in the coefficients.
+
+use super::{LagrangianDerivatives, PointLagrangian, StateGrid, StatePoints};
+use crate::error::{Result, check_length};
+use crate::linalg::{BlockTridiagonal, multiply};
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+
+/// The action $A(c) = \sum_g w_g L(t_g, x, \dot x)$ of the curve $x = \sum_m c_m \varphi_m$ on a [`StateGrid`], a function of the
+/// coefficients, `2 N` by `count`.
+///
+/// $$ \frac{\partial A}{\partial c_m} = \sum_g w_g \left( \varphi_m L_x + \dot\varphi_m L_{\dot x} \right), $$
+/// $$ \frac{\partial^2 A}{\partial c_m \partial c_n} = \sum_g w_g \left( \varphi_m \varphi_n L_{x x} + \varphi_m \dot\varphi_n L_{x \dot x}
+///    + \dot\varphi_m \varphi_n L_{\dot x x} + \dot\varphi_m \dot\varphi_n L_{\dot x \dot x} \right), \qquad
+///    M_{m n} = \sum_g w_g\, \varphi_m \varphi_n\, G . $$
+///
+/// As $\Omega = G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$, the flow tested with the functions in its own metric is $M \dot c = -\nabla A$: no
+/// derivative of the control is needed, and pieces meet as the action wants them to.
+/// The sums over points are one product of matrices, $p^2 / 2$ by `4 M` times `4 M` by $4 N^2$ on each segment.
+pub struct Action<'g, S: Scalar, L> {
+    grid: &'g StateGrid<S>,
+    /// The Lagrangian.
+    pub lagrangian: L,
+    size: usize,
+    states: DMatrix<S>,
+    at_points: LagrangianDerivatives<S>,
+    metrics: DMatrix<S>,
+    sums: DMatrix<S>,
+}
+
+/// The derivatives of an action in the unknown coefficients, function by function.
+#[derive(Clone, Debug)]
+pub struct ActionDerivatives<S: Scalar> {
+    /// The gradient.
+    pub gradient: DVector<S>,
+    /// The Hessian.
+    pub hessian: BlockTridiagonal<S>,
+}
+
+impl<S: Scalar> ActionDerivatives<S> {
+    /// Room for the unknowns of a grid, for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &StateGrid<S>, dof: usize) -> Self {
+        let sizes = (0..grid.segments).map(|e| grid.block(e).len() * 2 * dof);
+        let sizes: Vec<_> = sizes.collect();
+        Self {
+            gradient: DVector::zeros(sizes.iter().sum()),
+            hessian: BlockTridiagonal::new(&sizes, 2 * dof),
+        }
+    }
+}
+
+impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
+    /// The action of `lagrangian` for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &'g StateGrid<S>, lagrangian: L, dof: usize) -> Self {
+        let points = grid.points();
+        Self {
+            grid,
+            lagrangian,
+            size: 2 * dof,
+            states: DMatrix::zeros(4 * dof, points),
+            at_points: LagrangianDerivatives::new(dof, points),
+            metrics: DMatrix::zeros(4 * dof * dof, points),
+            sums: DMatrix::zeros(4 * dof * dof, grid.pairs.len()),
+        }
+    }
+
+    /// The grid.
+    #[must_use]
+    pub fn grid(&self) -> &'g StateGrid<S> {
+        self.grid
+    }
+
+    /// `N`.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.size / 2
+    }
+
+    /// $A$.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
+        let (grid, mut sum) = (self.grid, S::zero());
+        for e in 0..grid.segments {
+            self.place(coefficients, e)?;
+            let here = points(grid, &self.states, e);
+            self.lagrangian.values(here, &mut self.at_points.values)?;
+            for (weight, value) in grid.weights.iter().zip(&self.at_points.values) {
+                sum += *weight * *value;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// $A$, and its derivatives into `out`.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn derivatives(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut ActionDerivatives<S>,
+    ) -> Result<S> {
+        let (grid, mut sum) = (self.grid, S::zero());
+        let (size, count) = (self.size, grid.points());
+        out.gradient.fill(S::zero());
+        let mut gradient = DMatrix::zeros(size, grid.degree() + 1);
+        for e in 0..grid.segments {
+            self.place(coefficients, e)?;
+            let here = points(grid, &self.states, e);
+            self.lagrangian.derivatives(here, &mut self.at_points)?;
+            let at_points = &mut self.at_points;
+            for (g, weight) in grid.weights.iter().enumerate() {
+                sum += *weight * at_points.values[g];
+                for column in [g, count + g] {
+                    let mut column = at_points.gradients.column_mut(column);
+                    column *= *weight;
+                }
+            }
+            multiply(&at_points.gradients, &grid.table.transpose(), &mut gradient);
+            let first = e * grid.degree();
+            for (m, column) in gradient.column_iter().enumerate() {
+                if grid.free().contains(&(first + m)) {
+                    let mut own = out.gradient.rows_mut((first + m - 1) * size, size);
+                    own += column;
+                }
+            }
+            multiply(&at_points.hessians, &grid.products, &mut self.sums);
+            add_blocks(grid, &self.sums, size, e, &mut out.hessian);
+        }
+        Ok(sum)
+    }
+
+    /// The Hessian of Gauss and Newton into `out`.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn gauss_newton(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut BlockTridiagonal<S>,
+    ) -> Result<()> {
+        let grid = self.grid;
+        self.at_points.convex = true;
+        for e in 0..grid.segments {
+            self.place(coefficients, e)?;
+            let here = points(grid, &self.states, e);
+            self.lagrangian.derivatives(here, &mut self.at_points)?;
+            multiply(&self.at_points.hessians, &grid.products, &mut self.sums);
+            add_blocks(grid, &self.sums, self.size, e, out);
+        }
+        self.at_points.convex = false;
+        Ok(())
+    }
+
+    /// The metric of the flow, $M$.
+    ///
+    /// # Errors
+    /// `coefficients` has the wrong size.
+    pub fn metric(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut BlockTridiagonal<S>,
+    ) -> Result<()> {
+        let grid = self.grid;
+        let products = grid.products.rows(0, grid.points()).into_owned();
+        for e in 0..grid.segments {
+            self.place(coefficients, e)?;
+            let here = points(grid, &self.states, e);
+            self.lagrangian.metrics(here, &mut self.metrics)?;
+            multiply(&self.metrics, &products, &mut self.sums);
+            add_blocks(grid, &self.sums, self.size, e, out);
+        }
+        Ok(())
+    }
+
+    /// The Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$.
+    #[must_use]
+    pub fn gram(&self) -> BlockTridiagonal<S> {
+        let (grid, n) = (self.grid, self.size / 2);
+        let segments = S::from_f64(grid.segments as f64 / std::f64::consts::PI.powi(2));
+        let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * segments;
+        let values = grid.products.rows(0, grid.points());
+        let mut gram = ActionDerivatives::new(grid, n).hessian;
+        let mut sums = DMatrix::zeros(self.size * self.size, grid.pairs.len());
+        for (pair, column) in values.column_iter().enumerate() {
+            for i in n..self.size {
+                sums[(i * self.size + i, pair)] = column.sum() * scale;
+            }
+        }
+        for e in 0..grid.segments {
+            add_blocks(grid, &sums, self.size, e, &mut gram);
+        }
+        gram
+    }
+
+    /// Places the curve of segment `e` at its points.
+    fn place(&mut self, coefficients: &DMatrix<S>, e: usize) -> Result<()> {
+        check_length("coefficients", self.size, coefficients.nrows())?;
+        check_length("coefficients", self.grid.count(), coefficients.ncols())?;
+        let (grid, n, count) = (self.grid, self.size / 2, self.grid.points());
+        let own = coefficients.columns(e * grid.degree(), grid.degree() + 1);
+        let mut curve = DMatrix::zeros(self.size, 2 * count);
+        multiply(&own.into_owned(), &grid.table, &mut curve);
+        let (x, xdot) = curve.columns_range_pair(..count, count..);
+        self.states.rows_mut(0, 2 * n).copy_from(&x);
+        self.states.rows_mut(2 * n, n).copy_from(&xdot.rows(n, n));
+        self.states.rows_mut(3 * n, n).copy_from(&xdot.rows(0, n));
+        Ok(())
+    }
+}
+
+/// What a Lagrangian reads at the points of segment `e`.
+fn points<'a, S: Scalar>(
+    grid: &'a StateGrid<S>,
+    states: &'a DMatrix<S>,
+    e: usize,
+) -> StatePoints<'a, S> {
+    let first = e * grid.points();
+    StatePoints {
+        first,
+        times: &grid.times[first..first + grid.points()],
+        states,
+    }
+}
+
+/// Puts the blocks of the pairs of functions of segment `e`, a column each, where they belong; what the segment before, which has to
+/// come first, put at the function that both have is added to.
+fn add_blocks<S: Scalar>(
+    grid: &StateGrid<S>,
+    sums: &DMatrix<S>,
+    size: usize,
+    e: usize,
+    out: &mut BlockTridiagonal<S>,
+) {
+    let (first, free) = (e * grid.degree(), grid.free());
+    for (&(a, b), block) in grid.pairs.iter().zip(sums.column_iter()) {
+        if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
+            continue;
+        }
+        let block = block.reshape_generic(nalgebra::Dyn(size), nalgebra::Dyn(size));
+        let (row, column) = (a.wrapping_sub(1) * size, b.wrapping_sub(1) * size);
+        match (a, b) {
+            (0, _) => {
+                let before = &mut out.diagonal[e - 1];
+                let tail = before.nrows() - size;
+                let mut own = before.view_mut((tail, tail), (size, size));
+                own += block;
+            }
+            (_, 0) => out.coupling[e - 1]
+                .view_mut((row, 0), (size, size))
+                .copy_from(&block),
+            _ => out.diagonal[e]
+                .view_mut((row, column), (size, size))
+                .copy_from(&block),
+        }
+    }
+}

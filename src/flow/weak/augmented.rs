@@ -1,0 +1,73 @@
+//! The augmented Lagrangian of constraints beside the Lagrangian of a flow.
+
+use super::control::LANES;
+use super::row_terms::RowTerms;
+use super::{ControlLagrangian, LagrangianDerivatives, PointLagrangian, StateGrid, StatePoints};
+use crate::constraint::{Constraint, Constraints};
+use crate::error::Result;
+use nalgebra::DMatrix;
+
+/// A [`ControlLagrangian`] $L_0$ with rows of constraints by duals,
+///
+/// $$ L = L_0 + \sum_j \psi(h_j, z_j), \qquad \psi(h, z) = \tfrac{1}{2 \rho} \left( \max(0, z + \rho h)^2 - z^2 \right) , $$
+///
+/// for a row $h \le 0$, and $\psi = z h + \tfrac12 \rho h^2$ for $h = 0$ (Hestenes, 1969; Powell, 1969; Rockafellar, 1973). A row is one of the
+/// constraints divided by its [scale](Constraint::row_scales), or a torque above its limit divided by the limit, and a margin more.
+/// Duals belong to a point, so that the integral over time makes densities of them.
+///
+/// An equality in the control, that of a passive joint, is asked for at Gauss points, as many per segment as it has coefficients for
+/// itself: a polynomial cannot keep it everywhere.
+#[derive(Clone, Debug)]
+pub struct AugmentedLagrangian<'a, K> {
+    /// $L_0$.
+    pub lagrangian: ControlLagrangian<'a>,
+    pub(in crate::flow) rows: RowTerms<'a, K>,
+}
+
+impl<'a, K: Constraint> AugmentedLagrangian<'a, K> {
+    /// `lagrangian` with `constraints` at the points of a grid, all duals zero.
+    ///
+    /// # Errors
+    /// The torque limits are those of another robot.
+    pub fn new(
+        lagrangian: ControlLagrangian<'a>,
+        constraints: &'a Constraints<K>,
+        grid: &StateGrid<f64>,
+    ) -> Result<Self> {
+        let rows = RowTerms::new(lagrangian.model(), constraints, grid)?;
+        Ok(Self { lagrangian, rows })
+    }
+}
+
+impl<K: Constraint> PointLagrangian<f64> for AugmentedLagrangian<'_, K> {
+    fn values(&mut self, at: StatePoints<'_, f64>, values: &mut [f64]) -> Result<()> {
+        let Self { lagrangian, rows } = self;
+        lagrangian.values_with(at, values, |index, point| rows.add_control(index, point))?;
+        rows.place(at)?;
+        for (g, value) in values.iter_mut().enumerate() {
+            *value += rows.state_value(at.first + g);
+        }
+        Ok(())
+    }
+
+    fn derivatives(
+        &mut self,
+        at: StatePoints<'_, f64>,
+        out: &mut LagrangianDerivatives<f64>,
+    ) -> Result<()> {
+        let Self { lagrangian, rows } = self;
+        lagrangian.derivatives_with(at, out, |index, point| rows.add_control(index, point))?;
+        rows.place(at)?;
+        for g in 0..at.count() {
+            out.values[g] += rows.state_value(at.first + g);
+        }
+        for start in (0..at.count()).step_by(LANES) {
+            rows.add_state(at, start, out)?;
+        }
+        Ok(())
+    }
+
+    fn metrics(&mut self, at: StatePoints<'_, f64>, out: &mut DMatrix<f64>) -> Result<()> {
+        self.lagrangian.metrics(at, out)
+    }
+}

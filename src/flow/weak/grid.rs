@@ -1,0 +1,203 @@
+//! Continuous piecewise polynomials in the state at the points of a quadrature.
+
+use crate::curve::{Chebyshev, Curve, collocated, gauss_legendre, legendre};
+use crate::error::Result;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// The functions of a curve $x(t)$, continuous and a polynomial of one degree on each of several equal segments, at Gauss-Legendre
+/// points, as many on each segment.
+///
+/// Segment `e` has the `degree + 1` functions from `e degree` on: a hat at its beginning, `degree - 1` bubbles, whose slopes are Legendre
+/// polynomials of norm one, and a hat at its end, which is the first function of the next. The coefficients of a hat are the state there.
+#[derive(Clone, Debug)]
+pub struct StateGrid<S: Scalar> {
+    pub(super) segments: usize,
+    /// Times of the points, s, segment by segment.
+    pub(super) times: Vec<S>,
+    /// Weights of the points of a segment.
+    pub(super) weights: Vec<S>,
+    /// Values at the points of a segment, then slopes in time: the functions of a segment by `2 M`.
+    pub(super) table: DMatrix<S>,
+    /// Pairs of functions of a segment, the first not before the second.
+    pub(super) pairs: Vec<(usize, usize)>,
+    /// Weighted products of a value or slope of the first and one of the second function of each pair: `4 M` by pairs, value and
+    /// value, value and slope, slope and value, slope and slope.
+    pub(super) products: DMatrix<S>,
+}
+
+impl StateGrid<f64> {
+    /// `segments` polynomials of degree `degree` on `[0, horizon]`, with `points` points each.
+    #[must_use]
+    pub fn new(segments: usize, degree: usize, points: usize, horizon: f64) -> Self {
+        let (nodes, weights) = gauss_legendre(points);
+        let half = 0.5 * horizon / segments as f64;
+        let mut table = DMatrix::zeros(degree + 1, 2 * points);
+        for (g, s) in nodes.iter().enumerate() {
+            let [values, slopes] = functions(degree, *s);
+            table.set_column(g, &values);
+            table.set_column(points + g, &(slopes / half));
+        }
+        let segment = 0..segments;
+        let time = |e: usize, s: f64| half * ((2 * e + 1) as f64 + s);
+        let times = segment.flat_map(|e| nodes.iter().map(move |s| time(e, *s)));
+        let weights = weights.iter().map(|w| w * half).collect();
+        Self::from_table(segments, times.collect(), weights, table)
+    }
+
+    /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it is of this degree and its breakpoints are among these;
+    /// else equal to it at the breakpoints, and between them the best in the rate.
+    #[must_use]
+    pub fn fit(&self, curve: &Curve) -> DMatrix<f64> {
+        let (degree, horizon) = (self.degree(), curve.horizon());
+        let half = 0.5 * horizon / self.segments as f64;
+        let mut coefficients = DMatrix::zeros(curve.x().nrows(), self.count());
+        let (nodes, weights) = gauss_legendre(degree.max(curve.chebyshev().degree()) + 1);
+        for e in 0..=self.segments {
+            let (x, _) = curve.at(horizon * e as f64 / self.segments as f64);
+            coefficients.set_column(e * degree, &x);
+        }
+        for (s, weight) in nodes.iter().zip(weights) {
+            let [_, slopes] = functions(degree, *s);
+            for e in 0..self.segments {
+                let (_, xdot) = curve.at(half * ((2 * e + 1) as f64 + s));
+                for k in 1..degree {
+                    let by = weight * half * slopes[k];
+                    coefficients.column_mut(e * degree + k).axpy(by, &xdot, 1.0);
+                }
+            }
+        }
+        coefficients
+    }
+
+    /// The curve with these coefficients.
+    ///
+    /// # Errors
+    /// The degree is out of range for Chebyshev nodes.
+    pub fn curve(&self, coefficients: &DMatrix<f64>, horizon: f64) -> Result<Curve> {
+        let degree = self.degree();
+        let nodes = Chebyshev::new(degree, 2.0)?;
+        let mut x = DMatrix::zeros(coefficients.nrows(), self.segments * (degree + 1));
+        for (i, time) in nodes.times().iter().enumerate() {
+            let [values, _] = functions(degree, time - 1.0);
+            for e in 0..self.segments {
+                let own = coefficients.columns(e * degree, degree + 1);
+                let state = match i {
+                    0 => own.column(0).into_owned(),
+                    _ if i == degree => own.column(degree).into_owned(),
+                    _ => own * &values,
+                };
+                x.set_column(e * (degree + 1) + i, &state);
+            }
+        }
+        Curve::piecewise(horizon, self.segments, x)
+    }
+}
+
+impl<S: Scalar> StateGrid<S> {
+    /// Any functions: the identities of the assembly ask nothing of them. `table` has values, then slopes.
+    pub(crate) fn from_table(
+        segments: usize,
+        times: Vec<S>,
+        weights: Vec<S>,
+        table: DMatrix<S>,
+    ) -> Self {
+        let functions = table.nrows();
+        let pairs: Vec<_> = (0..functions)
+            .flat_map(|b| (b..functions).map(move |a| (a, b)))
+            .collect();
+        let points = weights.len();
+        let products = DMatrix::from_fn(4 * points, pairs.len(), |row, pair| {
+            let (kind, g, (a, b)) = (row / points, row % points, pairs[pair]);
+            let first = table[(a, kind / 2 * points + g)];
+            weights[g] * first * table[(b, kind % 2 * points + g)]
+        });
+        Self {
+            segments,
+            times,
+            weights,
+            table,
+            pairs,
+            products,
+        }
+    }
+
+    /// The number of segments.
+    #[must_use]
+    pub fn segments(&self) -> usize {
+        self.segments
+    }
+
+    /// The times of all points, s, segment by segment.
+    #[must_use]
+    pub fn times(&self) -> &[S] {
+        &self.times
+    }
+
+    /// The slip $\dot x_{P1} - x_{P2}$ of the curve with these coefficients at the points of segment `e`, a column each.
+    ///
+    /// # Panics
+    /// There is no such segment, or the coefficients are those of another grid.
+    #[must_use]
+    pub fn slips(&self, coefficients: &DMatrix<S>, e: usize) -> DMatrix<S> {
+        let n = coefficients.nrows() / 2;
+        let own = coefficients.columns(e * self.degree(), self.degree() + 1);
+        let (values, slopes) = self
+            .table
+            .columns_range_pair(..self.points(), self.points()..);
+        own.rows(0, n) * slopes - own.rows(n, n) * values
+    }
+
+    /// The degree of each segment.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.table.nrows() - 1
+    }
+
+    /// The number of points of each segment, `M`.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The points of a segment at which an equality can be kept: those next to the Gauss points of as many as a segment has functions for
+    /// itself, `degree - 1`.
+    pub(super) fn collocated(&self) -> Vec<usize> {
+        collocated(self.points(), self.degree() - 1)
+    }
+
+    /// The number of functions, those of the boundary conditions included.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.segments * self.degree() + 1
+    }
+
+    /// The functions whose coefficients are unknown: all but the hats at both ends.
+    #[must_use]
+    pub fn free(&self) -> Range<usize> {
+        1..self.count() - 1
+    }
+
+    /// The unknown functions of a segment that come after its first: a block of the Hessian.
+    pub(super) fn block(&self, e: usize) -> Range<usize> {
+        let first = e * self.degree();
+        first + 1..(first + self.degree() + 1).min(self.free().end)
+    }
+}
+
+/// The functions of a segment at `s` in `[-1, 1]`, and their derivatives in `s`.
+fn functions(degree: usize, s: f64) -> [DVector<f64>; 2] {
+    let mut p = vec![0.0; degree + 1];
+    legendre(s, &mut p);
+    let [mut values, mut slopes] = [(); 2].map(|()| DVector::zeros(degree + 1));
+    (values[0], slopes[0]) = (0.5 - 0.5 * s, -0.5);
+    (values[degree], slopes[degree]) = (0.5 + 0.5 * s, 0.5);
+    for k in 1..degree {
+        let twice = (2 * k + 1) as f64;
+        let norm = (0.5 * twice).sqrt();
+        values[k] = norm * (p[k + 1] - p[k - 1]) / twice;
+        slopes[k] = norm * p[k];
+    }
+    [values, slopes]
+}

@@ -1,0 +1,240 @@
+//! The terms of an augmented Lagrangian that rows of constraints have.
+
+use super::control::{LANES, Wide};
+use super::{ControlPoint, LagrangianDerivatives, StateGrid, StatePoints};
+use crate::constraint::{Constraint, Constraints, Evaluator, Side, Weights};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::Lanes;
+
+/// What is asked of a row at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// $h \le 0$.
+    Inequality,
+    /// $h = 0$.
+    Equality,
+    /// Nothing: an equality between the points at which a polynomial can keep it.
+    Idle,
+}
+
+/// Rows of constraints with their duals, at the points of a grid.
+#[derive(Clone, Debug)]
+pub(in crate::flow) struct RowTerms<'a, K> {
+    constraints: &'a Constraints<K>,
+    kinds: Vec<Kind>,
+    /// The factor of each row.
+    scales: Vec<f64>,
+    /// One of the multiplied row in rad, rad/s, m, N m or N.
+    pub units: Vec<f64>,
+    /// The margin of each row.
+    pub margins: Vec<f64>,
+    /// $\rho$ of each row.
+    pub penalties: Vec<f64>,
+    /// $z$, row by row for each point.
+    pub duals: Vec<f64>,
+    /// $h$ where the Lagrangian was evaluated last, likewise.
+    pub h: Vec<f64>,
+    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    state: Vec<Wide<f64>>,
+    wide: Vec<Wide<f64>>,
+    slopes: Vec<Wide<f64>>,
+    curvatures: Vec<Wide<f64>>,
+}
+
+impl<'a, K: Constraint> RowTerms<'a, K> {
+    /// Those of `constraints`, all duals zero.
+    pub fn new(
+        model: &'a Model,
+        constraints: &'a Constraints<K>,
+        grid: &StateGrid<f64>,
+    ) -> Result<Self> {
+        let states = constraints.state.dim();
+        if constraints.torque.dim() > 0 {
+            constraints.torque.check(model)?;
+        }
+        let mut scales = constraints.row_scales();
+        let mut units = vec![1.0; scales.len()];
+        for (row, (_, limit, _)) in (states..).zip(constraints.torque.rows()) {
+            if limit > 0.0 {
+                (scales[row], units[row]) = (limit, limit);
+            }
+        }
+        let count = scales.len();
+        let (points, collocated) = (grid.points(), grid.collocated());
+        let kind = |at: usize| match (constraints.is_equality(at % count), at % count < states) {
+            (false, _) => Kind::Inequality,
+            (true, false) if !collocated.contains(&(at / count % points)) => Kind::Idle,
+            (true, _) => Kind::Equality,
+        };
+        let all = count * grid.times.len();
+        let zero = Wide::splat(0.0);
+        Ok(Self {
+            constraints,
+            kinds: (0..all).map(kind).collect(),
+            scales: scales.into_iter().map(f64::recip).collect(),
+            units,
+            margins: vec![0.0; count],
+            penalties: vec![1.0; count],
+            duals: vec![0.0; all],
+            h: vec![0.0; all],
+            evaluator: Evaluator::new(model),
+            state: vec![zero; 4 * model.dof()],
+            wide: vec![zero; states],
+            slopes: vec![zero; states],
+            curvatures: vec![zero; states],
+        })
+    }
+
+    /// The number of rows.
+    pub fn count(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// $\psi$ and its first two derivatives in $h$, for row `at`.
+    fn term(&self, at: usize) -> [f64; 3] {
+        let (h, z, rho) = (
+            self.h[at],
+            self.duals[at],
+            self.penalties[at % self.count()],
+        );
+        let pushed = z + rho * h;
+        match self.kinds[at] {
+            Kind::Equality => [z * h + 0.5 * rho * h * h, pushed, rho],
+            Kind::Inequality if pushed > 0.0 => {
+                [(pushed * pushed - z * z) / (2.0 * rho), pushed, rho]
+            }
+            Kind::Inequality => [-z * z / (2.0 * rho), 0.0, 0.0],
+            Kind::Idle => [0.0; 3],
+        }
+    }
+
+    /// Takes the duals that the rows ask for, $z \leftarrow \psi'(h)$.
+    pub fn update_duals(&mut self) {
+        for at in 0..self.h.len() {
+            self.duals[at] = self.term(at)[1];
+        }
+    }
+
+    /// The largest violation of each row at the points, in its unit.
+    pub fn largest(&self) -> Vec<f64> {
+        let count = self.count();
+        let mut largest = vec![0.0_f64; count];
+        for (at, h) in self.h.iter().enumerate() {
+            let violation = match self.kinds[at] {
+                Kind::Inequality => h.max(-self.duals[at] / self.penalties[at % count]),
+                Kind::Equality => h.abs(),
+                Kind::Idle => 0.0,
+            };
+            let row = &mut largest[at % count];
+            *row = row.max(violation.abs() * self.units[at % count]);
+        }
+        largest
+    }
+
+    /// Evaluates the rows of the state at all points of a segment.
+    pub fn place(&mut self, at: StatePoints<'_, f64>) -> Result<()> {
+        let (states, count) = (self.constraints.state.dim(), self.count());
+        if states == 0 {
+            return Ok(());
+        }
+        let own = 2 * at.dof();
+        for start in (0..at.count()).step_by(LANES) {
+            let found = Lanes::gather(at.states.as_slice(), start, &mut self.state);
+            let placed = self.evaluator.at(&self.state[..own])?;
+            placed.value(&self.constraints.state, &mut self.wide)?;
+            for lane in 0..found {
+                let first = (at.first + start + lane) * count;
+                for j in 0..states {
+                    self.h[first + j] = self.wide[j].0[lane] * self.scales[j] + self.margins[j];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates the rows of the control at a point and hands their terms on.
+    pub fn add_control(&mut self, index: usize, point: &mut ControlPoint<f64>) {
+        let (states, count) = (self.constraints.state.dim(), self.count());
+        let constraints = self.constraints;
+        for (row, (i, limit, side)) in (states..).zip(constraints.torque.rows()) {
+            let (scale, at) = (self.scales[row], index * count + row);
+            let slope = if side == Some(Side::Lower) {
+                -scale
+            } else {
+                scale
+            };
+            self.h[at] = slope * point.u[i] - scale * limit + self.margins[row];
+            let [value, first, second] = self.term(at);
+            point.value += value;
+            point.slopes[i] += slope * first;
+            point.curvatures[i] += slope * slope * second;
+        }
+    }
+
+    /// The sum of the terms of the state at a point.
+    pub fn state_value(&self, index: usize) -> f64 {
+        let first = index * self.count();
+        let own = first..first + self.constraints.state.dim();
+        own.map(|at| self.term(at)[0]).sum()
+    }
+
+    /// Adds the derivatives of the terms of the state at the points from `start` on, side by side.
+    pub fn add_state(
+        &mut self,
+        at: StatePoints<'_, f64>,
+        start: usize,
+        out: &mut LagrangianDerivatives<f64>,
+    ) -> Result<()> {
+        let (states, count, size) = (self.constraints.state.dim(), self.count(), 2 * at.dof());
+        let found = Lanes::gather(at.states.as_slice(), start, &mut self.state);
+        let mut any = false;
+        for j in 0..states {
+            for lane in 0..LANES {
+                let point = at.first + start + lane.min(found - 1);
+                let [_, first, second] = self.term(point * count + j);
+                self.slopes[j].0[lane] = first * self.scales[j];
+                self.curvatures[j].0[lane] = second * self.scales[j].powi(2);
+                any |= first != 0.0 || second != 0.0;
+            }
+        }
+        if !any {
+            return Ok(());
+        }
+        let zeros;
+        let first_order = if out.convex {
+            zeros = vec![Wide::splat(0.0); states];
+            &zeros
+        } else {
+            &self.slopes
+        };
+        let state = &self.constraints.state;
+        let weights = Weights {
+            first_order: &self.slopes,
+            gauss_newton: None,
+        };
+        let pull = self
+            .evaluator
+            .weighted_derivatives_at(&self.state[..size], state, weights)?;
+        for (i, slope) in pull.gradient().iter().enumerate() {
+            for lane in 0..found {
+                out.gradients[(i, start + lane)] += slope.0[lane];
+            }
+        }
+        let weights = Weights {
+            first_order,
+            gauss_newton: Some(&self.curvatures),
+        };
+        let pull = self
+            .evaluator
+            .weighted_derivatives_at(&self.state[..size], state, weights)?;
+        for (i, row) in pull.hessian().row_iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                for lane in 0..found {
+                    out.add(start + lane, i, j, entry.0[lane]);
+                }
+            }
+        }
+        Ok(())
+    }
+}
