@@ -79,6 +79,11 @@ pub fn summary_table(summary: &Summary) -> String {
     if let Some(clearance) = s.feasibility.smallest_clearance_m {
         table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
     }
+    if let Some(passive) = s.feasibility.largest_passive_torque {
+        let largest = s.feasibility.largest_torque;
+        let both = format!("{} of {}", short(passive), short(largest));
+        table.add_row(["largest torque of passive joints", &both]);
+    }
     for violation in &s.feasibility.limit_violations {
         table.add_row(["limit exceeded", &violation.to_string()]);
     }

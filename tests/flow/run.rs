@@ -176,7 +176,7 @@ fn open_loop_control_follows_a_consistent_curve() {
     ] {
         let model = robot(name);
         let curve = consistent(&model, c);
-        let end = simulate(&model, &curve, Feedback::NONE)
+        let end = simulate(&model, &curve, Feedback::NONE, &[])
             .expect("same robot")
             .expect("it ends");
         assert!(end.error_inf < bound, "{name}: {:e}", end.error_inf);
@@ -190,7 +190,7 @@ fn feedback_follows_where_open_loop_drifts() {
     let model = robot("kinova_gen3");
     let curve = consistent(&model, 0.5);
     let gains = Feedback { kp: 10.0, kv: 10.0 };
-    let end = simulate(&model, &curve, gains)
+    let end = simulate(&model, &curve, gains, &[])
         .expect("same robot")
         .expect("it ends");
     assert!(end.error_inf < 1e-6, "{:e}", end.error_inf);
@@ -199,7 +199,7 @@ fn feedback_follows_where_open_loop_drifts() {
         kp: -10.0,
         kv: -10.0,
     };
-    let pushed = simulate(&model, &curve, wrong).expect("same robot");
+    let pushed = simulate(&model, &curve, wrong, &[]).expect("same robot");
     assert!(pushed.map_or(f64::INFINITY, |end| end.error_inf) > 1.0);
 }
 
@@ -288,7 +288,7 @@ fn bad_problems_and_settings_are_errors() {
     assert_refused(flow(&problem, &settings, &mut |_| ()), words);
     let other = robot("pendulum_2");
     let (curve, words) = (consistent(&model, 0.1), "expected 2 entries, found 1");
-    assert_refused(simulate(&other, &curve, Feedback::NONE), words);
+    assert_refused(simulate(&other, &curve, Feedback::NONE, &[]), words);
     assert_refused(
         effort_of(&other, &curve, 1.0),
         "x: expected 4 entries, found 2",
