@@ -4,8 +4,8 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::relax::DegreeRefinement;
 use crate::scenario::{
-    Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
-    generated_scenarios,
+    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RobotShape, Scenario, Summary,
+    builtin_scenarios, generated_scenarios,
 };
 use crate::verify::duals::Finding;
 use crate::verify::field::Verdict;
@@ -84,7 +84,9 @@ pub fn summary_table(summary: &Summary) -> String {
         let both = format!("{} of {}", short(passive), short(largest));
         table.add_row(["largest torque of passive joints", &both]);
     }
-    for violation in &s.feasibility.limit_violations {
+    let limits = s.feasibility.limit_violations.iter();
+    // The torques of passive joints have a row of their own.
+    for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
         table.add_row(["limit exceeded", &violation.to_string()]);
     }
     table.to_string()

@@ -148,8 +148,8 @@ impl Feasibility {
     }
 
     /// Tells whether all that the scenario enforces is kept within `tolerance`, in the unit of each, and the torques of passive joints
-    /// within [`PASSIVE_TORQUE_SHARE`] of the largest torque: between the points at which a polynomial keeps them at zero it cannot
-    /// do so exactly.
+    /// within that or, if it is more, [`PASSIVE_TORQUE_SHARE`] of the largest torque: between the points at which a polynomial keeps
+    /// them at zero it cannot do so exactly.
     #[must_use]
     pub fn holds(&self, tolerance: f64) -> bool {
         self.beyond(tolerance).next().is_none()
@@ -161,7 +161,9 @@ impl Feasibility {
         let in_words = |violation: &LimitViolation| match violation.limit {
             Limit::Passive => {
                 let largest = three_figures(self.largest_torque);
-                format!("{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}")
+                format!(
+                    "{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}"
+                )
             }
             _ => violation.to_string(),
         };
@@ -177,7 +179,7 @@ impl Feasibility {
     /// The enforced rows that are violated by more than what is allowed of them.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
         let allowed = move |limit| match limit {
-            Limit::Passive => PASSIVE_TORQUE_SHARE * self.largest_torque,
+            Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
             _ => tolerance,
         };
         let all = self.limit_violations.iter();

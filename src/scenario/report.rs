@@ -338,7 +338,8 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
-        control_effort: effort.control_effort - effort_of_passive,
+        // Rounding is no effort.
+        control_effort: (effort.control_effort - effort_of_passive).max(0.0),
         dynamics_defect: effort.dynamics_defect,
         solve_seconds,
         details,
