@@ -44,16 +44,19 @@ pub struct Simulation {
 
 /// Applies the control of `curve` to the robot, from the start of the curve to its end, with [`Bdf`] as the integrator.
 ///
+/// The joints with the indices `passive` move freely: they get no torque, neither that of the curve nor any of the feedback.
+///
 /// The outer error is bad input; the inner one is a motion that could not be followed to the end.
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The curve is for another robot, or an index is none of its joints.
 pub fn simulate(
     model: &Model,
     curve: &Curve,
     feedback: Feedback,
+    passive: &[usize],
 ) -> Result<std::result::Result<Simulation, Box<Failure>>> {
-    simulate_with(model, curve, feedback, &mut Bdf)
+    simulate_with(model, curve, feedback, passive, &mut Bdf)
 }
 
 /// Simulates with any integrator, otherwise as [`simulate`].
@@ -64,10 +67,10 @@ pub fn simulate_with(
     model: &Model,
     curve: &Curve,
     feedback: Feedback,
+    passive: &[usize],
     integrator: &mut dyn Integrator,
 ) -> Result<std::result::Result<Simulation, Box<Failure>>> {
-    model.check("curve", curve.dof())?;
-    let mut robot = ControlledRobot::new(model, curve, feedback);
+    let mut robot = ControlledRobot::new(model, curve, feedback, passive)?;
     let x = curve.x();
     let goal = x.column(x.ncols() - 1);
     let mut state = x.column(0).as_slice().to_vec();
@@ -100,16 +103,16 @@ pub fn simulate_with(
 
 /// The largest distance of the robot from the curve at the end of an interval between two nodes that it enters on the curve, when all
 /// that is known of the control is its values at the nodes and it is given the polynomial through them: the largest entry of
-/// the differences, positions and velocities. `None` where an interval could not be followed to its end.
+/// the differences, positions and velocities. `None` where an interval could not be followed to its end. The joints with the indices
+/// `passive` get no torque.
 ///
 /// Over a whole motion the error of an open loop grows exponentially where the motion is unstable, whatever the degree; over one
 /// interval it tells whether the degree is enough for the control.
 ///
 /// # Errors
-/// The curve is for another robot.
-pub fn replay_error(model: &Model, curve: &Curve) -> Result<Option<f64>> {
-    model.check("curve", curve.dof())?;
-    let mut robot = ControlledRobot::new(model, curve, Feedback::NONE);
+/// As [`simulate`].
+pub fn replay_error(model: &Model, curve: &Curve, passive: &[usize]) -> Result<Option<f64>> {
+    let mut robot = ControlledRobot::new(model, curve, Feedback::NONE, passive)?;
     let chebyshev = curve.chebyshev();
     let mut worst = 0.0_f64;
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
@@ -162,6 +165,8 @@ struct ControlledRobot<'a> {
     /// The control at the nodes of that segment, `N` by `p + 1`, where nothing else is known of it.
     nodes: Option<DMatrix<f64>>,
     feedback: Feedback,
+    /// The joints that get no torque.
+    passive: &'a [usize],
     data: Data<f64>,
     derivatives: ForwardDynamicsDerivatives<f64>,
     u: Vec<f64>,
@@ -169,22 +174,43 @@ struct ControlledRobot<'a> {
 }
 
 impl<'a> ControlledRobot<'a> {
-    fn new(model: &'a Model, curve: &'a Curve, feedback: Feedback) -> Self {
-        Self {
+    fn new(
+        model: &'a Model,
+        curve: &'a Curve,
+        feedback: Feedback,
+        passive: &'a [usize],
+    ) -> Result<Self> {
+        let n = model.dof();
+        model.check("curve", curve.dof())?;
+        if let Some(index) = passive.iter().find(|index| **index >= n) {
+            let condition = format!("the robot has {n} joints, there is none with index {index}");
+            return Err(Error::input(model.name(), "passive", condition));
+        }
+        Ok(Self {
             model,
             curve,
             segment: 0,
             nodes: None,
             feedback,
+            passive,
             data: Data::new(model),
-            derivatives: ForwardDynamicsDerivatives::new(model.dof()),
-            u: vec![0.0; model.dof()],
+            derivatives: ForwardDynamicsDerivatives::new(n),
+            u: vec![0.0; n],
             error: None,
-        }
+        })
     }
 
     /// The control at time `t` in state `y`.
     fn control(&mut self, t: f64, y: &[f64]) -> Result<()> {
+        self.control_of_all(t, y)?;
+        for i in self.passive {
+            self.u[*i] = 0.0;
+        }
+        Ok(())
+    }
+
+    /// The control as if every joint had a motor.
+    fn control_of_all(&mut self, t: f64, y: &[f64]) -> Result<()> {
         let n = self.model.dof();
         if let Some(nodes) = &self.nodes {
             let mut weights = DVector::zeros(nodes.ncols());
@@ -221,6 +247,10 @@ impl<'a> ControlledRobot<'a> {
         self.control(t, y)?;
         let fd = &mut self.derivatives;
         aba_derivatives(self.model, &mut self.data, &y[..n], &y[n..], &self.u, fd)?;
+        // Where there is no feedback nothing depends on its gains.
+        for i in self.passive {
+            fd.h_inverse.column_mut(*i).fill(0.0);
+        }
         jac.fill(0.0);
         jac.view_mut((0, n), (n, n)).fill_with_identity();
         jac.view_mut((n, 0), (n, n))

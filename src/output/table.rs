@@ -4,8 +4,8 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::relax::DegreeRefinement;
 use crate::scenario::{
-    Details, FAMILIES, FlowDetails, RelaxDetails, RobotShape, Scenario, Summary, builtin_scenarios,
-    generated_scenarios,
+    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RobotShape, Scenario, Summary,
+    builtin_scenarios, generated_scenarios,
 };
 use crate::verify::duals::Finding;
 use crate::verify::field::Verdict;
@@ -79,7 +79,14 @@ pub fn summary_table(summary: &Summary) -> String {
     if let Some(clearance) = s.feasibility.smallest_clearance_m {
         table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
     }
-    for violation in &s.feasibility.limit_violations {
+    if let Some(passive) = s.feasibility.largest_passive_torque {
+        let largest = s.feasibility.largest_torque;
+        let both = format!("{} of {}", short(passive), short(largest));
+        table.add_row(["largest torque of passive joints", &both]);
+    }
+    let limits = s.feasibility.limit_violations.iter();
+    // The torques of passive joints have a row of their own.
+    for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
         table.add_row(["limit exceeded", &violation.to_string()]);
     }
     table.to_string()

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 23] = scenarios!(
+const SCENARIOS: [(&str, &str); 29] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -31,7 +31,13 @@ const SCENARIOS: [(&str, &str); 23] = scenarios!(
     "kinova_gen3_2arms" / "two_arms_01",
     "kinova_gen3_2arms" / "two_arms_02",
     "kinova_gen3_3arms" / "three_arms_01",
-    "kinova_gen3_3arms" / "three_arms_02"
+    "kinova_gen3_3arms" / "three_arms_02",
+    "acrobot" / "acrobot_swingup",
+    "pendubot" / "pendubot_swingup",
+    "cart_pole" / "cart_pole_swingup",
+    "planar_rotorcraft" / "rotorcraft_shift_01",
+    "planar_rotorcraft" / "rotorcraft_flip_01",
+    "kinova_gen3" / "kinova_dead_wrist_01"
 );
 
 /// The names of the scenarios that are built in.

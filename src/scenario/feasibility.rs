@@ -1,6 +1,7 @@
 //! What a motion keeps clear of, and which limits it breaks.
 
-use super::Scenario;
+use super::passive::largest_torques;
+use super::{PASSIVE_TORQUE_SHARE, Scenario};
 use crate::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use crate::curve::Curve;
 use crate::error::Result;
@@ -23,6 +24,10 @@ pub struct Feasibility {
     /// The violations, however small: of all that the scenario enforces and of all limits of the robot, the worst violation of
     /// each kind of limit by each joint, and of each distance between a link and an obstacle. What is enforced comes first.
     pub limit_violations: Vec<LimitViolation>,
+    /// The largest absolute torque of any joint, N m or N.
+    pub largest_torque: f64,
+    /// The largest of a passive joint; `None` where there is none.
+    pub largest_passive_torque: Option<f64>,
 }
 
 /// A limit that is violated.
@@ -84,6 +89,8 @@ pub enum Limit {
     Velocity,
     /// The torque or force of a joint.
     Torque,
+    /// The torque or force of a joint without a motor, which is zero.
+    Passive,
     /// The distance from an obstacle.
     Clearance,
     /// Anything else.
@@ -127,15 +134,22 @@ impl Feasibility {
         } else {
             sample(model, curve, INTERVALS)?
         };
+        let torques = largest_torques(model, curve, INTERVALS.div_ceil(curve.segments()))?;
+        let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
+        let passive = scenario.passive();
         let configurations = samples.iter().map(|s| s.q.as_slice());
         let environment = &scenario.environment;
         Ok(Self {
             smallest_clearance_m: environment.smallest_clearance(model, configurations)?,
             limit_violations,
+            largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
+            largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),
         })
     }
 
-    /// Tells whether all that the scenario enforces is kept within `tolerance`, in the unit of each.
+    /// Tells whether all that the scenario enforces is kept within `tolerance`, in the unit of each, and the torques of passive joints
+    /// within that or, if it is more, [`PASSIVE_TORQUE_SHARE`] of the largest torque: between the points at which a polynomial keeps
+    /// them at zero it cannot do so exactly.
     #[must_use]
     pub fn holds(&self, tolerance: f64) -> bool {
         self.beyond(tolerance).next().is_none()
@@ -144,7 +158,16 @@ impl Feasibility {
     /// The enforced limits that are violated by more than `tolerance`, in words; `None` where [all is kept](Self::holds).
     #[must_use]
     pub fn reason(&self, tolerance: f64) -> Option<String> {
-        let named: Vec<_> = self.beyond(tolerance).map(ToString::to_string).collect();
+        let in_words = |violation: &LimitViolation| match violation.limit {
+            Limit::Passive => {
+                let largest = three_figures(self.largest_torque);
+                format!(
+                    "{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}"
+                )
+            }
+            _ => violation.to_string(),
+        };
+        let named: Vec<_> = self.beyond(tolerance).map(in_words).collect();
         let (first, more) = named.split_at(NAMED.min(named.len()));
         let more = match more.len() {
             0 => String::new(),
@@ -153,10 +176,14 @@ impl Feasibility {
         (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
     }
 
-    /// The enforced rows that are violated by more than `tolerance`.
+    /// The enforced rows that are violated by more than what is allowed of them.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
+        let allowed = move |limit| match limit {
+            Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
+            _ => tolerance,
+        };
         let all = self.limit_violations.iter();
-        all.filter(move |violation| violation.enforced && violation.by > tolerance)
+        all.filter(move |violation| violation.enforced && violation.by > allowed(violation.limit))
     }
 }
 
@@ -180,9 +207,13 @@ fn add<K: Constraint>(
             .joint()
             .and_then(|i| model.joints().get(i))
             .map(|joint| joint.name().to_owned());
+        let limit = match kind {
+            RowKind::Torque(_) if constraints.is_equality(row) => Limit::Passive,
+            kind => kind.into(),
+        };
         let new = LimitViolation {
             joint,
-            limit: kind.into(),
+            limit,
             name,
             by,
             unit,

@@ -4,6 +4,7 @@ use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
+use super::passive::check_passive;
 use super::provenance::is_summary;
 use super::{EnforcedLimits, Environment, SolveOptions, Solved};
 use crate::curve::Chebyshev;
@@ -105,6 +106,9 @@ pub struct ScenarioFile {
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub locked_joints: BTreeMap<String, f64>,
+    /// The joints without a motor, by name: they carry no torque.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passive: Vec<String>,
     /// `T`.
     pub horizon_s: f64,
     /// Configuration at the start, `N` entries.
@@ -298,6 +302,7 @@ impl Scenario {
             .map_err(|condition| Error::input(path, "flow.p", condition))?;
         check_objective(&file, model.dof(), path)?;
         file.enforced_limits.check(&model, path)?;
+        check_passive(&file, &model, path)?;
         Ok(Self {
             name: name_of(path),
             file,

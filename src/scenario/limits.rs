@@ -72,7 +72,7 @@ impl EnforcedLimits {
             Limit::Position => within([limits.lower, limits.upper], share),
             Limit::Velocity => both(limits.velocity),
             Limit::Torque => both(limits.effort),
-            Limit::Clearance | Limit::Other => return None,
+            Limit::Passive | Limit::Clearance | Limit::Other => return None,
         };
         (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
     }
@@ -83,7 +83,7 @@ impl EnforcedLimits {
             Limit::Position => Some(&self.position),
             Limit::Velocity => Some(&self.velocity),
             Limit::Torque => Some(&self.torque),
-            Limit::Clearance | Limit::Other => None,
+            Limit::Passive | Limit::Clearance | Limit::Other => None,
         }
     }
 
@@ -140,6 +140,7 @@ impl Limit {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Torque => "torque",
+            Self::Passive => "passive torque",
             Self::Clearance => "clearance",
             Self::Other => "other",
         }
@@ -153,8 +154,8 @@ impl Limit {
             Self::Position => "rad",
             Self::Velocity if slides => "m/s",
             Self::Velocity => "rad/s",
-            Self::Torque if slides => "N",
-            Self::Torque => "N m",
+            Self::Torque | Self::Passive if slides => "N",
+            Self::Torque | Self::Passive => "N m",
             Self::Clearance => "m",
             Self::Other => "",
         }
@@ -162,21 +163,25 @@ impl Limit {
 }
 
 impl Scenario {
-    /// As [`EnforcedLimits::bound`], of this scenario.
+    /// As [`EnforcedLimits::bound`], of this scenario. The bounds on the torque of a passive joint are zero, whatever is enforced.
     #[must_use]
     pub fn bound(&self, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        if limit == Limit::Torque && self.is_passive(joint) {
+            return Some([0.0; 2]);
+        }
         (self.file.enforced_limits).bound(&self.model, limit, joint)
     }
 
-    /// Tells whether there are no constraints.
+    /// Tells whether there are no constraints: no obstacle, no limit that is enforced, no passive joint.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.environment.is_empty() && !self.limits_are_enforced()
+        self.environment.is_empty() && !self.limits_are_enforced() && self.passive().is_empty()
     }
 
-    /// Tells whether any joint has a bound that is enforced.
+    /// Tells whether any joint has a bound that is enforced, but for the torques of passive joints.
     pub(super) fn limits_are_enforced(&self) -> bool {
-        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
+        let room = |[lower, upper]: [f64; 2]| lower < upper;
+        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some_and(room));
         Limit::OF_JOINTS.into_iter().any(bounded)
     }
 
@@ -191,7 +196,7 @@ impl Scenario {
         Ok(constraints)
     }
 
-    /// The limits on the control that are enforced; no entries where there are none.
+    /// The limits on the control that are enforced, zero for passive joints; no entries where there are none.
     #[must_use]
     pub fn torque_limits(&self) -> TorqueLimits {
         let bound = |limit, joint| self.bound(limit, joint);

@@ -10,6 +10,7 @@ mod json;
 mod limits;
 mod objective;
 mod options;
+mod passive;
 mod preflight;
 mod provenance;
 mod report;
@@ -26,6 +27,7 @@ pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios
 pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use options::{Method, SolveOptions};
+pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, solve};

@@ -121,6 +121,7 @@ impl Scenario {
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("free_horizon", file.free_horizon.is_some()),
+            ("passive", !file.passive.is_empty()),
         ];
         match keys.iter().find(|(_, given)| *given) {
             Some((key, _)) => {

@@ -60,7 +60,7 @@ impl Scenario {
     }
 
     /// Refuses a scenario that has no solution for a reason that is seen without a search: an end beyond a limit or in collision, a
-    /// horizon in which a joint cannot cover its way; and an end at rest that the torques cannot hold. Only constraints of the
+    /// horizon in which a joint cannot cover its way; and an end at rest that the torques cannot hold, a passive joint by none. Only constraints of the
     /// scenario count, each within the tolerance of the search, [`RelaxSettings::FEASIBLE`]; a final velocity that is free is not looked
     /// at.
     ///
@@ -182,8 +182,13 @@ impl Scenario {
             if torque.abs() > most + TOLERANCE {
                 let (name, unit) = (joint.name(), Limit::Torque.unit(joint.kind()));
                 let (torque, most) = (short(torque.abs(), f64::ceil), plain(most));
+                let but = if self.is_passive(i) {
+                    "it is passive".to_owned()
+                } else {
+                    format!("its enforced torque limit is {most} {unit}")
+                };
                 let condition = format!(
-                    "joint '{name}' needs {torque} {unit} to hold the robot at rest, its enforced torque limit is {most} {unit}"
+                    "joint '{name}' needs {torque} {unit} to hold the robot at rest, {but}"
                 );
                 return self.refuse(end.keys[0], condition);
             }

@@ -1,5 +1,6 @@
 //! Solving a scenario and testing whether that was a success.
 
+use super::passive::effort_of_joints;
 use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
 use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions};
 use crate::constraint::Constraints;
@@ -15,6 +16,9 @@ use std::time::Instant;
 
 /// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
 const LIMIT_TOLERANCE: f64 = 1e-3;
+
+/// The number of intervals on which the effort of passive joints is looked at.
+const INTERVALS: usize = 2000;
 
 /// The progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,7 +190,7 @@ fn solve_by_relaxation(
         smallest_curvature: solution.smallest_curvature,
         largest_violation: (!scenario.is_free()).then_some(solution.largest_violation),
         unknowns: solution.unknowns,
-        replay_error_inf: replay_error(&scenario.model, &curve)?,
+        replay_error_inf: replay_error(&scenario.model, &curve, &scenario.passive())?,
         adapted: solution.adapted,
         quadrature_points: solution.points,
         efforts_of_starts: solution.start_costs,
@@ -283,9 +287,9 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         failure,
         stopped,
     } = found;
-    let model = &scenario.model;
+    let (model, passive) = (&scenario.model, scenario.passive());
     let final_error = |feedback| -> Result<Option<f64>> {
-        Ok(simulate(model, &curve, feedback)?
+        Ok(simulate(model, &curve, feedback, &passive)?
             .ok()
             .map(|simulation| simulation.error_inf))
     };
@@ -305,14 +309,16 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         None => "the forward simulation with feedback stopped before its end".to_owned(),
     });
     let completed = failure.is_none();
-    // The simulation is what a flow is judged by. A motion of the relaxation is what it is: the simulation tests how sensitive it is.
-    let success = completed && feasible && (reached || method == Method::Relax);
+    // The simulation is what a flow is judged by. A motion of the relaxation is what it is: the simulation tests how sensitive it is. With
+    // passive joints it tells as well whether the torques that they lack are missed.
+    let simulated = method == Method::Flow || !passive.is_empty();
+    let success = completed && feasible && (reached || !simulated);
     let mut notes = scenario.notes(method);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }
     // With all that is violated, and with the simulation where it is what decides.
-    let missed = missed.filter(|_| completed && method == Method::Flow);
+    let missed = missed.filter(|_| completed && simulated);
     let reasons = [failure, feasibility.reason(tolerance), missed];
     let reasons: Vec<String> = reasons.into_iter().flatten().collect();
     let failure = (!success).then(|| reasons.join("; "));
@@ -320,6 +326,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         notes.push(format!("{stopped}: the motion is the best until then"));
     }
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
+    let effort_of_passive = effort_of_joints(model, &curve, &passive, INTERVALS)?;
     let summary = Summary {
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
@@ -331,7 +338,8 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
-        control_effort: effort.control_effort,
+        // Rounding is no effort.
+        control_effort: (effort.control_effort - effort_of_passive).max(0.0),
         dynamics_defect: effort.dynamics_defect,
         solve_seconds,
         details,

@@ -20,8 +20,9 @@ pub struct Summary {
     pub p: usize,
     /// The number of polynomials.
     pub pieces: usize,
-    /// True if the method came to its end, the simulation with feedback ended within the threshold of the goal, and the curve
-    /// hits nothing and keeps the limits that are enforced.
+    /// True if the method came to its end, and the curve hits nothing, keeps the limits that are enforced, and leaves passive joints
+    /// without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any method, the simulation with feedback has to
+    /// end within the threshold of the goal as well.
     pub success: bool,
     /// The threshold.
     pub success_threshold: f64,
@@ -31,7 +32,7 @@ pub struct Summary {
     pub open_loop_error_inf: Option<f64>,
     /// The gains of the feedback.
     pub feedback: Feedback,
-    /// $\int |u|^2 dt$ on 2001 times.
+    /// $\int |u|^2 dt$ on 2001 times, without the torques of passive joints.
     pub control_effort: f64,
     /// $\max |\dot q - v|_\infty$ on 2001 times.
     pub dynamics_defect: f64,
@@ -42,7 +43,7 @@ pub struct Summary {
     pub details: Details,
     /// The reasons why it is no success, if it is none.
     pub failure: Option<String>,
-    /// The clearance of the curve from obstacles and the limits that it breaks.
+    /// The clearance of the curve from obstacles, the limits that it breaks, and its largest torques.
     #[serde(flatten)]
     pub feasibility: Feasibility,
     /// Boundary positions outside joint limits.

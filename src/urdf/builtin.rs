@@ -12,7 +12,7 @@ macro_rules! robots {
 }
 
 /// The robots, in the order in which they are listed.
-const ROBOTS: [(&str, &str); 10] = robots!(
+const ROBOTS: [(&str, &str); 14] = robots!(
     "pendulum_1",
     "pendulum_2",
     "pendulum_3",
@@ -22,7 +22,11 @@ const ROBOTS: [(&str, &str); 10] = robots!(
     "kinova_gen3",
     "kinova_gen3_2arms",
     "kinova_gen3_3arms",
-    "digit_v3_pinned"
+    "digit_v3_pinned",
+    "acrobot",
+    "pendubot",
+    "cart_pole",
+    "planar_rotorcraft"
 );
 
 /// The names of the robots that are built in.

@@ -362,10 +362,10 @@ fn simulations_agree_between_integrators() {
         .expect("the end")
         .curve;
     let feedback = Feedback { kp: 10.0, kv: 10.0 };
-    let by_bdf = simulate(model, &curve, feedback)
+    let by_bdf = simulate(model, &curve, feedback, &[])
         .expect("sound")
         .expect("the end");
-    let other = simulate_with(model, &curve, feedback, &mut Esdirk34);
+    let other = simulate_with(model, &curve, feedback, &[], &mut Esdirk34);
     let other = other.expect("sound").expect("the end");
     assert_ne!(by_bdf.statistics, other.statistics);
     for (a, b) in by_bdf.state.iter().zip(&other.state) {

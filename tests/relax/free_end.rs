@@ -47,7 +47,12 @@ fn a_free_final_velocity_is_that_of_least_effort() {
         );
         is_exact(&solution.curve);
         // The test of success asks for the end of the curve, not for the velocity of the goal.
-        let simulation = simulate(&model, &solution.curve, Feedback { kp: 10.0, kv: 10.0 });
+        let simulation = simulate(
+            &model,
+            &solution.curve,
+            Feedback { kp: 10.0, kv: 10.0 },
+            &[],
+        );
         let simulation = simulation.expect("the same robot").expect("it ends");
         assert!(simulation.error_inf < 1e-6, "{simulation:?}");
     }

@@ -65,7 +65,7 @@ fn simulations_go_through_joints() {
         let model = robot(name);
         let curve = bent(&model, bends);
         let simulated = |feedback| {
-            simulate(&model, &curve, feedback)
+            simulate(&model, &curve, feedback, &[])
                 .expect("same robot")
                 .expect("it ends")
         };
@@ -339,7 +339,7 @@ fn the_error_of_an_interval_by_nodes() {
         }
         worst = worst.max((y - x.column(i + 1)).amax());
     }
-    let error = replay_error(&model, &curve).expect("same robot");
+    let error = replay_error(&model, &curve, &[]).expect("same robot");
     let error = error.expect("it ends");
     // The integrator of the library keeps 1e-8 a step.
     assert!(
@@ -349,9 +349,9 @@ fn the_error_of_an_interval_by_nodes() {
 
     // Where the control is a polynomial of that degree there is none.
     let model = slider(2.0);
-    let error = replay_error(&model, &bent(&model, &[1.0, -2.0, 3.0])).expect("same robot");
+    let error = replay_error(&model, &bent(&model, &[1.0, -2.0, 3.0]), &[]).expect("same robot");
     assert!(error.is_some_and(|e| e < 1e-7), "{error:?}");
-    let of_another = replay_error(&model, &curve);
+    let of_another = replay_error(&model, &curve, &[]);
     assert_refused(of_another, "curve: expected 1 entries, found 2");
 }
 

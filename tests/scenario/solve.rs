@@ -11,7 +11,7 @@ use std::path::Path;
 
 #[test]
 fn all_that_are_built_in_load_and_fit_their_robots() {
-    assert_eq!(builtin_scenarios().count(), 23);
+    assert_eq!(builtin_scenarios().count(), 29);
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).unwrap_or_else(|e| panic!("{e}"));
         let (file, n) = (&scenario.file, scenario.model.dof());

@@ -11,4 +11,5 @@ mod model;
 mod notes;
 mod robots;
 mod several_arms;
+mod underactuated;
 mod write;

@@ -269,6 +269,7 @@ impl Family {
             robot: robot.to_owned(),
             mimic,
             locked_joints: BTreeMap::new(),
+            passive: Vec::new(),
             horizon_s: made.horizon,
             q_start,
             v_start,

@@ -1,0 +1,94 @@
+//! The joints without a motor: which they are, and what torques a motion asks of them all the same.
+
+use super::{Scenario, ScenarioFile};
+use crate::constraint::{Constraints, TorqueLimits};
+use crate::curve::Curve;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::motion::{sample, violations};
+
+/// The key of a scenario.
+const KEY: &str = "passive";
+
+/// The largest torque of a passive joint in a success, relative to the largest torque of the motion.
+///
+/// A polynomial keeps the equality $u_i = 0$ at as many times as it has free coefficients, and between them but for a defect that a higher
+/// degree and more segments make smaller. With this one the forward simulation, in which passive joints have no torque at all, stays
+/// near the motion.
+pub const PASSIVE_TORQUE_SHARE: f64 = 1e-3;
+
+/// Refuses names of passive joints that make no sense for `model`, the robot without its locked joints. `path` names the scenario.
+pub(super) fn check_passive(file: &ScenarioFile, model: &Model, path: &str) -> Result<()> {
+    let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
+    for (i, name) in file.passive.iter().enumerate() {
+        let key = format!("{KEY}[{i}]");
+        if file.locked_joints.contains_key(name) {
+            let condition =
+                format!("joint '{name}' is locked; a joint that does not move needs no motor");
+            return refuse(key, condition);
+        }
+        if model.joints().iter().all(|joint| joint.name() != name) {
+            return refuse(key, format!("the robot has no joint '{name}' that moves"));
+        }
+        if file.passive[..i].contains(name) {
+            return refuse(key, format!("joint '{name}' is named twice"));
+        }
+    }
+    if file.passive.len() == model.dof() {
+        let condition = "every joint that moves is passive, at least one has to have a motor";
+        return refuse(KEY.to_owned(), condition.to_owned());
+    }
+    Ok(())
+}
+
+impl Scenario {
+    /// The indices of the joints without a motor, ascending: nothing but the motion of the others moves them. Cost O(N^2).
+    #[must_use]
+    pub fn passive(&self) -> Vec<usize> {
+        (0..self.model.dof())
+            .filter(|i| self.is_passive(*i))
+            .collect()
+    }
+
+    /// Tells whether joint `joint` has no motor.
+    pub(super) fn is_passive(&self, joint: usize) -> bool {
+        let joint = self.model.joints().get(joint);
+        joint.is_some_and(|joint| self.file.passive.iter().any(|name| name == joint.name()))
+    }
+}
+
+/// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals of each segment and at the
+/// maxima between; see [`violations`].
+///
+/// # Errors
+/// The curve is for another robot.
+pub(super) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
+    // The rows of passive joints are the torques themselves.
+    let all = Constraints {
+        state: (),
+        torque: TorqueLimits(vec![Some(0.0); model.dof()]),
+    };
+    let found = violations(model, curve, &all, intervals)?;
+    Ok(found.into_iter().map(|torque| torque.by).collect())
+}
+
+/// What the torques of these joints add to $\int |u|^2 dt$, by the trapezoidal rule on `intervals` intervals.
+///
+/// # Errors
+/// The curve is for another robot.
+pub(super) fn effort_of_joints(
+    model: &Model,
+    curve: &Curve,
+    joints: &[usize],
+    intervals: usize,
+) -> Result<f64> {
+    if joints.is_empty() {
+        return Ok(0.0);
+    }
+    let squares: Vec<f64> = sample(model, curve, intervals)?
+        .iter()
+        .map(|at| joints.iter().map(|i| at.u[*i] * at.u[*i]).sum())
+        .collect();
+    let pairs = squares.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    Ok(pairs.sum::<f64>() * curve.horizon() / intervals as f64)
+}
