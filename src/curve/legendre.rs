@@ -51,19 +51,3 @@ pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
     }
     (nodes, weights)
 }
-
-/// Those of `points` Gauss-Legendre points that lie next to `wanted` such points, each once.
-pub(crate) fn collocated(points: usize, wanted: usize) -> Vec<usize> {
-    let (nodes, _) = gauss_legendre(points);
-    let (targets, _) = gauss_legendre(wanted.clamp(1, points));
-    let mut next = 0;
-    let nearest = targets.iter().enumerate().map(|(k, target)| {
-        let last = points - (targets.len() - k);
-        let distance = |g: &usize| (nodes[*g] - target).abs();
-        let best = (next..=last).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let best = best.unwrap_or(last);
-        next = best + 1;
-        best
-    });
-    nearest.collect()
-}

@@ -9,5 +9,5 @@ mod piecewise;
 pub use basis::Basis;
 pub use chebyshev::Chebyshev;
 pub use legendre::gauss_legendre;
-pub(crate) use legendre::{collocated, legendre};
+pub(crate) use legendre::legendre;
 pub use piecewise::Curve;

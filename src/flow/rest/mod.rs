@@ -345,17 +345,29 @@ fn walk<K: Constraint>(
         steps: 0,
         factorisations: 0,
         rounds: 0,
+        duals: None,
         watch,
         observe: &mut record,
     };
     let mut outcome = Outcome::default();
+    let passive = (0..constraints.torque.dim()).any(|row| constraints.torque.is_equality(row));
+    let collocated = |degree: usize| if passive { degree - 1 } else { 0 };
     for demands in settings.stages(kind == 1) {
         let (segments, degree) = demands.basis;
         let mut points = (POINTS[kind] * degree as f64) as usize + 4;
         loop {
-            let grid = StateGrid::new(segments, degree, points, problem.horizon());
+            let horizon = problem.horizon();
+            let grid = StateGrid::collocated(segments, degree, points, collocated(degree), horizon);
             let plain = lagrangian.clone();
-            let stage = Stage::new(problem, settings, constraints, plain, demands, &grid)?;
+            let stage = Stage::new(
+                problem,
+                settings,
+                constraints,
+                plain,
+                demands,
+                points,
+                &grid,
+            )?;
             outcome = stage.run(&mut walk)?;
             let coarse = outcome.quadrature_error > demands.quadrature;
             if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {

@@ -5,7 +5,9 @@ use super::{RestRecord, RestSettings};
 use crate::constraint::{Constraint, Constraints};
 use crate::curve::Curve;
 use crate::error::Result;
-use crate::flow::weak::{Action, AugmentedLagrangian, ControlLagrangian, StateGrid};
+use crate::flow::weak::{
+    Action, AugmentedLagrangian, ControlLagrangian, RowDuals, RowTerms, StateGrid,
+};
 use crate::motion::{Problem, Watch, violations};
 use nalgebra::DMatrix;
 
@@ -17,6 +19,8 @@ const ON_THE_WAY: f64 = 0.05;
 const FIRST_PENALTY: f64 = 1e3;
 const PENALTY_FACTOR: f64 = 10.0;
 const LARGEST_PENALTY: f64 = 1e9;
+/// The first penalty of the torque of a passive joint: that of a motor, whose torque costs its square.
+const MOTOR: f64 = 2.0;
 /// The part of its violation that a row may keep from one round to the next before its penalty grows.
 const PROGRESS: f64 = 0.25;
 /// The factor of the tolerance from one round of duals to the next.
@@ -65,6 +69,8 @@ pub(super) struct Walk<'w> {
     pub steps: usize,
     pub factorisations: usize,
     pub rounds: usize,
+    /// The duals of the rows where the stage before ended.
+    pub duals: Option<Vec<RowDuals>>,
     pub watch: &'w Watch,
     pub observe: &'w mut dyn FnMut(RestRecord),
 }
@@ -76,6 +82,8 @@ pub(super) struct Stage<'s, 'g, 'a, K> {
     constraints: &'s Constraints<K>,
     demands: Demands,
     grid: &'g StateGrid<f64>,
+    /// The quadrature alone, and a finer one.
+    own: StateGrid<f64>,
     finer: StateGrid<f64>,
     action: Action<'g, f64, AugmentedLagrangian<'s, K>>,
     plain: ControlLagrangian<'s>,
@@ -89,14 +97,17 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         constraints: &'s Constraints<K>,
         mut plain: ControlLagrangian<'s>,
         demands: Demands,
+        points: usize,
         grid: &'g StateGrid<f64>,
     ) -> Result<Self> {
         for weights in &mut plain.weights {
             *weights *= demands.cost;
         }
-        let augmented = AugmentedLagrangian::new(plain.clone(), constraints, grid)?;
-        // Not a multiple, so that it sees between the points.
-        let points = grid.points() * 3 / 2 + 7;
+        let mut held = plain.clone();
+        held.silent = (0..grid.times().len())
+            .map(|g| grid.is_collocated(g))
+            .collect();
+        let augmented = AugmentedLagrangian::new(held, constraints, grid)?;
         let (segments, degree) = demands.basis;
         Ok(Self {
             problem,
@@ -104,7 +115,9 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             constraints,
             demands,
             grid,
-            finer: StateGrid::new(segments, degree, points, problem.horizon()),
+            // Not a multiple, so that it sees between the points.
+            own: StateGrid::new(segments, degree, points, problem.horizon()),
+            finer: StateGrid::new(segments, degree, points * 3 / 2 + 7, problem.horizon()),
             action: Action::new(grid, augmented, problem.model().dof()),
             plain,
         })
@@ -115,14 +128,13 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         let demands = self.demands;
         let mut progress = Progress::new(self.grid.fit(&walk.curve), walk.s);
         let mut euler = Euler::new(&self.action);
-        let rows = self.constraints.dim();
+        let (grid, rows) = (self.grid, self.constraints.dim());
         let density = self.action.value(&progress.coefficients)?.abs() / self.problem.horizon();
         let largest_penalty = LARGEST_PENALTY * density;
-        self.action
-            .lagrangian
-            .rows
-            .penalties
-            .fill(FIRST_PENALTY * density);
+        match &walk.duals {
+            Some(known) => self.terms().take_over(known, grid.times()),
+            None => self.first_penalties(density),
+        }
         let mut before = vec![f64::INFINITY; rows];
         let mut outcome = Outcome::default();
         let mut asked = if rows > 0 { TIGHTER } else { demands.tolerance };
@@ -133,8 +145,9 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             outcome.action = progress.action;
             outcome.gradient_norm = progress.gradient_norm;
             let settled = progress.gradient_norm <= demands.tolerance;
+            let reached = progress.gradient_norm <= asked;
             outcome.slip = self.look_at_slip(&progress.coefficients, self.settings.duals);
-            let largest = self.action.lagrangian.rows.largest();
+            let largest = self.terms().largest();
             outcome.violation = largest.iter().copied().fold(0.0, f64::max);
             if coarse || walk.watch.stopped().is_some() {
                 break;
@@ -150,13 +163,13 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
                     break;
                 }
             }
-            let terms = &mut self.action.lagrangian.rows;
             if self.settings.duals {
-                terms.update_duals();
+                self.terms().update_duals();
             }
+            let terms = self.terms();
             for ((penalty, now), then) in terms.penalties.iter_mut().zip(&largest).zip(&mut before)
             {
-                if *now > PROGRESS * *then && *now > demands.feasible {
+                if reached && *now > PROGRESS * *then && *now > demands.feasible {
                     *penalty = (*penalty * PENALTY_FACTOR).min(largest_penalty);
                 }
                 *then = *now;
@@ -168,10 +181,30 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         walk.curve = self
             .grid
             .curve(&progress.coefficients, self.problem.horizon())?;
+        walk.duals = Some(self.terms().over_time(grid.times()));
         walk.s = progress.s;
         walk.steps += progress.steps;
         walk.factorisations += progress.factorisations;
         Ok(outcome)
+    }
+
+    /// The terms of the rows.
+    fn terms(&mut self) -> &mut RowTerms<'s, K> {
+        &mut self.action.lagrangian.rows
+    }
+
+    /// The penalties of rows that nothing is known of. A passive joint begins as a motor, since nothing is as simple as that.
+    fn first_penalties(&mut self, density: f64) {
+        let constraints = self.constraints;
+        let states = constraints.state.dim();
+        for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
+            let passive = row >= states && constraints.is_equality(row);
+            *penalty = if passive {
+                MOTOR
+            } else {
+                FIRST_PENALTY * density
+            };
+        }
     }
 
     /// Follows the flow with the duals as they are; returns whether the quadrature turned out to be far too coarse.
@@ -194,7 +227,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             fresh,
             metric: self.settings.metric,
         };
-        let (grid, finer, plain) = (self.grid, &self.finer, &self.plain);
+        let (grid, finer, plain) = (&self.own, &self.finer, &self.plain);
         let (mut coarse, mut looks) = (false, 0);
         let (watch, observe) = (walk.watch, &mut walk.observe);
         let mut look = |progress: &Progress| {
@@ -233,7 +266,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
                 continue;
             }
             if violation.by > self.demands.feasible {
-                let terms = &mut self.action.lagrangian.rows;
+                let terms = self.terms();
                 terms.margins[row] += violation.by / terms.units[row];
             }
             largest = largest.max(violation.by);
@@ -264,7 +297,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
     }
 
     fn quadrature_error(&self, coefficients: &DMatrix<f64>) -> Result<f64> {
-        quadrature_error(self.grid, &self.finer, &self.plain, coefficients)
+        quadrature_error(&self.own, &self.finer, &self.plain, coefficients)
     }
 }
 

@@ -39,6 +39,8 @@ pub struct ControlLagrangian<'m, C: Scalar = f64, S: Scalar = C> {
     pub metric_weights: DVector<S>,
     /// $\lambda$ at all points of the grid, `N` by their number; without columns it is zero.
     pub slip_duals: DMatrix<S>,
+    /// True for each point of the grid at which $L$ is zero but for terms that others add; no entries where it never is.
+    pub silent: Vec<bool>,
     data: Data<Wide<S>>,
     id: InverseDynamicsDerivatives<Wide<S>>,
     second: RneaWeightedHessian<Wide<S>>,
@@ -77,6 +79,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
             weights: [ones.clone(), zeros.clone(), zeros.clone()],
             metric_weights: ones,
             slip_duals: DMatrix::zeros(n, 0),
+            silent: Vec::new(),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
             second: RneaWeightedHessian::new(n),
@@ -99,6 +102,11 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
         self.model
     }
 
+    /// One where $L$ counts at point `index`, else zero.
+    fn share(&self, index: usize) -> S {
+        share(&self.silent, index)
+    }
+
     /// $L$ but for what is in the control, at a point with the slip duals of its index.
     fn motion_value(&self, at: &StatePoints<'_, S>, g: usize) -> S {
         let (n, y) = (self.model.dof(), at.states.column(g));
@@ -112,7 +120,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
                 sum += self.slip_duals[(i, at.first + g)] * slip;
             }
         }
-        sum
+        self.share(at.first + g) * sum
     }
 
     /// As [`PointLagrangian::values`], with terms in the control.
@@ -132,11 +140,11 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
             for lane in 0..count {
                 let g = start + lane;
                 self.point.clear();
-                let mut sum = S::zero();
+                let (share, mut sum) = (self.share(at.first + g), S::zero());
                 for i in 0..n {
                     let u = self.slopes[i].0[lane];
                     self.point.u[i] = u;
-                    sum += self.weights[0][i] * u * u;
+                    sum += share * self.weights[0][i] * u * u;
                 }
                 terms(at.first + g, &mut self.point);
                 values[g] = sum + self.point.value + self.motion_value(&at, g);
@@ -157,7 +165,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
         let two = S::from_f64(2.0);
         for start in (0..at.count()).step_by(LANES) {
             let count = Lanes::gather(at.states.as_slice(), start, &mut self.state);
-            let (weights, point) = (&self.weights[0], &mut self.point);
+            let (weights, silent, point) = (&self.weights[0], &self.silent, &mut self.point);
             let (slopes, curvatures) = (&mut self.slopes, &mut self.curvatures);
             let values = &mut out.values;
             let weigh = |tau: &DVector<Wide<S>>, w: &mut [Wide<S>]| {
@@ -166,12 +174,12 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
                     point.clear();
                     point.u.zip_apply(tau, |u, tau| *u = tau.0[lane]);
                     terms(at.first + g, point);
-                    let mut sum = point.value;
+                    let (share, mut sum) = (share::<S>(silent, at.first + g), point.value);
                     for i in 0..n {
-                        let u = point.u[i];
-                        sum += weights[i] * u * u;
-                        slopes[i].0[lane] = two * weights[i] * u + point.slopes[i];
-                        curvatures[i].0[lane] = two * weights[i] + point.curvatures[i];
+                        let (u, weight) = (point.u[i], share * weights[i]);
+                        sum += weight * u * u;
+                        slopes[i].0[lane] = two * weight * u + point.slopes[i];
+                        curvatures[i].0[lane] = two * weight + point.curvatures[i];
                     }
                     values[g] = sum;
                 }
@@ -198,8 +206,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
         lane: usize,
         out: &mut LagrangianDerivatives<S>,
     ) {
-        let (n, count, two) = (self.model.dof(), at.count(), S::from_f64(2.0));
-        let (y, stiff) = (at.states.column(g), two * self.k);
+        let (n, count) = (self.model.dof(), at.count());
+        let (y, share) = (at.states.column(g), self.share(at.first + g));
+        let two = share * S::from_f64(2.0);
+        let stiff = two * self.k;
         out.values[g] += self.motion_value(at, g);
         let jacobian = [&self.id.dq, &self.id.dv, &self.id.h];
         // The place of q, v and the acceleration in [x; xdot].
@@ -219,7 +229,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
             let (v, a) = (y[n + i], y[2 * n + i]);
             let mut by_slip = stiff * (y[3 * n + i] - v);
             if self.slip_duals.ncols() > 0 {
-                by_slip += self.slip_duals[(i, at.first + g)];
+                by_slip += share * self.slip_duals[(i, at.first + g)];
             }
             out.gradients[(n + i, g)] += two * velocity[i] * v - by_slip;
             out.gradients[(i, count + g)] = by_slip;
@@ -268,6 +278,14 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
                 }
             }
         }
+    }
+}
+
+/// One where the Lagrangian counts at point `index`, else zero.
+fn share<S: Scalar>(silent: &[bool], index: usize) -> S {
+    match silent.get(index) {
+        Some(true) => S::zero(),
+        _ => S::one(),
     }
 }
 

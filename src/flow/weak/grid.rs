@@ -1,6 +1,6 @@
 //! Continuous piecewise polynomials in the state at the points of a quadrature.
 
-use crate::curve::{Chebyshev, Curve, collocated, gauss_legendre, legendre};
+use crate::curve::{Chebyshev, Curve, gauss_legendre, legendre};
 use crate::error::Result;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -14,6 +14,8 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct StateGrid<S: Scalar> {
     pub(super) segments: usize,
+    /// The last points of each segment at which there is nothing but equalities.
+    collocated: usize,
     /// Times of the points, s, segment by segment.
     pub(super) times: Vec<S>,
     /// Weights of the points of a segment.
@@ -31,7 +33,27 @@ impl StateGrid<f64> {
     /// `segments` polynomials of degree `degree` on `[0, horizon]`, with `points` points each.
     #[must_use]
     pub fn new(segments: usize, degree: usize, points: usize, horizon: f64) -> Self {
-        let (nodes, weights) = gauss_legendre(points);
+        Self::collocated(segments, degree, points, 0, horizon)
+    }
+
+    /// The same with `collocated` Gauss-Legendre points more per segment, which come after the others and are no part of the quadrature:
+    /// an equality may be asked for there. A polynomial that vanishes at as many Gauss points as a segment has functions for itself,
+    /// `degree - 1`, is orthogonal to all of lower degree, so that what such an equality leaves between the points moves next to nothing.
+    #[must_use]
+    pub fn collocated(
+        segments: usize,
+        degree: usize,
+        points: usize,
+        collocated: usize,
+        horizon: f64,
+    ) -> Self {
+        let (mut nodes, mut weights) = gauss_legendre(points);
+        if collocated > 0 {
+            let (more, their_weights) = gauss_legendre(collocated);
+            nodes.extend(more);
+            weights.extend(their_weights);
+        }
+        let points = nodes.len();
         let half = 0.5 * horizon / segments as f64;
         let mut table = DMatrix::zeros(degree + 1, 2 * points);
         for (g, s) in nodes.iter().enumerate() {
@@ -43,7 +65,10 @@ impl StateGrid<f64> {
         let time = |e: usize, s: f64| half * ((2 * e + 1) as f64 + s);
         let times = segment.flat_map(|e| nodes.iter().map(move |s| time(e, *s)));
         let weights = weights.iter().map(|w| w * half).collect();
-        Self::from_table(segments, times.collect(), weights, table)
+        Self {
+            collocated,
+            ..Self::from_table(segments, times.collect(), weights, table)
+        }
     }
 
     /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it is of this degree and its breakpoints are among these;
@@ -115,6 +140,7 @@ impl<S: Scalar> StateGrid<S> {
         });
         Self {
             segments,
+            collocated: 0,
             times,
             weights,
             table,
@@ -161,10 +187,10 @@ impl<S: Scalar> StateGrid<S> {
         self.weights.len()
     }
 
-    /// The points of a segment at which an equality can be kept: those next to the Gauss points of as many as a segment has functions for
-    /// itself, `degree - 1`.
-    pub(super) fn collocated(&self) -> Vec<usize> {
-        collocated(self.points(), self.degree() - 1)
+    /// Tells whether a point, counted along time, is one where there is nothing but equalities.
+    #[must_use]
+    pub fn is_collocated(&self, point: usize) -> bool {
+        point % self.points() >= self.points() - self.collocated
     }
 
     /// The number of functions, those of the boundary conditions included.

@@ -18,6 +18,25 @@ enum Kind {
     Idle,
 }
 
+/// The duals of a row at some times, with its penalty and margin.
+#[derive(Clone, Debug)]
+pub(in crate::flow) struct RowDuals {
+    pub penalty: f64,
+    pub margin: f64,
+    pub duals: Vec<(f64, f64)>,
+}
+
+/// The value at a time between those that are known, or that of the nearest.
+fn interpolate(known: &[(f64, f64)], time: f64) -> f64 {
+    let after = known.partition_point(|(t, _)| *t < time);
+    match (after.checked_sub(1).map(|i| known[i]), known.get(after)) {
+        (Some((t0, a)), Some((t1, b))) => a + (b - a) * (time - t0) / (t1 - t0),
+        (Some((_, a)), None) => a,
+        (None, Some((_, b))) => *b,
+        (None, None) => 0.0,
+    }
+}
+
 /// Rows of constraints with their duals, at the points of a grid.
 #[derive(Clone, Debug)]
 pub(in crate::flow) struct RowTerms<'a, K> {
@@ -61,11 +80,14 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
             }
         }
         let count = scales.len();
-        let (points, collocated) = (grid.points(), grid.collocated());
-        let kind = |at: usize| match (constraints.is_equality(at % count), at % count < states) {
-            (false, _) => Kind::Inequality,
-            (true, false) if !collocated.contains(&(at / count % points)) => Kind::Idle,
-            (true, _) => Kind::Equality,
+        let kind = |at: usize| {
+            let in_control = constraints.is_equality(at % count) && at % count >= states;
+            match (in_control, grid.is_collocated(at / count)) {
+                (true, true) => Kind::Equality,
+                (true, false) | (false, true) => Kind::Idle,
+                (false, false) if constraints.is_equality(at % count) => Kind::Equality,
+                (false, false) => Kind::Inequality,
+            }
         };
         let all = count * grid.times.len();
         let zero = Wide::splat(0.0);
@@ -113,6 +135,36 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
     pub fn update_duals(&mut self) {
         for at in 0..self.h.len() {
             self.duals[at] = self.term(at)[1];
+        }
+    }
+
+    /// The duals of each row over time, at the points at which something is asked of it, and its penalty.
+    pub fn over_time(&self, times: &[f64]) -> Vec<RowDuals> {
+        let count = self.count();
+        let of_row = |row: usize| {
+            let held = (0..times.len()).filter(|g| self.kinds[g * count + row] != Kind::Idle);
+            RowDuals {
+                penalty: self.penalties[row],
+                margin: self.margins[row],
+                duals: held
+                    .map(|g| (times[g], self.duals[g * count + row]))
+                    .collect(),
+            }
+        };
+        (0..count).map(of_row).collect()
+    }
+
+    /// Takes duals that were found at other points, interpolated linearly in time.
+    pub fn take_over(&mut self, rows: &[RowDuals], times: &[f64]) {
+        let count = self.count();
+        for (row, known) in rows.iter().enumerate() {
+            self.penalties[row] = known.penalty;
+            self.margins[row] = known.margin;
+            for (g, time) in times.iter().enumerate() {
+                if self.kinds[g * count + row] != Kind::Idle {
+                    self.duals[g * count + row] = interpolate(&known.duals, *time);
+                }
+            }
         }
     }
 
