@@ -1,7 +1,7 @@
 //! The right-hand side of the Affine Geometric Heat Flow and its Jacobian.
 //!
-//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `x`, `xdot` and
-//! `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
+//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `t`, `x`, `xdot`
+//! and `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
 
 mod action;
 mod collocation;
@@ -34,7 +34,7 @@ pub use run::{
 
 use crate::error::Result;
 
-/// A way to compute $\Omega(x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
+/// A way to compute $\Omega(t, x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
 /// model with constants `C`.
 pub trait RightHandSide<C = f64, S = C> {
     /// $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.

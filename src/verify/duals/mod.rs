@@ -109,9 +109,11 @@ impl CheckOptions {
     }
 }
 
-/// A state: what the flow reads at a node, `2 N` entries each.
+/// A state: what the flow reads at a node, a time and `2 N` entries each.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct State {
+    /// $t$, in s.
+    pub t: f64,
     /// $x = [q; v]$.
     pub x: Vec<f64>,
     /// $\dot x$.
@@ -122,7 +124,7 @@ pub struct State {
 
 impl State {
     /// State number `sample` of those that `seed` gives for `model`: positions within the limits of the joints, or within
-    /// half a turn where there are none, everything else from -3 to 3.
+    /// half a turn where there are none, the time from 0 to 3 s, everything else from -3 to 3.
     #[must_use]
     pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -140,13 +142,15 @@ impl State {
                 *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
             }
         }
-        Self { x, xdot, xddot }
+        let t = rng.random_range(0.0..3.0);
+        Self { t, x, xdot, xddot }
     }
 
     /// The state as the flow reads it.
     #[must_use]
     pub fn node(&self) -> Node<'_, f64> {
         Node {
+            t: self.t,
             x: &self.x,
             xdot: &self.xdot,
             xddot: &self.xddot,

@@ -85,11 +85,12 @@ pub struct At<'a, C: Scalar, S> {
     pub k: C,
 }
 
-impl<'a, C: Scalar, S> At<'a, C, S> {
-    /// At `z` $= [x; \dot x; \ddot x]$, `6 N` entries.
+impl<'a, C: Scalar, S: Scalar> At<'a, C, S> {
+    /// At `z` $= [x; \dot x; \ddot x]$, `6 N` entries, at time zero, which the flow of the paper does not read.
     pub fn new(model: &'a Model<C>, z: &'a [S], k: C) -> Self {
         let m = z.len() / 3;
         let node = Node {
+            t: S::zero(),
             x: &z[..m],
             xdot: &z[m..2 * m],
             xddot: &z[2 * m..],
