@@ -4,23 +4,31 @@
 //! and `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
 
 mod action;
+mod actuation;
 mod collocation;
 mod constrained;
 mod control_penalty;
+mod dual_trajectory;
 pub mod jacobian;
 mod lagrangian;
 mod lagrangian_flow;
+mod metric;
 mod node;
 mod omega;
 mod penalty;
 mod run;
 
 pub use action::{EffortSummary, effort_of};
+pub use actuation::ActuationWeights;
 pub use collocation::{Collocation, assemble_jacobian};
 pub use constrained::{Constrained, Penalised, PenaltyWeights, StatePenalty, Sum};
-pub use control_penalty::{ControlCost, TorquePenalty};
-pub use lagrangian::{AghfLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
+pub use control_penalty::{ControlCost, ControlDual, TorquePenalty};
+pub use dual_trajectory::DualTrajectory;
+pub use lagrangian::{
+    AghfLagrangian, ControlLagrangian, Lagrangian, lagrangian, lagrangian_of_control,
+};
 pub use lagrangian_flow::LagrangianFlow;
+pub use metric::{ActuationMetric, AffineLagrangian, Drift, FreeDynamics, Metric};
 pub use node::Node;
 pub use omega::{AlgorithmB1, ControlForm, TheoremB3};
 pub use penalty::{

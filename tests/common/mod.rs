@@ -156,7 +156,12 @@ pub fn wave(count: usize, f: f64) -> Vec<f64> {
 
 /// A state of the checker from `x`, `xdot` and `xddot`.
 pub fn state([x, xdot, xddot]: [Vec<f64>; 3]) -> State {
-    State { t: 0.0, x, xdot, xddot }
+    State {
+        t: 0.0,
+        x,
+        xdot,
+        xddot,
+    }
 }
 
 /// Asserts that the checker compared something and found nothing wrong.
