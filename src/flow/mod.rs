@@ -16,7 +16,9 @@ mod metric;
 mod node;
 mod omega;
 mod penalty;
+mod raise;
 mod run;
+mod state_cost;
 
 pub use action::{EffortSummary, effort_of};
 pub use actuation::ActuationWeights;
@@ -39,6 +41,7 @@ pub use run::{
     FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
     flow_with, flow_with_integrator, output_count,
 };
+pub use state_cost::{StateCost, StateCostTerm, WithStateCost};
 
 use crate::error::Result;
 

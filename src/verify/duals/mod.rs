@@ -6,6 +6,7 @@
 
 mod constraints;
 mod dynamics;
+mod general_flow;
 mod jacobians;
 mod relaxation;
 mod running_cost;
@@ -13,6 +14,7 @@ mod tensors;
 
 pub use constraints::{check_constraint, check_constraints};
 pub use dynamics::{check_dynamics, check_dynamics_at};
+pub use general_flow::{FlowUnderTest, check_flow, check_general_flow};
 pub use jacobians::{check_jacobian, check_jacobian_at};
 pub use relaxation::check_relaxation;
 pub use running_cost::check_running_cost;
@@ -350,14 +352,15 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], the derivatives of constraints, and the gradient of the relaxation against the flow. Duals of
-/// the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`], the flow of a general Lagrangian, the derivatives of constraints, and the gradient of the relaxation
+/// against the flow. Duals of the control form are themselves compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
 pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = check_dynamics(model, options)?;
     findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
+    findings.extend(check_general_flow(model, options)?);
     findings.extend(check_constraints(model, options)?);
     findings.extend(check_relaxation(model, options)?);
     Ok(findings)
