@@ -2,7 +2,10 @@
 
 use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use super::raise::Raise;
-use super::{ActuationWeights, ControlForm, Node, Penalty, RightHandSide, TorquePenalty};
+use super::{
+    ActuationWeights, ControlCost, ControlForm, ControlLagrangian, Node, Penalty, RightHandSide,
+    TorquePenalty,
+};
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -31,6 +34,10 @@ pub struct Penalised<K, C: Scalar = f64> {
 pub type Constrained<'a, C, S, K> =
     Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
 
+/// The flow (A4) of a [`ControlLagrangian`] with the cost `L`.
+pub type GeneralConstrained<'a, C, S, L, K> =
+    Sum<ControlForm<'a, C, S, (L, TorquePenalty<C>)>, StatePenalty<'a, C, S, K>, S>;
+
 impl<K, C: Scalar> Penalised<K, C>
 where
     K: Constraint<C>,
@@ -44,6 +51,34 @@ where
         Sum::new(
             ControlForm::with_cost(model, self.torque_penalty()),
             self.state_penalty(model),
+        )
+    }
+
+    /// The right-hand side of the flow of `lagrangian` for `model` with the constraints as penalties, in the metric of `lagrangian`.
+    #[must_use]
+    pub fn right_hand_side_of<'a, S: AlgebraOver<C> + Tanh, L: ControlCost<C>>(
+        &'a self,
+        model: &'a Model<C>,
+        lagrangian: ControlLagrangian<C, L>,
+    ) -> GeneralConstrained<'a, C, S, L, &'a K> {
+        let weights = lagrangian.weights.clone();
+        Sum::new(
+            ControlForm::of(model, lagrangian.and_cost(self.torque_penalty())),
+            self.state_penalty(model).weighted(weights),
+        )
+    }
+
+    /// The analytic Jacobian of [`right_hand_side_of`](Self::right_hand_side_of).
+    #[must_use]
+    pub fn jacobian_of<'a, S: AlgebraOver<C> + Tanh, L: ControlCost<C> + 'a>(
+        &'a self,
+        model: &'a Model<C>,
+        lagrangian: ControlLagrangian<C, L>,
+    ) -> impl NodeJacobian<C, S> + use<'a, K, C, S, L> {
+        let weights = lagrangian.weights.clone();
+        Sum::new(
+            ControlFormJacobian::of(model, lagrangian.and_cost(self.torque_penalty())),
+            self.state_penalty(model).weighted(weights),
         )
     }
 

@@ -100,6 +100,16 @@ impl<C: Scalar, L> ControlLagrangian<C, L> {
         }
     }
 
+    /// The same with another cost besides.
+    #[must_use]
+    pub fn and_cost<K>(self, cost: K) -> ControlLagrangian<C, (L, K)> {
+        ControlLagrangian {
+            weights: self.weights,
+            slip_dual: self.slip_dual,
+            cost: (self.cost, cost),
+        }
+    }
+
     /// The metric of its flow, $\mathrm{blockdiag}(k I, H W H)$.
     #[must_use]
     pub fn metric(&self) -> ActuationMetric<C> {

@@ -23,7 +23,9 @@ mod state_cost;
 pub use action::{EffortSummary, effort_of};
 pub use actuation::ActuationWeights;
 pub use collocation::{Collocation, assemble_jacobian};
-pub use constrained::{Constrained, Penalised, PenaltyWeights, StatePenalty, Sum};
+pub use constrained::{
+    Constrained, GeneralConstrained, Penalised, PenaltyWeights, StatePenalty, Sum,
+};
 pub use control_penalty::{ControlCost, ControlDual, TorquePenalty};
 pub use dual_trajectory::DualTrajectory;
 pub use lagrangian::{

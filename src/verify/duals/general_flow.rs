@@ -11,7 +11,7 @@ use crate::flow::{
 };
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Tanh};
-use crate::verify::reference::variation;
+use crate::verify::reference::{gradient_and_rate, variation};
 use nalgebra::{DMatrix, DVector};
 
 /// A flow of one's own, to be held against the definition of the flow.
@@ -102,7 +102,7 @@ impl StateCost for LateRest {
 
 /// Checks the flow beyond the paper's by what is built in: a [`ControlLagrangian`] with every third joint passive, dual trajectories of
 /// the slip and of the torque, torque limits as penalties, and a [`StateCost`]; the [`AffineLagrangian`] of the free dynamics; and the
-/// inverse of the metric.
+/// metric.
 ///
 /// # Errors
 /// None that a loaded model gives.
@@ -171,7 +171,8 @@ fn made_up(n: usize) -> Result<ControlLagrangian<f64, (ControlDual, TorquePenalt
     })
 }
 
-/// The affine Lagrangian against that of the control, and the product of the metric and its inverse against the identity.
+/// The affine Lagrangian against that of the control, and twice the metric against the Hessian of the Lagrangian in $\dot x$, along
+/// $\ddot x$.
 fn metric_and_affine(
     model: &Model,
     weights: &ActuationWeights,
@@ -188,7 +189,7 @@ fn metric_and_affine(
     };
     let mut findings = Findings::default();
     for (sample, state) in options.states(model)?.iter().enumerate() {
-        let (at, node) = (At::new(model, sample, state)?, state.node());
+        let at = At::new(model, sample, state)?;
         let State { t, x, xdot, xddot } = state;
         for k in &options.penalties {
             let at = at.under(*k);
@@ -199,13 +200,18 @@ fn metric_and_affine(
             );
             let (a, b) = (a.as_view(), b.as_view());
             findings.compare(at.divided_twice(), "affine Lagrangian: value", at, a, b);
-            let mut raised = xddot.clone();
-            metric.raise(model, *t, x, *k, &mut raised)?;
-            let again = metric.matrix(model, *t, node.x, *k)? * DVector::from_vec(raised);
-            let b = DMatrix::from_column_slice(xddot.len(), 1, xddot);
-            let quantity = "metric: product with its inverse";
-            let (a, b) = (again.as_view(), b.as_view());
-            findings.compare(at.multiplied_again(), quantity, at, a, b);
+            let still = vec![0.0; x.len()];
+            let (y, along) = ([&x[..], xdot].concat(), [&still[..], xddot].concat());
+            let [_, rates] = gradient_and_rate(&y, &along, |x, xdot| {
+                control.value(model, AlgebraOver::lift(*t), x, xdot, *k)
+            })?;
+            let twice = metric.matrix(model, *t, x, *k)? * DVector::from_column_slice(xddot) * 2.0;
+            let (n, quantity) = (model.dof(), "metric: Hessian of the affine Lagrangian");
+            for row in [0, n] {
+                let (a, b) = (twice.rows(row, n), rates.rows(2 * n + row, n));
+                let (a, b) = (a.as_view(), b.as_view());
+                findings.compare(at.divided_twice(), quantity, at, a, b);
+            }
         }
     }
     Ok(findings.all)

@@ -222,5 +222,15 @@ fn weighted_penalties(p: &RandomInstance) -> Result<Vec<Equality>> {
         set.state_penalty(model).weighted(weights.clone())
     })?;
     claims.push(Equality::vectors("Omega", &left, &right));
+
+    let lagrangian = lagrangian(p)?;
+    let with_torque = lagrangian.clone().and_cost(set.torque_penalty());
+    let whole = omega_of(p, set.right_hand_side_of(model, lagrangian.clone()))?;
+    let sum = definition(p, &with_torque, &metric)? + right;
+    claims.push(Equality::vectors("all constraints", &whole, &sum));
+    let ours = set.jacobian_of(model, lagrangian.clone());
+    claims.extend(blocks(p, ours, || {
+        set.right_hand_side_of(model, lagrangian.clone())
+    })?);
     Ok(claims)
 }
