@@ -30,6 +30,7 @@ fn main() {
         let n = model.dof();
         let (x, xdot, xddot) = (wave(2 * n, 0.7), wave(2 * n, 1.3), wave(2 * n, 2.1));
         let node = Node {
+            t: 0.0,
             x: &x,
             xdot: &xdot,
             xddot: &xddot,

@@ -16,8 +16,8 @@ struct Drawn {
 }
 
 impl Lagrangian for Drawn {
-    fn value<S: AlgebraOver<f64> + Tanh>(&self, model: &Model, x: &[S], xdot: &[S], k: f64) -> aghf::Result<S> {
-        let effort = AghfLagrangian.value(model, x, xdot, k)?;
+    fn value<S: AlgebraOver<f64> + Tanh>(&self, model: &Model, t: S, x: &[S], xdot: &[S], k: f64) -> aghf::Result<S> {
+        let effort = AghfLagrangian.value(model, t, x, xdot, k)?;
         let away = x.iter().zip(&self.rest).map(|(q, rest)| *q - S::lift(*rest));
         Ok(away.fold(effort, |sum, away| sum + (away * away).scale(self.weight)))
     }

@@ -10,6 +10,7 @@ use nalgebra::DMatrix;
 /// A curve at the nodes with its derivatives in time, one column a node: $\xi$, $D \xi$ and $D^2 \xi$ transposed.
 #[derive(Clone, Debug)]
 pub struct Collocation<C: Scalar, S: Scalar> {
+    times: Vec<C>,
     d: DMatrix<C>,
     d2: DMatrix<C>,
     /// `2 N` by `p + 1`. The first and the last column are the boundary conditions.
@@ -30,6 +31,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         xi.column_mut(0).copy_from_slice(start);
         xi.column_mut(p).copy_from_slice(goal);
         Ok(Self {
+            times: chebyshev.times().iter().map(|t| C::from_f64(*t)).collect(),
             d: chebyshev.d().map(C::from_f64),
             d2: chebyshev.d2().map(C::from_f64),
             xi_dot: xi.clone(),
@@ -69,19 +71,20 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         &self.xi
     }
 
-    /// The state and its derivatives at node `i`, for the flow to read.
+    /// The time, the state and its derivatives at node `i`, for the flow to read.
     #[must_use]
     pub fn node(&self, i: usize) -> Node<'_, S> {
         let m = self.xi.nrows();
         let column = i * m..(i + 1) * m;
         Node {
+            t: S::lift(self.times[i]),
             x: &self.xi.as_slice()[column.clone()],
             xdot: &self.xi_dot.as_slice()[column.clone()],
             xddot: &self.xi_ddot.as_slice()[column],
         }
     }
 
-    /// (23): $d \xi_i / ds = \Omega(\xi_i, [D \xi]_i, [D^2 \xi]_i, k)$ at all interior nodes, one after the other, into
+    /// (23): $d \xi_i / ds = \Omega(t_i, \xi_i, [D \xi]_i, [D^2 \xi]_i, k)$ at all interior nodes, one after the other, into
     /// `out`.
     ///
     /// # Errors

@@ -1,14 +1,16 @@
 //! The constrained flow (A4) and its Jacobian.
 
 use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
-use super::{ControlForm, Node, Penalty, RightHandSide, TorquePenalty};
+use super::raise::Raise;
+use super::{
+    ActuationWeights, ControlCost, ControlForm, ControlLagrangian, Node, Penalty, RightHandSide,
+    TorquePenalty,
+};
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
-use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
 use crate::error::{Error, Result};
-use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// The penalties of the rows of [`Constraints`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +34,10 @@ pub struct Penalised<K, C: Scalar = f64> {
 pub type Constrained<'a, C, S, K> =
     Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
 
+/// The flow (A4) of a [`ControlLagrangian`] with the cost `L`.
+pub type GeneralConstrained<'a, C, S, L, K> =
+    Sum<ControlForm<'a, C, S, (L, TorquePenalty<C>)>, StatePenalty<'a, C, S, K>, S>;
+
 impl<K, C: Scalar> Penalised<K, C>
 where
     K: Constraint<C>,
@@ -45,6 +51,34 @@ where
         Sum::new(
             ControlForm::with_cost(model, self.torque_penalty()),
             self.state_penalty(model),
+        )
+    }
+
+    /// The right-hand side of the flow of `lagrangian` for `model` with the constraints as penalties, in the metric of `lagrangian`.
+    #[must_use]
+    pub fn right_hand_side_of<'a, S: AlgebraOver<C> + Tanh, L: ControlCost<C>>(
+        &'a self,
+        model: &'a Model<C>,
+        lagrangian: ControlLagrangian<C, L>,
+    ) -> GeneralConstrained<'a, C, S, L, &'a K> {
+        let weights = lagrangian.weights.clone();
+        Sum::new(
+            ControlForm::of(model, lagrangian.and_cost(self.torque_penalty())),
+            self.state_penalty(model).weighted(weights),
+        )
+    }
+
+    /// The analytic Jacobian of [`right_hand_side_of`](Self::right_hand_side_of).
+    #[must_use]
+    pub fn jacobian_of<'a, S: AlgebraOver<C> + Tanh, L: ControlCost<C> + 'a>(
+        &'a self,
+        model: &'a Model<C>,
+        lagrangian: ControlLagrangian<C, L>,
+    ) -> impl NodeJacobian<C, S> + use<'a, K, C, S, L> {
+        let weights = lagrangian.weights.clone();
+        Sum::new(
+            ControlFormJacobian::of(model, lagrangian.and_cost(self.torque_penalty())),
+            self.state_penalty(model).weighted(weights),
         )
     }
 
@@ -97,12 +131,9 @@ where
 /// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\, \gamma_{P1} \\\\
 ///    (H H)^{-1} \gamma_{P2} \end{bmatrix}, \qquad \gamma = \sum_j b^{\prime}(g_j) \frac{\partial g_j}{\partial x} . $$
 ///
-/// With $y = (H H)^{-1} \gamma_{P2}$, that is $H H y = \gamma_{P2}$, the rows of its derivative in `x` are
-/// $-\tfrac1k\, d\gamma_{P1}$ and
+/// In its derivative in `x`,
 ///
-/// $$ -dy = -H^{-1} \left[ H^{-1} (d\gamma_{P2} - K_{H y}\, dx_{P1}) - K_y\, dx_{P1} \right], \quad
-///    K_w = \frac{\partial (H w)}{\partial q}, \quad
-///    \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} + b^{\prime\prime}(g_j)
+/// $$ \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} + b^{\prime\prime}(g_j)
 ///    \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T . $$
 ///
 /// Cost: that of the constraints, and O(N^3) for the factors of `H`.
@@ -115,24 +146,14 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
     g: Vec<S>,
     slopes: Vec<S>,
     curvatures: Vec<S>,
-    data: Data<S>,
-    h: DMatrix<S>,
-    ldlt: Ldlt<S>,
-    /// $y$ and $H y$.
-    y: DVector<S>,
-    hy: DVector<S>,
-    k_y: DMatrix<S>,
-    k_hy: DMatrix<S>,
-    h_inverse: DMatrix<S>,
-    /// The outer bracket, `N` by `2 N`.
-    outer: DMatrix<S>,
+    raise: Raise<'m, C, S>,
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m, C, S, K> {
     /// For `model`, the same penalty for each row.
     #[must_use]
     pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
-        let (n, zeros) = (model.dof(), vec![S::zero(); constraints.dim()]);
+        let zeros = vec![S::zero(); constraints.dim()];
         Self {
             model,
             constraints,
@@ -141,16 +162,15 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m,
             g: zeros.clone(),
             slopes: zeros.clone(),
             curvatures: zeros,
-            data: Data::new(model),
-            h: DMatrix::zeros(n, n),
-            ldlt: Ldlt::new(n),
-            y: DVector::zeros(n),
-            hy: DVector::zeros(n),
-            k_y: DMatrix::zeros(n, n),
-            k_hy: DMatrix::zeros(n, n),
-            h_inverse: DMatrix::zeros(n, n),
-            outer: DMatrix::zeros(n, 2 * n),
+            raise: Raise::new(model, ActuationWeights::ones()),
         }
+    }
+
+    /// The same in the metric $\mathrm{blockdiag}(k I, H W H)$ with the weights of the actuation.
+    #[must_use]
+    pub fn weighted(self, weights: ActuationWeights<C>) -> Self {
+        let raise = Raise::new(self.model, weights);
+        Self { raise, ..self }
     }
 }
 
@@ -173,14 +193,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S>
             .weighted_derivatives(&self.constraints, weights)?
             .gradient();
         omega.copy_from_slice(by_x.as_slice());
-        let (by_q, by_v) = omega.split_at_mut(n);
-        let per_k = C::one() / k;
-        by_q.iter_mut().for_each(|b| *b = b.scale(per_k));
-        crba(self.model, &mut self.data, node.x_p1(), &mut self.h)?;
-        self.ldlt.factorise(&self.h);
-        self.ldlt.solve(by_v);
-        self.ldlt.solve(by_v);
-        Ok(())
+        self.raise.apply(node.x_p1(), k, omega)
     }
 }
 
@@ -206,31 +219,8 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
         out.dx.copy_from(sums.hessian());
         out.dxdot.fill(S::zero());
         out.dxddot.fill(S::zero());
-
-        let q = node.x_p1();
-        crba(self.model, &mut self.data, q, &mut self.h)?;
-        self.ldlt.factorise(&self.h);
-        self.hy.copy_from(&sums.gradient().rows(n, n));
-        self.ldlt.solve(self.hy.as_mut_slice());
-        self.y.copy_from(&self.hy);
-        self.ldlt.solve(self.y.as_mut_slice());
-        let (model, data) = (self.model, &mut self.data);
-        mass_matrix_product_derivative(model, data, q, self.y.as_slice(), &mut self.k_y)?;
-        mass_matrix_product_derivative(model, data, q, self.hy.as_slice(), &mut self.k_hy)?;
-        let (one, zero, per_k) = (S::one(), S::zero(), C::one() / k);
-        let mut upper = out.dx.rows_mut(0, n);
-        upper.apply(|entry| *entry = entry.scale(per_k));
-        // Products with the inverse are several times faster than as many solves.
-        self.h_inverse.fill_with_identity();
-        self.ldlt.solve_columns(&mut self.h_inverse);
-        let mut lower = out.dx.rows_mut(n, n);
-        let mut by_q = lower.columns_mut(0, n);
-        by_q -= &self.k_hy;
-        self.outer.gemm(one, &self.h_inverse, &lower, zero);
-        let mut by_q = self.outer.columns_mut(0, n);
-        by_q -= &self.k_y;
-        lower.gemm(one, &self.h_inverse, &self.outer, zero);
-        Ok(())
+        self.raise
+            .differentiate(node.x_p1(), k, sums.gradient(), &mut out.dx)
     }
 }
 

@@ -1,22 +1,32 @@
-//! What the Lagrangian may charge for the control of each joint, and limits on the torque as such a cost.
+//! What the Lagrangian may charge for the control of each joint: limits on the torque and dual trajectories as such costs.
 
-use super::Penalty;
+use super::{DualTrajectory, Penalty};
 use crate::constraint::TorqueLimits;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 
-/// A sum $\sum_i \ell_i(u_i)$ over the joints that the Lagrangian gains, with the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
+/// A sum $\sum_i \ell_i(t, u_i)$ over the joints that the Lagrangian gains, with the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
 pub trait ControlCost<C: Scalar = f64> {
-    /// $\ell_i(u)$ for the control `u` of joint `i`.
-    fn value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> S;
+    /// $\ell_i(t, u)$ at the time `t`, in s, for the control `u` of joint `i`.
+    fn value<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> S;
 
-    /// $\ell_i^{\prime}$, $\ell_i^{\prime\prime}$ and $\ell_i^{\prime\prime\prime}$, by dual numbers of the value unless overridden.
-    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 3] {
+    /// $\ell_i^{\prime}$, $\ell_i^{\prime\prime}$ and $\ell_i^{\prime\prime\prime}$, derivatives in `u`, by dual numbers of the value
+    /// unless overridden.
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 3] {
         let (zero, one) = (S::zero(), S::one());
         let inner = Jet::new(Jet::new(u, [one]), [Jet::constant(one)]);
         let outer = Jet::constant(Jet::new(one, [zero]));
-        let moved = self.value(joint, Jet::new(inner, [outer]));
+        let t = Jet::constant(Jet::constant(Jet::constant(t)));
+        let moved = self.value(t, joint, Jet::new(inner, [outer]));
         let [by_u] = moved.eps;
         [by_u.re.re, by_u.re.eps[0], by_u.eps[0].eps[0]]
+    }
+
+    /// $\partial \ell_i^{\prime} / \partial t$ and $\partial \ell_i^{\prime\prime} / \partial t$ for fixed `u`, by dual numbers of the
+    /// [`derivatives`](Self::derivatives) unless overridden.
+    fn rates<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 2] {
+        let t = Jet::new(t, [S::one()]);
+        let [first, second, _] = self.derivatives(t, joint, Jet::constant(u));
+        [first.eps[0], second.eps[0]]
     }
 
     /// Tells whether the cost is zero everywhere, so that nothing need be computed.
@@ -25,14 +35,81 @@ pub trait ControlCost<C: Scalar = f64> {
     }
 }
 
+impl<C: Scalar, L: ControlCost<C>> ControlCost<C> for &L {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> S {
+        (**self).value(t, joint, u)
+    }
+
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 3] {
+        (**self).derivatives(t, joint, u)
+    }
+
+    fn rates<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 2] {
+        (**self).rates(t, joint, u)
+    }
+
+    fn is_zero(&self) -> bool {
+        (**self).is_zero()
+    }
+}
+
+/// The sum of two costs.
+impl<C: Scalar, A: ControlCost<C>, B: ControlCost<C>> ControlCost<C> for (A, B) {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> S {
+        self.0.value(t, joint, u) + self.1.value(t, joint, u)
+    }
+
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 3] {
+        let (a, b) = (
+            self.0.derivatives(t, joint, u),
+            self.1.derivatives(t, joint, u),
+        );
+        std::array::from_fn(|i| a[i] + b[i])
+    }
+
+    fn rates<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 2] {
+        let (a, b) = (self.0.rates(t, joint, u), self.1.rates(t, joint, u));
+        std::array::from_fn(|i| a[i] + b[i])
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0.is_zero() && self.1.is_zero()
+    }
+}
+
 /// No cost beyond the effort.
 impl<C: Scalar> ControlCost<C> for () {
-    fn value<S: AlgebraOver<C> + Tanh>(&self, _: usize, _: S) -> S {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, _: S, _: usize, _: S) -> S {
         S::zero()
     }
 
     fn is_zero(&self) -> bool {
         true
+    }
+}
+
+/// The linear term of an augmented Lagrangian, $\ell_i(t, u) = \lambda_i(t)\, u$, for joints whose torque should vanish. The quadratic
+/// term, $\tfrac{\rho}2 u^2$, is their [weight](super::ActuationWeights). A joint without a component, or whose component is zero,
+/// has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlDual<C: Scalar = f64>(pub DualTrajectory<C>);
+
+impl<C: Scalar> ControlCost<C> for ControlDual<C> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> S {
+        self.0.value(joint, t) * u
+    }
+
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, _: S) -> [S; 3] {
+        [self.0.value(joint, t), S::zero(), S::zero()]
+    }
+
+    fn rates<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, _: S) -> [S; 2] {
+        let [_, rate] = self.0.value_and_rate(joint, t);
+        [rate, S::zero()]
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0.coefficients().iter().all(C::is_zero)
     }
 }
 
@@ -66,13 +143,17 @@ impl<C: Scalar> TorquePenalty<C> {
 }
 
 impl<C: Scalar> ControlCost<C> for TorquePenalty<C> {
-    fn value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> S {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, _: S, joint: usize, u: S) -> S {
         self.derivatives_with_value(joint, u)[0]
     }
 
-    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 3] {
+    fn derivatives<S: AlgebraOver<C> + Tanh>(&self, _: S, joint: usize, u: S) -> [S; 3] {
         let [_, first, second, third] = self.derivatives_with_value(joint, u);
         [first, second, third]
+    }
+
+    fn rates<S: AlgebraOver<C> + Tanh>(&self, _: S, _: usize, _: S) -> [S; 2] {
+        [S::zero(); 2]
     }
 
     fn is_zero(&self) -> bool {

@@ -1,35 +1,46 @@
-//! The flow of any Lagrangian straight from its definition, by dual numbers.
+//! The flow of any Lagrangian in any metric straight from its definition, by dual numbers.
 
 use super::lagrangian::Lagrangian;
-use super::{Node, RightHandSide};
-use crate::dynamics::{Data, crba};
+use super::{ActuationMetric, Metric, Node, RightHandSide};
 use crate::error::Result;
-use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
-use nalgebra::DMatrix;
 
-/// The heat flow (7) of any [`Lagrangian`] in the metric (11):
+/// The heat flow (7) of any [`Lagrangian`] in any [`Metric`], the paper's (11) unless another is given:
 ///
 /// $$ \Omega = G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial x} \right), \quad
-///    G = \mathrm{blockdiag}(k I, H H). $$
+///    \frac{d}{dt} = \frac{\partial}{\partial t} + \dot x^T \frac{\partial}{\partial x}
+///    + \ddot x^T \frac{\partial}{\partial \dot x} . $$
 ///
 /// Second derivatives of `L` come from nested dual numbers, `4 N` evaluations of it: slow, allocating, and right for
 /// whatever `L` is. With [`ForwardDual::of`](super::jacobian::ForwardDual::of) around it the Jacobian is right as well.
 #[derive(Clone, Debug)]
-pub struct LagrangianFlow<'m, L, C: Scalar = f64> {
+pub struct LagrangianFlow<'m, L, C: Scalar = f64, M = ActuationMetric<C>> {
     model: &'m Model<C>,
     lagrangian: L,
+    metric: M,
 }
 
 impl<'m, C: Scalar, L: Lagrangian<C>> LagrangianFlow<'m, L, C> {
-    /// The flow of `lagrangian` for `model`.
+    /// The flow of `lagrangian` for `model` in the metric of the paper.
     #[must_use]
     pub fn new(model: &'m Model<C>, lagrangian: L) -> Self {
-        Self { model, lagrangian }
+        Self::in_metric(model, lagrangian, ActuationMetric::default())
+    }
+}
+
+impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> LagrangianFlow<'m, L, C, M> {
+    /// The flow of `lagrangian` for `model` in `metric`.
+    #[must_use]
+    pub fn in_metric(model: &'m Model<C>, lagrangian: L, metric: M) -> Self {
+        Self {
+            model,
+            lagrangian,
+            metric,
+        }
     }
 
-    /// `L`, moving with the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
+    /// `L`, moving with time and the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
     fn along<S: AlgebraOver<C> + Tanh>(
         &self,
         node: Node<'_, S>,
@@ -48,14 +59,15 @@ impl<'m, C: Scalar, L: Lagrangian<C>> LagrangianFlow<'m, L, C> {
             };
             x.iter().zip(rate).enumerate().map(jet).collect()
         };
+        let t = Jet::constant(Jet::new(node.t, [S::one()]));
         let x = moving(node.x, node.xdot, 0);
         let xdot = moving(node.xdot, node.xddot, m);
-        self.lagrangian.value(self.model, &x, &xdot, k)
+        self.lagrangian.value(self.model, t, &x, &xdot, k)
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: Lagrangian<C>> RightHandSide<C, S>
-    for LagrangianFlow<'_, L, C>
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: Lagrangian<C>, M: Metric<C>> RightHandSide<C, S>
+    for LagrangianFlow<'_, L, C, M>
 {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let n = self.model.dof();
@@ -65,15 +77,6 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: Lagrangian<C>> RightHandSide<C, S>
             let gradient = self.along(node, i, k)?.eps[0].re;
             omega[i] = momentum_rate - gradient;
         }
-        let mut h = DMatrix::zeros(n, n);
-        crba(self.model, &mut Data::new(self.model), node.x_p1(), &mut h)?;
-        let mut ldlt = Ldlt::new(n);
-        ldlt.factorise(&h);
-        let (p1, p2) = omega.split_at_mut(n);
-        let per_k = C::one() / k;
-        p1.iter_mut().for_each(|o| *o = o.scale(per_k));
-        ldlt.solve(p2);
-        ldlt.solve(p2);
-        Ok(())
+        self.metric.raise(self.model, node.t, node.x, k, omega)
     }
 }

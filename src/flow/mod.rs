@@ -1,28 +1,40 @@
 //! The right-hand side of the Affine Geometric Heat Flow and its Jacobian.
 //!
-//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `x`, `xdot` and
-//! `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
+//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `t`, `x`, `xdot`
+//! and `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
 
 mod action;
+mod actuation;
 mod collocation;
 mod constrained;
 mod control_penalty;
+mod dual_trajectory;
 pub mod jacobian;
 mod lagrangian;
 mod lagrangian_flow;
+mod metric;
 mod node;
 mod omega;
 mod penalty;
+mod raise;
 pub mod rest;
 mod run;
+mod state_cost;
 pub mod weak;
 
 pub use action::{EffortSummary, effort_of};
+pub use actuation::ActuationWeights;
 pub use collocation::{Collocation, assemble_jacobian};
-pub use constrained::{Constrained, Penalised, PenaltyWeights, StatePenalty, Sum};
-pub use control_penalty::{ControlCost, TorquePenalty};
-pub use lagrangian::{AghfLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
+pub use constrained::{
+    Constrained, GeneralConstrained, Penalised, PenaltyWeights, StatePenalty, Sum,
+};
+pub use control_penalty::{ControlCost, ControlDual, TorquePenalty};
+pub use dual_trajectory::DualTrajectory;
+pub use lagrangian::{
+    AghfLagrangian, ControlLagrangian, Lagrangian, lagrangian, lagrangian_of_control,
+};
 pub use lagrangian_flow::LagrangianFlow;
+pub use metric::{ActuationMetric, AffineLagrangian, Drift, FreeDynamics, Metric};
 pub use node::Node;
 pub use omega::{AlgorithmB1, ControlForm, TheoremB3};
 pub use penalty::{
@@ -33,10 +45,11 @@ pub use run::{
     FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
     flow_with, flow_with_integrator, output_count,
 };
+pub use state_cost::{StateCost, StateCostTerm, WithStateCost};
 
 use crate::error::Result;
 
-/// A way to compute $\Omega(x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
+/// A way to compute $\Omega(t, x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
 /// model with constants `C`.
 pub trait RightHandSide<C = f64, S = C> {
     /// $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.

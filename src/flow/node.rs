@@ -2,9 +2,11 @@
 
 use crate::error::{Result, check_length};
 
-/// The state of a curve at one time and its first two derivatives in time, `2 N` entries each.
+/// A time of a curve, the state there and its first two derivatives in time, `2 N` entries each.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<'a, S> {
+    /// $t$, in s.
+    pub t: S,
     /// $x = [q; v]$.
     pub x: &'a [S],
     /// $\dot x$.

@@ -6,7 +6,7 @@
 //!
 //! | to replace | implement | verified by |
 //! | --- | --- | --- |
-//! | the [Lagrangian](lagrangian) of the flow | [`Lagrangian`](crate::flow::Lagrangian) | the field |
+//! | the [Lagrangian, metric or drift](lagrangian) of the flow | [`Lagrangian`](crate::flow::Lagrangian), [`Metric`](crate::flow::Metric), [`Drift`](crate::flow::Drift) | dual numbers, the field |
 //! | a [constraint](mod@constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
 //! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
 //! | the [running cost](mod@running_cost) of the relaxation | a closure, or [`RunningCost`](crate::relax::RunningCost) | dual numbers |

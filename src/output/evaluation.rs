@@ -112,7 +112,9 @@ impl Input {
                     return Err(Error::input(file, "k", condition));
                 }
                 let mut omega = vec![0.0; 2 * n];
+                // The flow of the paper does not read the time.
                 let node = Node {
+                    t: 0.0,
                     x: &x,
                     xdot: &xdot,
                     xddot: &xddot,

@@ -44,6 +44,7 @@
 //! | the forms of $\Omega$ agree with its definition | all three | [`check_dynamics`](duals::check_dynamics), [`prove`], oracle |
 //! | Theorem B3, Theorem B4 and their proofs, label by label | field; B4 also by duals | [`prove`] |
 //! | every Jacobian of the flow | all three | [`check_jacobian`](duals::check_jacobian), [`prove`], oracle |
+//! | the flow of any Lagrangian in any metric, with weights, duals and running costs | field, duals | [`check_flow`](duals::check_flow), [`check_general_flow`](duals::check_general_flow), [`prove`] |
 //! | weighted derivatives of constraints, the constrained flow | all three | [`check_constraints`](duals::check_constraints), [`prove`], oracle |
 //! | gradient and Hessian of the relaxation | field; gradient also against the flow | [`prove`], [`check_relaxation`](duals::check_relaxation) |
 //! | the dynamics are those of the robot in the URDF | Pinocchio | oracle |
@@ -59,7 +60,8 @@
 //! - a [Jacobian](crate::guide::jacobian): [`check_jacobian`](duals::check_jacobian);
 //! - a [constraint](crate::guide::constraint): [`check_constraint`](duals::check_constraint);
 //! - a [running cost](crate::guide::running_cost): [`check_running_cost`](duals::check_running_cost);
-//! - a [Lagrangian](crate::guide::lagrangian): [`prove_identities`](field::prove_identities);
+//! - a [Lagrangian, metric or drift](crate::guide::lagrangian): [`check_flow`](duals::check_flow) against a right-hand side and its
+//!   Jacobian, [`prove_identities`](field::prove_identities);
 //! - any other function: [`reference::jacobian`] and [`reference::gradient`] differentiate it by dual numbers, over `f64` or over
 //!   the field.
 //!

@@ -152,6 +152,7 @@ fn the_form_of_the_flow_agrees_with_that_of_the_state() {
     let model = builtin_robot("kinova_gen3").expect("built in");
     let [x, xdot, xddot] = ["x", "xdot", "xddot"].map(|key| vector(&input[key]));
     let curve = Node {
+        t: 0.0,
         x: x.as_slice(),
         xdot: xdot.as_slice(),
         xddot: xddot.as_slice(),

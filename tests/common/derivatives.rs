@@ -2,6 +2,7 @@
 
 use aghf::flow::Node;
 use aghf::model::Model;
+use aghf::scalar::Scalar;
 use aghf::verify::reference::{
     At, Differentiable, DifferentiableOver, alpha_1, alpha_2, capital_gamma, gamma, jacobian,
     omega_terms,
@@ -11,8 +12,9 @@ use nalgebra::{DMatrix, DVector};
 /// `x`, `xdot` and `xddot`.
 pub type Parts<S> = [Vec<S>; 3];
 
-pub fn node<S>(parts: &Parts<S>) -> Node<'_, S> {
+pub fn node<S: Scalar>(parts: &Parts<S>) -> Node<'_, S> {
     Node {
+        t: S::zero(),
         x: &parts[0],
         xdot: &parts[1],
         xddot: &parts[2],

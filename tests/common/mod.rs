@@ -142,6 +142,7 @@ pub fn constants(x: &[f64]) -> Vec<Dual64> {
 /// What the flow reads, from `x`, `xdot` and `xddot`.
 pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
     Node {
+        t: 0.0,
         x: &parts[0],
         xdot: &parts[1],
         xddot: &parts[2],
@@ -155,7 +156,12 @@ pub fn wave(count: usize, f: f64) -> Vec<f64> {
 
 /// A state of the checker from `x`, `xdot` and `xddot`.
 pub fn state([x, xdot, xddot]: [Vec<f64>; 3]) -> State {
-    State { x, xdot, xddot }
+    State {
+        t: 0.0,
+        x,
+        xdot,
+        xddot,
+    }
 }
 
 /// Asserts that the checker compared something and found nothing wrong.

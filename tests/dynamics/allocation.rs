@@ -69,6 +69,7 @@ fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
 
     let (x, xdot, xddot, mut omega) = (wave(2 * n), wave(2 * n), wave(2 * n), wave(2 * n));
     let node = Node {
+        t: S::from_f64(0.0),
         x: &x,
         xdot: &xdot,
         xddot: &xddot,
@@ -140,6 +141,7 @@ fn jacobians_allocate_nothing_of_their_own() {
     let n = model.dof();
     let [x, xdot, xddot] = [0.7, 1.3, 2.1].map(|f| crate::common::wave(2 * n, f));
     let node = Node {
+        t: 0.0,
         x: &x,
         xdot: &xdot,
         xddot: &xddot,

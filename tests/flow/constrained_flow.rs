@@ -84,6 +84,7 @@ impl<K: Constraint> Lagrangian for Wrapped<'_, K> {
     fn value<S: AlgebraOver<f64> + Tanh>(
         &self,
         model: &Model,
+        t: S,
         x: &[S],
         xdot: &[S],
         k: f64,
@@ -104,7 +105,7 @@ impl<K: Constraint> Lagrangian for Wrapped<'_, K> {
         )?;
         let mut torque = vec![S::zero(); all.constraints.torque.dim()];
         all.constraints.torque.value(&u, &mut torque)?;
-        let effort = AghfLagrangian.value(model, x, xdot, k)?;
+        let effort = AghfLagrangian.value(model, t, x, xdot, k)?;
         let Penalty { k_cons, c_cons } = all.weights.state;
         let of_state = constrained_lagrangian(effort, g, k_cons, c_cons);
         let Penalty { k_cons, c_cons } = all.weights.torque;
@@ -241,7 +242,7 @@ fn differences_come_close() {
 fn costs_by_their_values() {
     struct ValueAlone(TorquePenalty);
     impl ControlCost for ValueAlone {
-        fn value<S: AlgebraOver<f64> + Tanh>(&self, joint: usize, u: S) -> S {
+        fn value<S: AlgebraOver<f64> + Tanh>(&self, _: S, joint: usize, u: S) -> S {
             let Penalty { k_cons, c_cons } = self.0.penalty;
             let limit = S::from_f64(self.0.limits.0[joint].unwrap_or(0.0));
             penalty(u - limit, k_cons, c_cons) + penalty(-u - limit, k_cons, c_cons)
@@ -256,13 +257,17 @@ fn costs_by_their_values() {
         },
     };
     for u in [-1.7, -0.4, 0.0, 0.6, 1.0, 2.3] {
-        let ours = torque.derivatives(0, u);
-        assert_close!(&ours, &ValueAlone(torque.clone()).derivatives(0, u), 1e-14);
+        let ours = torque.derivatives(0.0, 0, u);
+        assert_close!(
+            &ours,
+            &ValueAlone(torque.clone()).derivatives(0.0, 0, u),
+            1e-14
+        );
         let step = 1e-5;
-        let value = |u| ControlCost::value(&torque, 0, u);
+        let value = |u| ControlCost::value(&torque, 0.0, 0, u);
         let slope = (value(u + step) - value(u - step)) / (2.0 * step);
         assert_close!(&ours[..1], &[slope], 1e-8);
-        assert_close!(&torque.derivatives(1, u), &[0.0; 3], 0.0);
+        assert_close!(&torque.derivatives(0.0, 1, u), &[0.0; 3], 0.0);
     }
     // A passive joint is charged the square.
     let passive = TorquePenalty {
@@ -270,8 +275,12 @@ fn costs_by_their_values() {
         penalty: torque.penalty,
     };
     for u in [-1.3, 0.4] {
-        assert_close!(&[ControlCost::value(&passive, 0, u)], &[2.0 * u * u], 1e-14);
-        assert_close!(&passive.derivatives(0, u), &[4.0 * u, 4.0, 0.0], 1e-13);
+        assert_close!(
+            &[ControlCost::value(&passive, 0.0, 0, u)],
+            &[2.0 * u * u],
+            1e-14
+        );
+        assert_close!(&passive.derivatives(0.0, 0, u), &[4.0 * u, 4.0, 0.0], 1e-13);
     }
     assert!(!torque.is_zero());
     assert!(ControlCost::<f64>::is_zero(&()));

@@ -110,8 +110,8 @@ fn wrong_sizes_are_errors() {
     for (_, kind) in JacobianKind::by_name() {
         let mut jacobian = kind.build(&model);
         let mut refused = |xdot: &[f64], size: usize, words: &str| {
-            let (x, xddot) = (&x, &x);
-            let node = Node { x, xdot, xddot };
+            let (t, x, xddot) = (0.0, &x, &x);
+            let node = Node { t, x, xdot, xddot };
             let result = jacobian.evaluate(node, 1.0, &mut NodeBlocks::new(size));
             assert_refused(result, words);
         };

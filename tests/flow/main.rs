@@ -7,6 +7,7 @@ mod common;
 mod constrained_flow;
 mod curve;
 mod extension;
+mod general_flow;
 mod integrate;
 mod integrate_failures;
 mod jacobian;

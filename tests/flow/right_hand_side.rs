@@ -201,6 +201,7 @@ fn omega_of_a_resting_pendulum_by_hand() {
 fn wrong_lengths_are_errors() {
     fn refused<S: AlgebraOver<f64> + Tanh>(model: &Model, short: &[S], long: &[S]) {
         let node = Node {
+            t: S::zero(),
             x: long,
             xdot: short,
             xddot: long,

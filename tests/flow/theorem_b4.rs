@@ -376,7 +376,8 @@ fn wrong_lengths_are_errors() {
         (&long, &short, &long),
         (&long, &long, &short),
     ] {
-        let node = Node { x, xdot, xddot };
+        let t = 0.0;
+        let node = Node { t, x, xdot, xddot };
         let error = jacobian
             .evaluate(node, 1.0, &mut blocks)
             .expect_err("one is short")

@@ -144,6 +144,7 @@ fn the_flow_of_the_optimum_vanishes_on_the_basis() {
                 let t = 0.5 * problem.horizon() * (1.0 + s);
                 let ((x, xdot), (_, xddot)) = (curve.at(t), xddot.at(t));
                 let node = Node {
+                    t,
                     x: x.as_slice(),
                     xdot: xdot.as_slice(),
                     xddot: xddot.as_slice(),

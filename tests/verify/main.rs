@@ -5,5 +5,6 @@
 mod common;
 
 mod check;
+mod check_flow;
 mod errata;
 mod ledger;

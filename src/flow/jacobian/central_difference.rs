@@ -64,8 +64,9 @@ impl<R: RightHandSide<f64, f64>> NodeJacobian for CentralDifference<R> {
                 self.inputs[j] = centre + offset * step;
                 let (x, rest) = self.inputs.split_at(m);
                 let (xdot, xddot) = rest.split_at(m);
-                self.rhs
-                    .omega(Node { x, xdot, xddot }, k, &mut self.omega)?;
+                let t = node.t;
+                let moved = Node { t, x, xdot, xddot };
+                self.rhs.omega(moved, k, &mut self.omega)?;
                 for (sum, omega) in self.column.iter_mut().zip(&self.omega) {
                     *sum += weight / step * omega;
                 }

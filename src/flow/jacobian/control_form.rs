@@ -6,7 +6,7 @@ use crate::dynamics::{
     rnea_derivatives, rnea_weighted_hessian,
 };
 use crate::error::Result;
-use crate::flow::{ControlCost, Node, Sum};
+use crate::flow::{ControlCost, ControlLagrangian, Node, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
@@ -32,16 +32,19 @@ use nalgebra::{DMatrix, DVector};
 /// with $A = \dot H - J_v^T$; $\partial \Omega_{P1} / \partial \dot x_{P1} = 0$ and $\partial \Omega / \partial \ddot x = 2 I$ (B80).
 /// Cost O(N d) for the dynamics, d the depth of the tree, and O(N^3) for dense products and solves.
 ///
-/// A [`ControlCost`] puts $\mu = u + \tfrac12 \ell^{\prime}$ and $\dot \mu = V \dot u$ with $V = I + \tfrac12 \ell^{\prime\prime}$ in the
-/// places of `u` and $\dot u$. As $d\mu = V du$ and $d \dot \mu = V d\dot u + W du$ with $W = \tfrac12 \mathrm{diag}
-/// (\ell^{\prime\prime\prime} \dot u)$, the table holds with $V [J_q, J_v, H]$ for $[J_q, J_v, H]$ and
-/// $V [\dot J_q, \dot J_v, \dot H] + W [J_q, J_v, H]$ for their rates, but not in $A$ nor for $J_q^T$; and
-/// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} V H$.
+/// A [`ControlLagrangian`] has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$ besides. They put
+/// $\mu = W u + \tfrac12 \ell^{\prime}$ and $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with
+/// $V = W + \tfrac12 \ell^{\prime\prime}$ in the places of `u` and $\dot u$, and $\tfrac12 \lambda_e$ into `r`. The metric puts
+/// $y = H^{-1} W^{-1} z$ in that of $H^{-1} z$. As $d\mu = V du$ and $d \dot \mu = V d\dot u + Y du$ with
+/// $Y = \tfrac12 \mathrm{diag} (\ell^{\prime\prime\prime} \dot u + \partial_t \ell^{\prime\prime})$, the table holds with
+/// $V [J_q, J_v, H]$ for $[J_q, J_v, H]$ and $V [\dot J_q, \dot J_v, \dot H] + Y [J_q, J_v, H]$ for their rates, but not in $A$ nor
+/// for $J_q^T$; with $W^{-1}$ before everything in the outer brackets but $K_y$; and
+/// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} W^{-1} V H$.
 #[derive(Clone, Debug)]
 pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     model: &'m Model<C>,
-    cost: L,
-    /// The diagonals of `V` and `W`.
+    lagrangian: ControlLagrangian<C, L>,
+    /// The diagonals of `V` and `Y`.
     diagonals: [DVector<S>; 2],
     data: Data<S>,
     jet_data: Data<Jet<S, 1>>,
@@ -50,7 +53,8 @@ pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     /// The arguments of the passes with a tangent: `q`, `v`, `a` and the weights `u`.
     jet_arguments: [Vec<Jet<S, 1>>; 4],
     hessian: RneaWeightedHessian<S>,
-    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `W`.
+    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `Y`, and last
+    /// divided by `W`.
     derivatives: DMatrix<S>,
     rates: DMatrix<S>,
     /// $\mu$ and $\dot \mu$, which are $u$ and $\dot u$ without a cost.
@@ -91,14 +95,20 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         )
     }
 
-    /// The Jacobian for `model` and the Lagrangian with `cost` added.
+    /// The Jacobian for `model` and the paper's Lagrangian with `cost` added.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
+        Self::of(model, ControlLagrangian::with_cost(cost))
+    }
+
+    /// The Jacobian for `model` and `lagrangian` in the metric of the latter.
+    #[must_use]
+    pub fn of(model: &'m Model<C>, lagrangian: ControlLagrangian<C, L>) -> Self {
         let n = model.dof();
         let jets = || vec![Jet::constant(S::zero()); n];
         Self {
             model,
-            cost,
+            lagrangian,
             diagonals: [DVector::zeros(n), DVector::zeros(n)],
             data: Data::new(model),
             jet_data: Data::new(model),
@@ -132,14 +142,18 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;
         let n = self.model.dof();
+        self.lagrangian.check(n)?;
         self.differentiate_inverse_dynamics(node)?;
-        self.weigh();
+        self.weigh(node.t);
         self.solve_for_y(node, k);
         self.contract(node)?;
         self.derivatives
             .columns(0, n)
             .transpose_to(&mut self.jq_transposed);
         self.scale_rows();
+        let (one, zero) = (S::one(), S::zero());
+        self.upper
+            .gemm(one, &self.jq_transposed, &self.derivatives, zero);
         self.fill_lower(k);
         self.compose(k, out);
         Ok(())
@@ -169,34 +183,40 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         Ok(())
     }
 
-    /// From `u` and its rate $\mu$ and $\dot \mu$, and the diagonals of `V` and `W`. Without a cost they are the same.
-    fn weigh(&mut self) {
-        if self.cost.is_zero() {
+    /// Tells whether $\mu$ is `u`.
+    fn is_plain(&self) -> bool {
+        self.lagrangian.weights.is_one() && self.lagrangian.cost.is_zero()
+    }
+
+    /// From `u` and its rate $\mu$ and $\dot \mu$, and the diagonals of `V` and `Y`. With neither weights nor a cost they are the same.
+    fn weigh(&mut self, t: S) {
+        if self.is_plain() {
             return;
         }
         let half = S::from_f64(0.5);
-        let one = S::one();
-        let [v, w] = &mut self.diagonals;
+        let ControlLagrangian { weights, cost, .. } = &self.lagrangian;
+        let [v, y] = &mut self.diagonals;
         for i in 0..self.mu.len() {
             let (u, udot) = (self.mu[i], self.mudot[i]);
-            let [first, second, third] = self.cost.derivatives(i, u);
-            v[i] = one + half * second;
-            w[i] = half * third * udot;
-            self.mu[i] = u + half * first;
-            self.mudot[i] = v[i] * udot;
+            let [first, second, third] = cost.derivatives(t, i, u);
+            let [rate, second_rate] = cost.rates(t, i, u);
+            v[i] = S::lift(weights.of(i)) + half * second;
+            y[i] = half * (third * udot + second_rate);
+            self.mu[i] = u.scale(weights.of(i)) + half * first;
+            self.mudot[i] = v[i] * udot + half * rate;
         }
     }
 
     /// $V$ times $[J_q, J_v, H]$, and its part of the rates.
     fn scale_rows(&mut self) {
-        if self.cost.is_zero() {
+        if self.is_plain() {
             return;
         }
-        let [v, w] = &self.diagonals;
+        let [v, y] = &self.diagonals;
         for j in 0..self.derivatives.ncols() {
             for i in 0..self.derivatives.nrows() {
                 let entry = self.derivatives[(i, j)];
-                self.rates[(i, j)] = v[i] * self.rates[(i, j)] + w[i] * entry;
+                self.rates[(i, j)] = v[i] * self.rates[(i, j)] + y[i] * entry;
                 self.derivatives[(i, j)] = v[i] * entry;
             }
         }
@@ -218,9 +238,15 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         for i in 0..n {
             self.z[i] += (node.xdot_p1()[i] - node.x_p2()[i]).scale(k);
         }
+        if let Some(dual) = &self.lagrangian.slip_dual {
+            for i in 0..n {
+                self.z[i] += S::from_f64(0.5) * dual.value(i, node.t);
+            }
+        }
         self.ldlt.factorise(&h);
         self.ldlt.solve(self.z.as_mut_slice());
         self.y.copy_from(&self.z);
+        self.lagrangian.weights.divide(self.y.as_mut_slice());
         self.ldlt.solve(self.y.as_mut_slice());
     }
 
@@ -265,6 +291,9 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         self.h_inverse.fill_with_identity();
         self.ldlt.solve_columns(&mut self.h_inverse);
         self.lower.gemm(one, &self.h_inverse, &self.brackets, zero);
+        for part in [&mut self.lower, &mut self.rates, &mut self.derivatives] {
+            self.lagrangian.weights.divide(part.as_mut_slice());
+        }
         for j in 0..n {
             for i in 0..n {
                 self.lower[(i, j)] += self.rates[(i, j)] - self.k_y[(i, j)];
@@ -281,9 +310,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
     /// All blocks from the rows of $\Omega_{P1}$ and $\Omega_{P2}$.
     fn compose(&mut self, k: C, out: &mut NodeBlocks<S>) {
         let n = self.model.dof();
-        let (one, zero, two) = (S::one(), S::zero(), S::from_f64(2.0));
-        self.upper
-            .gemm(one, &self.jq_transposed, &self.derivatives, zero);
+        let (zero, two) = (S::zero(), S::from_f64(2.0));
         let per_k = -C::from_f64(2.0) / k;
         let phi = &self.hessian;
         for j in 0..n {
@@ -303,7 +330,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
             out.dxdot[(j, n + j)] -= two;
         }
         out.dxddot.fill_diagonal(two);
-        if !self.cost.is_zero() {
+        if !self.lagrangian.cost.is_zero() {
             let h = self.derivatives.columns(2 * n, n);
             let mut block = out.dxddot.view_mut((n, n), (n, n));
             block.gemm(two, &self.h_inverse, &h, zero);

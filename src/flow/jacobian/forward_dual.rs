@@ -61,8 +61,9 @@ impl<R: RightHandSide<f64, Tangents>> NodeJacobian for ForwardDual<R> {
             }
             let (x, rest) = self.inputs.split_at(m);
             let (xdot, xddot) = rest.split_at(m);
-            self.rhs
-                .omega(Node { x, xdot, xddot }, k, &mut self.omega)?;
+            let t = Tangents::from(node.t);
+            let moved = Node { t, x, xdot, xddot };
+            self.rhs.omega(moved, k, &mut self.omega)?;
             for (lane, j) in chunk.enumerate() {
                 self.inputs[j].eps = Derivative::none();
                 let block = match j / m {

@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
-/// The three blocks of the Jacobian of $\Omega(x, \dot x, \ddot x, k)$, `2 N` by `2 N` each; rows are those of $\Omega$.
+/// The three blocks of the Jacobian of $\Omega(t, x, \dot x, \ddot x, k)$ in its three states, `2 N` by `2 N` each; rows are those of $\Omega$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeBlocks<S: Scalar = f64> {
     /// $d\Omega / dx$, (B38).

@@ -2,7 +2,7 @@
 
 use crate::dynamics::{Data, InverseDynamicsDerivatives, mass_matrix_and_rate, rnea_derivatives};
 use crate::error::Result;
-use crate::flow::{ControlCost, Node, RightHandSide, Sum};
+use crate::flow::{ControlCost, ControlLagrangian, Node, RightHandSide, Sum};
 use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
@@ -23,15 +23,21 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
 /// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
 ///
-/// A [`ControlCost`] adds $\sum_i \ell_i(u_i)$ to the Lagrangian. Then $\mu = u + \tfrac12 \ell^{\prime}$ takes the place of `u` and
-/// $\dot \mu = \dot u + \tfrac12 \ell^{\prime\prime} \dot u$ that of $\dot u$ in the first form, which is all that changes.
+/// A [`ControlLagrangian`] has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$ besides. Then
+/// $\mu = W u + \tfrac12 \ell^{\prime}$ takes the place of `u` and $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with
+/// $V = W + \tfrac12 \ell^{\prime\prime}$ that of $\dot u$ in the first form, the metric is $\mathrm{blockdiag}(k I, H W H)$, and
+///
+/// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) + \tfrac1k (\dot \lambda_e - 2 J_q^T \mu), $$
+/// $$ \Omega_{P2} = (H W H)^{-1} \left[ 2 \dot H \mu + 2 H \dot \mu + 2 k (\dot x_{P1} - x_{P2}) + \lambda_e - 2 J_v^T \mu \right] . $$
 #[derive(Clone, Debug)]
 pub struct ControlForm<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     model: &'m Model<C>,
-    cost: L,
+    lagrangian: ControlLagrangian<C, L>,
     mu: DVector<S>,
     /// $\tfrac12 \ell^{\prime\prime}$.
     slope: DVector<S>,
+    /// $\tfrac12 \partial_t \ell^{\prime}$.
+    aging: DVector<S>,
     data: Data<S>,
     id: InverseDynamicsDerivatives<S>,
     hdot: DMatrix<S>,
@@ -49,15 +55,22 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlForm<'m, C, S> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m, C, S, L> {
-    /// The right-hand side for `model` and the Lagrangian with `cost` added.
+    /// The right-hand side for `model` and the paper's Lagrangian with `cost` added.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
+        Self::of(model, ControlLagrangian::with_cost(cost))
+    }
+
+    /// The right-hand side for `model` and `lagrangian` in the metric of the latter.
+    #[must_use]
+    pub fn of(model: &'m Model<C>, lagrangian: ControlLagrangian<C, L>) -> Self {
         let n = model.dof();
         Self {
             model,
-            cost,
+            lagrangian,
             mu: DVector::zeros(n),
             slope: DVector::zeros(n),
+            aging: DVector::zeros(n),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
             hdot: DMatrix::zeros(n, n),
@@ -74,15 +87,19 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m,
         Sum::difference(Self::with_cost(model, cost), ControlForm::new(model))
     }
 
-    /// $\mu$ and $\tfrac12 \ell^{\prime\prime}$ from the control.
-    fn weigh(&mut self) {
+    /// $\mu$, $\tfrac12 \ell^{\prime\prime}$ and $\tfrac12 \partial_t \ell^{\prime}$ from the control.
+    fn weigh(&mut self, t: S) {
         let (u, half) = (&self.id.tau, S::from_f64(0.5));
+        let ControlLagrangian { weights, cost, .. } = &self.lagrangian;
         self.mu.copy_from(u);
-        if !self.cost.is_zero() {
+        weights.multiply(self.mu.as_mut_slice());
+        if !cost.is_zero() {
             for i in 0..u.len() {
-                let [first, second, _] = self.cost.derivatives(i, u[i]);
+                let [first, second, _] = cost.derivatives(t, i, u[i]);
+                let [rate, _] = cost.rates(t, i, u[i]);
                 self.mu[i] += half * first;
                 self.slope[i] = half * second;
+                self.aging[i] = half * rate;
             }
         }
     }
@@ -94,6 +111,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let (n, one, zero, two) = (self.model.dof(), S::one(), S::zero(), S::from_f64(2.0));
         node.check(n, omega.len())?;
+        self.lagrangian.check(n)?;
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
         mass_matrix_and_rate(
             self.model,
@@ -104,7 +122,12 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
             &mut self.hdot,
         )?;
         rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
-        self.weigh();
+        self.weigh(node.t);
+        let ControlLagrangian {
+            weights,
+            slip_dual,
+            cost,
+        } = &self.lagrangian;
         let mu = &self.mu;
         let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
 
@@ -125,12 +148,24 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
         for i in 0..n {
             self.sum[i] += (node.xdot_p1()[i] - v[i]).scale(k);
         }
+        if let Some(dual) = slip_dual {
+            for i in 0..n {
+                let [lambda, lambda_rate] = dual.value_and_rate(i, node.t);
+                self.sum[i] += S::from_f64(0.5) * lambda;
+                omega[i] += lambda_rate.scale(per_k);
+            }
+        }
         self.ldlt.factorise(h);
         self.ldlt.solve(self.sum.as_mut_slice());
+        if !cost.is_zero() {
+            self.sum += &self.aging;
+        }
+        weights.divide(self.sum.as_mut_slice());
         self.sum += &self.rate;
-        if !self.cost.is_zero() {
+        if !cost.is_zero() {
             self.rate.gemv(one, h, &view(node.xddot_p2()), one);
             self.rate.component_mul_assign(&self.slope);
+            weights.divide(self.rate.as_mut_slice());
             self.sum += &self.rate;
         }
         self.ldlt.solve(self.sum.as_mut_slice());

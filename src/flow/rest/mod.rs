@@ -17,7 +17,7 @@ mod stage;
 
 pub use euler::RestMetric;
 
-use super::weak::{ControlLagrangian, StateGrid};
+use super::weak::{AnalyticLagrangian, StateGrid};
 use crate::constraint::{Constraint, Constraints};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count};
@@ -234,12 +234,12 @@ pub struct RestSolution {
 /// ```
 /// use aghf::constraint::{Constraints, TorqueLimits};
 /// use aghf::flow::rest::{RestSettings, flow_to_rest};
-/// use aghf::flow::weak::ControlLagrangian;
+/// use aghf::flow::weak::AnalyticLagrangian;
 /// use aghf::motion::Problem;
 /// let model = aghf::urdf::builtin_robot("pendulum_2")?;
 /// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
 /// let free = Constraints { state: (), torque: TorqueLimits(Vec::new()) };
-/// let lagrangian = ControlLagrangian::new(&model, 1e5);
+/// let lagrangian = AnalyticLagrangian::new(&model, 1e5);
 /// let solution = flow_to_rest(&problem, &RestSettings::default(), &lagrangian, &free, &mut |_| {})?;
 /// assert!(solution.at_rest && solution.slip < 1e-6);
 /// # Ok::<(), aghf::Error>(())
@@ -251,7 +251,7 @@ pub struct RestSolution {
 pub fn flow_to_rest<K: Constraint>(
     problem: &Problem<'_>,
     settings: &RestSettings,
-    lagrangian: &ControlLagrangian<'_>,
+    lagrangian: &AnalyticLagrangian<'_>,
     constraints: &Constraints<K>,
     observe: &mut dyn FnMut(&RestRecord),
 ) -> Result<RestSolution> {
@@ -327,7 +327,7 @@ fn is_better(a: &RestSolution, b: &RestSolution) -> bool {
 fn walk<K: Constraint>(
     problem: &Problem<'_>,
     settings: &RestSettings,
-    lagrangian: &ControlLagrangian<'_>,
+    lagrangian: &AnalyticLagrangian<'_>,
     constraints: &Constraints<K>,
     (guess, curve): (usize, Curve),
     watch: &Watch,

@@ -6,7 +6,7 @@ use crate::constraint::{Constraint, Constraints};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::weak::{
-    Action, AugmentedLagrangian, ControlLagrangian, RowDuals, RowTerms, StateGrid,
+    Action, AnalyticLagrangian, AugmentedLagrangian, RowDuals, RowTerms, StateGrid,
 };
 use crate::motion::{Problem, Watch, violations};
 use nalgebra::DMatrix;
@@ -86,7 +86,7 @@ pub(super) struct Stage<'s, 'g, 'a, K> {
     own: StateGrid<f64>,
     finer: StateGrid<f64>,
     action: Action<'g, f64, AugmentedLagrangian<'s, K>>,
-    plain: ControlLagrangian<'s>,
+    plain: AnalyticLagrangian<'s>,
 }
 
 impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
@@ -95,7 +95,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         problem: &'s Problem<'a>,
         settings: &'s RestSettings,
         constraints: &'s Constraints<K>,
-        mut plain: ControlLagrangian<'s>,
+        mut plain: AnalyticLagrangian<'s>,
         demands: Demands,
         points: usize,
         grid: &'g StateGrid<f64>,
@@ -305,7 +305,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
 fn quadrature_error(
     grid: &StateGrid<f64>,
     finer: &StateGrid<f64>,
-    lagrangian: &ControlLagrangian<'_>,
+    lagrangian: &AnalyticLagrangian<'_>,
     coefficients: &DMatrix<f64>,
 ) -> Result<f64> {
     let n = lagrangian.model().dof();

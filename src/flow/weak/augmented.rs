@@ -1,13 +1,13 @@
 //! The augmented Lagrangian of constraints beside the Lagrangian of a flow.
 
-use super::control::LANES;
+use super::analytic::LANES;
 use super::row_terms::RowTerms;
-use super::{ControlLagrangian, LagrangianDerivatives, PointLagrangian, StateGrid, StatePoints};
+use super::{AnalyticLagrangian, LagrangianDerivatives, PointLagrangian, StateGrid, StatePoints};
 use crate::constraint::{Constraint, Constraints};
 use crate::error::Result;
 use nalgebra::DMatrix;
 
-/// A [`ControlLagrangian`] $L_0$ with rows of constraints by duals,
+/// A [`AnalyticLagrangian`] $L_0$ with rows of constraints by duals,
 ///
 /// $$ L = L_0 + \sum_j \psi(h_j, z_j), \qquad \psi(h, z) = \tfrac{1}{2 \rho} \left( \max(0, z + \rho h)^2 - z^2 \right) , $$
 ///
@@ -20,7 +20,7 @@ use nalgebra::DMatrix;
 #[derive(Clone, Debug)]
 pub struct AugmentedLagrangian<'a, K> {
     /// $L_0$.
-    pub lagrangian: ControlLagrangian<'a>,
+    pub lagrangian: AnalyticLagrangian<'a>,
     pub(in crate::flow) rows: RowTerms<'a, K>,
 }
 
@@ -30,7 +30,7 @@ impl<'a, K: Constraint> AugmentedLagrangian<'a, K> {
     /// # Errors
     /// The torque limits are those of another robot.
     pub fn new(
-        lagrangian: ControlLagrangian<'a>,
+        lagrangian: AnalyticLagrangian<'a>,
         constraints: &'a Constraints<K>,
         grid: &StateGrid<f64>,
     ) -> Result<Self> {

@@ -73,7 +73,7 @@ impl<S: Scalar> LagrangianDerivatives<S> {
 
 /// A Lagrangian with the metric in which its flow goes down, at the points of a quadrature: what the weak form of the flow integrates.
 ///
-/// [`ControlLagrangian`](super::ControlLagrangian) has the analytic one of inverse dynamics; [`DualLagrangian`](super::DualLagrangian) has any
+/// [`AnalyticLagrangian`](super::AnalyticLagrangian) has the analytic one of inverse dynamics; [`DualLagrangian`](super::DualLagrangian) has any
 /// [`Lagrangian`](crate::flow::Lagrangian), differentiated by dual numbers.
 pub trait PointLagrangian<S: Scalar> {
     /// $L$ at all points into `values`, `M` entries.

@@ -13,15 +13,15 @@
 //! followed by [`rest`](super::rest).
 
 mod action;
+mod analytic;
 mod augmented;
-mod control;
 mod grid;
 mod lagrangian;
 mod row_terms;
 
 pub use action::{Action, ActionDerivatives};
+pub use analytic::{AnalyticLagrangian, ControlPoint};
 pub use augmented::AugmentedLagrangian;
-pub use control::{ControlLagrangian, ControlPoint};
 pub use grid::StateGrid;
 pub use lagrangian::{LagrangianDerivatives, PointLagrangian, StatePoints};
 pub(in crate::flow) use row_terms::{RowDuals, RowTerms};

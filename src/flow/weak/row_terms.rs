@@ -1,6 +1,6 @@
 //! The terms of an augmented Lagrangian that rows of constraints have.
 
-use super::control::{LANES, Wide};
+use super::analytic::{LANES, Wide};
 use super::{ControlPoint, LagrangianDerivatives, StateGrid, StatePoints};
 use crate::constraint::{Constraint, Constraints, Evaluator, Side, Weights};
 use crate::error::Result;

@@ -6,6 +6,7 @@
 
 mod constraints;
 mod dynamics;
+mod general_flow;
 mod jacobians;
 mod relaxation;
 mod running_cost;
@@ -13,6 +14,7 @@ mod tensors;
 
 pub use constraints::{check_constraint, check_constraints};
 pub use dynamics::{check_dynamics, check_dynamics_at};
+pub use general_flow::{FlowUnderTest, check_flow, check_general_flow};
 pub use jacobians::{check_jacobian, check_jacobian_at};
 pub use relaxation::check_relaxation;
 pub use running_cost::check_running_cost;
@@ -109,9 +111,11 @@ impl CheckOptions {
     }
 }
 
-/// A state: what the flow reads at a node, `2 N` entries each.
+/// A state: what the flow reads at a node, a time and `2 N` entries each.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct State {
+    /// $t$, in s.
+    pub t: f64,
     /// $x = [q; v]$.
     pub x: Vec<f64>,
     /// $\dot x$.
@@ -122,7 +126,7 @@ pub struct State {
 
 impl State {
     /// State number `sample` of those that `seed` gives for `model`: positions within the limits of the joints, or within
-    /// half a turn where there are none, everything else from -3 to 3.
+    /// half a turn where there are none, the time from 0 to 3 s, everything else from -3 to 3.
     #[must_use]
     pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -140,13 +144,15 @@ impl State {
                 *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
             }
         }
-        Self { x, xdot, xddot }
+        let t = rng.random_range(0.0..3.0);
+        Self { t, x, xdot, xddot }
     }
 
     /// The state as the flow reads it.
     #[must_use]
     pub fn node(&self) -> Node<'_, f64> {
         Node {
+            t: self.t,
             x: &self.x,
             xdot: &self.xdot,
             xddot: &self.xddot,
@@ -346,14 +352,15 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], the derivatives of constraints, and the gradient of the relaxation against the flow. Duals of
-/// the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`], the flow of a general Lagrangian, the derivatives of constraints, and the gradient of the relaxation
+/// against the flow. Duals of the control form are themselves compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
 pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = check_dynamics(model, options)?;
     findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
+    findings.extend(check_general_flow(model, options)?);
     findings.extend(check_constraints(model, options)?);
     findings.extend(check_relaxation(model, options)?);
     Ok(findings)

@@ -146,6 +146,7 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
             let jerk = second.rows(n, n) * &interpolation;
             let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
             let node = Node {
+                t: 0.0,
                 x: &[q, v].concat(),
                 xdot: &[v, a].concat(),
                 xddot: &[a, jerk.as_slice()].concat(),

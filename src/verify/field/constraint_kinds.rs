@@ -227,8 +227,8 @@ fn by_duals(p: &RandomInstance) -> Result<Vec<Equality>> {
 struct CostAlone(TorquePenalty<Gf>);
 
 impl ControlCost<Gf> for CostAlone {
-    fn value<S: AlgebraOver<Gf> + Tanh>(&self, joint: usize, u: S) -> S {
-        self.0.value(joint, u)
+    fn value<S: AlgebraOver<Gf> + Tanh>(&self, t: S, joint: usize, u: S) -> S {
+        self.0.value(t, joint, u)
     }
 }
 
@@ -239,10 +239,10 @@ fn torque(p: &RandomInstance) -> Result<Vec<Equality>> {
     for (i, u) in p.x.iter().take(p.dof()).enumerate() {
         let b = |g: Gf| penalty(g, k_cons, c_cons);
         let sum = torque.limits.0[i].map_or(Gf::zero(), |limit| b(*u - limit) + b(-*u - limit));
-        claims.push(Equality::numbers("value", torque.value(i, *u), sum));
+        claims.push(Equality::numbers("value", torque.value(p.t, i, *u), sum));
         let column = |d: [Gf; 3]| vector(&d);
-        let ours = column(torque.derivatives(i, *u));
-        let by_duals = column(CostAlone(torque.clone()).derivatives(i, *u));
+        let ours = column(torque.derivatives(p.t, i, *u));
+        let by_duals = column(CostAlone(torque.clone()).derivatives(p.t, i, *u));
         claims.push(Equality::vectors("derivatives", &ours, &by_duals));
     }
     Ok(claims)

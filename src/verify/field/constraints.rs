@@ -123,7 +123,7 @@ fn a3(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn a4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
-    let of_constrained = variation(p.node(), |x, xdot| constrained(p, false, x, xdot))?;
+    let of_constrained = variation(p.node(), |_, x, xdot| constrained(p, false, x, xdot))?;
     let left = reference.raise(&(of_constrained.momentum_rate - of_constrained.by_x));
 
     let omega = omega_by_theorem_b3(&p.at())?;
@@ -142,7 +142,7 @@ fn a4(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (reference, set) = (Reference::at(p)?, set(p));
-    let v = variation(p.node(), |x, xdot| constrained(p, true, x, xdot))?;
+    let v = variation(p.node(), |_, x, xdot| constrained(p, true, x, xdot))?;
     let left = reference.raise(&(v.momentum_rate - v.by_x));
     let whole = omega_of(p, set.right_hand_side(&p.model))?;
     let of_torque = crate::flow::ControlForm::of_cost(&p.model, set.torque_penalty());

@@ -23,6 +23,8 @@ pub struct RandomInstance {
     pub model: Model<Gf>,
     /// The same robot without gravity.
     pub weightless: Model<Gf>,
+    /// The time.
+    pub t: Gf,
     /// $x$, `2 N` entries.
     pub x: DVector<Gf>,
     /// $\dot x$.
@@ -55,6 +57,7 @@ impl RandomInstance {
             w: numbers(n),
             k: numbers(1)[0],
             extra: std::array::from_fn(|_| numbers(1)[0]),
+            t: numbers(1)[0],
         })
     }
 
@@ -64,10 +67,11 @@ impl RandomInstance {
         self.model.dof()
     }
 
-    /// The state and its derivatives, for the flow to read.
+    /// The time, the state and its derivatives, for the flow to read.
     #[must_use]
     pub fn node(&self) -> Node<'_, Gf> {
         Node {
+            t: self.t,
             x: self.x.as_slice(),
             xdot: self.xdot.as_slice(),
             xddot: self.xddot.as_slice(),

@@ -12,6 +12,7 @@ mod constraints;
 mod discretisation;
 mod dynamics;
 mod dynamics_derivatives;
+mod general_flow;
 mod instance;
 mod reference;
 mod relaxation;
@@ -161,6 +162,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(algorithm_b3::identities());
     all.extend(relaxation::identities());
     all.extend(running_cost::identities());
+    all.extend(general_flow::identities());
     all
 }
 

@@ -302,7 +302,7 @@ fn b35(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn b36(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t) = (p.dof(), Reference::at(p)?);
-    let by_control = variation(p.node(), |x, xdot| {
+    let by_control = variation(p.node(), |_, x, xdot| {
         let u = inverse_dynamics(&p.model, &x[..n], &x[n..], &xdot[n..])?;
         lagrangian_of_control(&xdot[..n], &x[n..], u.as_slice(), p.k)
     })?;

@@ -56,7 +56,9 @@ pub(super) fn derivative(
     jacobian(&z[range.clone()], |moved| {
         let mut z = constant(&z);
         z[range.clone()].copy_from_slice(moved);
-        f(&At::new(&p.model, &z, p.k))
+        let mut at = At::new(&p.model, &z, p.k);
+        at.node.t = Jet1::constant(p.t);
+        f(&at)
     })
 }
 

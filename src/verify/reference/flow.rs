@@ -11,6 +11,7 @@ use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
+use num_traits::Zero;
 
 /// The mass matrix $H$ at `q`.
 ///
@@ -85,11 +86,12 @@ pub struct At<'a, C: Scalar, S> {
     pub k: C,
 }
 
-impl<'a, C: Scalar, S> At<'a, C, S> {
-    /// At `z` $= [x; \dot x; \ddot x]$, `6 N` entries.
+impl<'a, C: Scalar, S: Scalar> At<'a, C, S> {
+    /// At `z` $= [x; \dot x; \ddot x]$, `6 N` entries, at time zero, which the flow of the paper does not read.
     pub fn new(model: &'a Model<C>, z: &'a [S], k: C) -> Self {
         let m = z.len() / 3;
         let node = Node {
+            t: S::zero(),
             x: &z[..m],
             xdot: &z[m..2 * m],
             xddot: &z[2 * m..],
@@ -258,19 +260,22 @@ pub struct Variation<S> {
     pub momentum_rate: DVector<S>,
 }
 
-/// The variation of a Lagrangian at a node by nested dual numbers.
+/// The variation of a Lagrangian $L(t, x, \dot x)$ at a node by nested dual numbers.
 ///
 /// # Errors
 /// Those of the Lagrangian.
 pub fn variation<S: Differentiable>(
     node: Node<'_, S>,
-    value: impl Fn(&[SecondDual<S>], &[SecondDual<S>]) -> Result<SecondDual<S>>,
+    value: impl Fn(SecondDual<S>, &[SecondDual<S>], &[SecondDual<S>]) -> Result<SecondDual<S>>,
 ) -> Result<Variation<S>> {
     let (y, along) = (
         [node.x, node.xdot].concat(),
         [node.xdot, node.xddot].concat(),
     );
-    let [gradient, rate] = gradient_and_rate(&y, &along, value)?;
+    // The inner dual moves along the curve, and time with it.
+    let t = S::Dual::from_parts(node.t, S::one());
+    let t = SecondDual::<S>::from_parts(t, S::Dual::zero());
+    let [gradient, rate] = gradient_and_rate(&y, &along, |x, xdot| value(t, x, xdot))?;
     let m = node.x.len();
     Ok(Variation {
         by_x: gradient.rows(0, m).into_owned(),
@@ -287,7 +292,7 @@ pub fn variation_of_effort<C: Scalar, S: DifferentiableOver<C>>(
     at: &At<'_, C, S>,
 ) -> Result<Variation<S>> {
     let data = || Data::new(at.model);
-    variation(at.node, |x, xdot| {
+    variation(at.node, |_, x, xdot| {
         lagrangian(at.model, &mut data(), x, xdot, at.k)
     })
 }

@@ -29,7 +29,7 @@ pub(super) type Wide<S> = Lanes<S, LANES>;
 ///
 /// and the second derivatives are $2 [J_q, J_v, H]^T W [J_q, J_v, H] + \Phi$, the weights, and $\pm 2 k I$ where $e$ comes in.
 #[derive(Clone, Debug)]
-pub struct ControlLagrangian<'m, C: Scalar = f64, S: Scalar = C> {
+pub struct AnalyticLagrangian<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
     /// $k$ of the Lagrangian and of the metric.
     pub k: S,
@@ -66,7 +66,7 @@ pub struct ControlPoint<S: Scalar> {
     pub curvatures: DVector<S>,
 }
 
-impl<'m, C: Scalar, S: AlgebraOver<C>> ControlLagrangian<'m, C, S> {
+impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
     /// The paper's, with penalty `k`.
     #[must_use]
     pub fn new(model: &'m Model<C>, k: C) -> Self {
@@ -304,7 +304,7 @@ fn parts<T>(state: &[T]) -> [&[T]; 3] {
     [&state[..n], &state[n..2 * n], &state[2 * n..3 * n]]
 }
 
-impl<C: Scalar, S: AlgebraOver<C>> PointLagrangian<S> for ControlLagrangian<'_, C, S> {
+impl<C: Scalar, S: AlgebraOver<C>> PointLagrangian<S> for AnalyticLagrangian<'_, C, S> {
     fn values(&mut self, at: StatePoints<'_, S>, values: &mut [S]) -> Result<()> {
         self.values_with(at, values, |_, _| {})
     }

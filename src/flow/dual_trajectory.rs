@@ -1,0 +1,112 @@
+//! Lagrange multipliers as functions of time.
+
+use crate::curve::Chebyshev;
+use crate::error::{Error, Result, check_length};
+use crate::scalar::{AlgebraOver, Jet, Scalar};
+use nalgebra::DMatrix;
+use std::f64::consts::PI;
+
+/// A vector $\lambda(t)$ of polynomials on `[0, T]`, one multiplier per component, as sums of Chebyshev polynomials.
+///
+/// It is evaluated by the recurrence of Clenshaw over any scalar, so that duals differentiate it exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DualTrajectory<C: Scalar = f64> {
+    horizon: C,
+    /// One row per component, one column per degree, from 0.
+    coefficients: DMatrix<C>,
+}
+
+impl<C: Scalar> DualTrajectory<C> {
+    /// From the horizon `T`, in s, and the coefficients of the Chebyshev polynomials in $2 t / T - 1$: one row per component, one
+    /// column per degree, from 0.
+    ///
+    /// # Errors
+    /// There is no column, or the horizon is zero.
+    pub fn new(horizon: C, coefficients: DMatrix<C>) -> Result<Self> {
+        let refused = |what, condition| Err(Error::input("dual trajectory", what, condition));
+        if coefficients.ncols() == 0 {
+            return refused(
+                "coefficients",
+                "there are none, at least one column is needed",
+            );
+        }
+        if horizon.is_zero() {
+            return refused("horizon", "it is zero, a positive time is needed");
+        }
+        Ok(Self {
+            horizon,
+            coefficients,
+        })
+    }
+
+    /// The number of components.
+    #[must_use]
+    pub fn components(&self) -> usize {
+        self.coefficients.nrows()
+    }
+
+    /// The coefficients, one row per component, one column per degree.
+    #[must_use]
+    pub fn coefficients(&self) -> &DMatrix<C> {
+        &self.coefficients
+    }
+
+    /// $\lambda_i(t)$, zero for a component that does not exist. Cost: linear in the degree.
+    pub fn value<S: AlgebraOver<C>>(&self, component: usize, t: S) -> S {
+        if component >= self.components() {
+            return S::zero();
+        }
+        let c = |degree| S::lift(self.coefficients[(component, degree)]);
+        let two = C::one() + C::one();
+        let s = t.scale(two / self.horizon) - S::one();
+        let (mut b, mut above) = (S::zero(), S::zero());
+        for degree in (1..self.coefficients.ncols()).rev() {
+            (b, above) = (c(degree) + (s + s) * b - above, b);
+        }
+        c(0) + s * b - above
+    }
+
+    /// $\lambda_i(t)$ and $\dot \lambda_i(t)$.
+    pub fn value_and_rate<S: AlgebraOver<C>>(&self, component: usize, t: S) -> [S; 2] {
+        let moving = self.value(component, Jet::new(t, [S::one()]));
+        [moving.re, moving.eps[0]]
+    }
+}
+
+impl DualTrajectory {
+    /// The polynomials through `values` at the nodes of `chebyshev`: one row per component, one column per node. Cost O(p^2) per
+    /// component.
+    ///
+    /// # Errors
+    /// There is not one column per node.
+    pub fn through(chebyshev: &Chebyshev, values: &DMatrix<f64>) -> Result<Self> {
+        let p = chebyshev.degree();
+        check_length("values", p + 1, values.ncols())?;
+        let half_at_end = |i: usize| if i == 0 || i == p { 0.5 } else { 1.0 };
+        // T_k at node i, which is at -cos(pi i / p) of [-1, 1], summed twice over the nodes.
+        let transform = DMatrix::from_fn(p + 1, p + 1, |i, k| {
+            let polynomial = (PI * (k * (p - i) % (2 * p)) as f64 / p as f64).cos();
+            2.0 / p as f64 * half_at_end(i) * half_at_end(k) * polynomial
+        });
+        Self::new(chebyshev.horizon(), values * transform)
+    }
+
+    /// The step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\, c$, with the violation `c` of the
+    /// constraints through its values at the nodes of `chebyshev`: one row per component, one column per node.
+    ///
+    /// # Errors
+    /// `c` has other rows or columns than that, or the horizons differ.
+    pub fn ascend(&mut self, rho: f64, chebyshev: &Chebyshev, c: &DMatrix<f64>) -> Result<()> {
+        check_length("c", self.components(), c.nrows())?;
+        let step = Self::through(chebyshev, c)?;
+        if step.horizon != self.horizon {
+            let condition = format!("it is {}, that of the step {}", self.horizon, step.horizon);
+            return Err(Error::input("dual trajectory", "horizon", condition));
+        }
+        let degrees = step.coefficients.ncols().max(self.coefficients.ncols());
+        let grown = |c: DMatrix<f64>| c.resize_horizontally(degrees, 0.0);
+        let own = std::mem::replace(&mut self.coefficients, DMatrix::zeros(0, 0));
+        self.coefficients = grown(own) + grown(step.coefficients) * rho;
+        Ok(())
+    }
+}

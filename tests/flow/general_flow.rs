@@ -1,0 +1,302 @@
+//! The flow beyond the paper's: weights, dual trajectories, costs in time, metrics and drifts.
+
+use crate::common::{assert_refused, node, robot, robots, wave};
+use aghf::curve::Chebyshev;
+use aghf::flow::jacobian::{
+    CentralDifference, ControlFormJacobian, ForwardDual, NodeBlocks, NodeJacobian,
+};
+use aghf::flow::{
+    ActuationMetric, ActuationWeights, AffineLagrangian, Collocation, ControlCost, ControlDual,
+    ControlForm, ControlLagrangian, DualTrajectory, FreeDynamics, Lagrangian, LagrangianFlow,
+    Metric, Node, RightHandSide,
+};
+use aghf::model::Model;
+use aghf::scalar::{AlgebraOver, Tanh};
+use nalgebra::{DMatrix, DVector};
+
+fn parts(n: usize) -> [Vec<f64>; 3] {
+    [0.7, 1.3, 2.1].map(|f| wave(2 * n, f))
+}
+
+fn omega_of(mut rhs: impl RightHandSide<f64, f64>, node: Node<'_, f64>) -> Vec<f64> {
+    let mut omega = vec![0.0; node.x.len()];
+    rhs.omega(node, 3.0, &mut omega).expect("lengths agree");
+    omega
+}
+
+fn blocks_of(mut jacobian: impl NodeJacobian, node: Node<'_, f64>) -> NodeBlocks {
+    let mut blocks = NodeBlocks::new(node.x.len() / 2);
+    jacobian
+        .evaluate(node, 3.0, &mut blocks)
+        .expect("lengths agree");
+    blocks
+}
+
+fn weights(of: &[f64]) -> ActuationWeights {
+    ActuationWeights::diagonal(of.to_vec()).expect("none is zero")
+}
+
+/// A cost whose value vanishes, but which does not say so.
+#[derive(Clone)]
+struct Nothing;
+
+impl ControlCost for Nothing {
+    fn value<S: AlgebraOver<f64> + Tanh>(&self, _: S, _: usize, _: S) -> S {
+        S::zero()
+    }
+}
+
+/// Weights of one, trajectories that vanish and a cost that vanishes, all spelt out, give the bits of the paper's flow, though not by
+/// its shorter way.
+#[test]
+fn the_paper_is_a_special_case_bit_for_bit() {
+    for model in robots() {
+        let n = model.dof();
+        let parts = parts(n);
+        let still = DualTrajectory::new(2.0, DMatrix::zeros(n, 4)).expect("it has columns");
+        let spelt_out = ControlLagrangian {
+            weights: weights(&vec![1.0; n]),
+            slip_dual: Some(still.clone()),
+            cost: (),
+        };
+        let paper = omega_of(ControlForm::new(&model), node(&parts));
+        let ours = omega_of(ControlForm::of(&model, spelt_out.clone()), node(&parts));
+        assert_eq!(ours, paper);
+        let of_paper = blocks_of(ControlFormJacobian::new(&model), node(&parts));
+        let ours = ControlFormJacobian::of(&model, spelt_out.clone());
+        assert_eq!(blocks_of(ours, node(&parts)), of_paper);
+
+        let dual = ControlDual(still);
+        assert!(dual.is_zero());
+        let with_dual = ControlForm::with_cost(&model, dual);
+        assert_eq!(omega_of(with_dual, node(&parts)), paper);
+        // With a cost the factor of xddot is multiplied out.
+        let with_cost = omega_of(ControlForm::with_cost(&model, Nothing), node(&parts));
+        assert_eq!(with_cost, paper);
+    }
+}
+
+/// By central differences of a right-hand side at some time, which know nothing of duals.
+#[test]
+fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
+    struct Late;
+    impl ControlCost for Late {
+        fn value<S: AlgebraOver<f64> + Tanh>(&self, t: S, _: usize, u: S) -> S {
+            t * t * u * u * u
+        }
+    }
+    let model = robot("pendulum_2");
+    let parts = parts(2);
+    let lagrangian = ControlLagrangian {
+        weights: weights(&[1.0, 30.0]),
+        slip_dual: Some(
+            DualTrajectory::new(2.0, DMatrix::from_fn(2, 3, |i, j| (i + 2 * j) as f64 + 0.5))
+                .expect("it has columns"),
+        ),
+        cost: &Late,
+    };
+    let at = Node {
+        t: 1.3,
+        ..node(&parts)
+    };
+    let right = CentralDifference::of(ControlForm::of(&model, lagrangian.clone()), 2);
+    let by_duals = ForwardDual::of(ControlForm::of(&model, lagrangian.clone()), 2);
+    let ours = blocks_of(ControlFormJacobian::of(&model, lagrangian.clone()), at);
+    let (right, by_duals) = (blocks_of(right, at), blocks_of(by_duals, at));
+    for (ours, by_duals, right) in [
+        (&ours.dx, &by_duals.dx, &right.dx),
+        (&ours.dxdot, &by_duals.dxdot, &right.dxdot),
+        (&ours.dxddot, &by_duals.dxddot, &right.dxddot),
+    ] {
+        assert_close!(ours, by_duals, 1e-11);
+        assert_close!(ours, right, 1e-7);
+    }
+    // The rate of dL/dxdot along a parabola of states through the node, by differences in time.
+    let step = 1e-4;
+    let momentum = |t: f64, i: usize| {
+        let moved = |x: &[f64], rate: &[f64], second: &[f64]| -> Vec<f64> {
+            let terms = x.iter().zip(rate).zip(second);
+            terms
+                .map(|((x, v), a)| x + t * v + 0.5 * t * t * a)
+                .collect()
+        };
+        let x = moved(&parts[0], &parts[1], &parts[2]);
+        let mut xdot = moved(&parts[1], &parts[2], &[0.0; 4]);
+        let value = |xdot: &[f64]| {
+            lagrangian
+                .value(&model, 1.3 + t, &x, xdot, 3.0)
+                .expect("fits")
+        };
+        xdot[i] += step;
+        let above = value(&xdot);
+        xdot[i] -= 2.0 * step;
+        (above - value(&xdot)) / (2.0 * step)
+    };
+    let gradient = |i: usize| {
+        let value = |by: f64| {
+            let mut x = parts[0].clone();
+            x[i] += by;
+            lagrangian
+                .value(&model, 1.3, &x, &parts[1], 3.0)
+                .expect("fits")
+        };
+        (value(step) - value(-step)) / (2.0 * step)
+    };
+    let expression = (0..4).map(|i| {
+        let rate = (momentum(step, i) - momentum(-step, i)) / (2.0 * step);
+        rate - gradient(i)
+    });
+    let mut omega: Vec<f64> = expression.collect();
+    let metric = lagrangian.metric();
+    metric
+        .raise(&model, 1.3, &parts[0], 3.0, &mut omega)
+        .expect("fits");
+    assert_close!(
+        &omega_of(ControlForm::of(&model, lagrangian), at),
+        &omega,
+        1e-4
+    );
+}
+
+/// The affine Lagrangian of the paper's drift and metric has the paper's flow.
+#[test]
+fn drift_and_metric_of_the_paper_give_its_flow() {
+    let model = robot("pendulum_3");
+    let parts = parts(3);
+    let affine = AffineLagrangian {
+        drift: FreeDynamics,
+        metric: ActuationMetric::default(),
+    };
+    let ours = omega_of(LagrangianFlow::new(&model, affine), node(&parts));
+    assert_close!(
+        &ours,
+        &omega_of(ControlForm::new(&model), node(&parts)),
+        1e-9
+    );
+}
+
+#[test]
+fn a_dual_trajectory_goes_through_its_values() {
+    for p in [2, 7, 30] {
+        let chebyshev = Chebyshev::new(p, 2.5).expect("a degree");
+        let values = |shift: f64| {
+            let times = chebyshev.times();
+            DMatrix::from_fn(3, p + 1, |i, j| (times[j] * (i as f64 + 1.0) + shift).sin())
+        };
+        let (first, second) = (values(0.0), values(1.0));
+        let mut lambda = DualTrajectory::through(&chebyshev, &first).expect("one per node");
+        assert_eq!(lambda.components(), 3);
+        let at_nodes = |lambda: &DualTrajectory, part: usize| {
+            let times = chebyshev.times();
+            DMatrix::from_fn(3, p + 1, |i, j| lambda.value_and_rate(i, times[j])[part])
+        };
+        assert_close!(&at_nodes(&lambda, 0), &first, 1e-14);
+        let rates = &first * chebyshev.d().transpose();
+        assert_close!(&at_nodes(&lambda, 1), &rates, 1e-12);
+        lambda
+            .ascend(0.3, &chebyshev, &second)
+            .expect("same horizon");
+        assert_close!(&at_nodes(&lambda, 0), &(first + second * 0.3), 1e-14);
+        assert_close!(&[lambda.value(3, 1.0)], &[0.0], 0.0);
+    }
+    // The step may be of another degree.
+    let (few, many) = [3, 9]
+        .map(|p| Chebyshev::new(p, 2.5).expect("a degree"))
+        .into();
+    let constant = |count: usize, c: f64| DMatrix::from_element(1, count, c);
+    for (own, other) in [(&few, &many), (&many, &few)] {
+        let count = |c: &Chebyshev| c.degree() + 1;
+        let mut lambda =
+            DualTrajectory::through(own, &constant(count(own), 1.0)).expect("one per node");
+        lambda
+            .ascend(2.0, other, &constant(count(other), 3.0))
+            .expect("same horizon");
+        assert_close!(&[lambda.value(0, 0.4)], &[7.0], 1e-14);
+    }
+}
+
+#[test]
+fn a_node_of_a_collocation_knows_its_time() {
+    let chebyshev = Chebyshev::new(6, 2.5).expect("a degree");
+    let collocation =
+        Collocation::<f64, f64>::new(&chebyshev, &[0.0; 4], &[1.0; 4]).expect("as long");
+    let times: Vec<f64> = (0..=6).map(|i| collocation.node(i).t).collect();
+    assert_eq!(times, chebyshev.times());
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let zero = ActuationWeights::diagonal(vec![1.0, 0.0]);
+    assert_refused(
+        zero,
+        "weights: weight of joint 1: it is zero, the metric would be singular",
+    );
+    let empty = DualTrajectory::new(1.0, DMatrix::zeros(2, 0));
+    assert_refused(empty, "there are none, at least one column is needed");
+    let still = DualTrajectory::new(0.0, DMatrix::zeros(2, 1));
+    assert_refused(still, "horizon: it is zero, a positive time is needed");
+    let chebyshev = Chebyshev::new(4, 2.0).expect("a degree");
+    let too_few = DualTrajectory::through(&chebyshev, &DMatrix::zeros(2, 4));
+    assert_refused(too_few, "values: expected 5 entries, found 4");
+    let mut lambda = DualTrajectory::new(1.0, DMatrix::zeros(2, 1)).expect("a column");
+    let other_horizon = lambda.ascend(1.0, &chebyshev, &DMatrix::zeros(2, 5));
+    assert_refused(other_horizon, "horizon: it is 1, that of the step 2");
+    let one_row = lambda.ascend(1.0, &chebyshev, &DMatrix::zeros(1, 5));
+    assert_refused(one_row, "c: expected 2 entries, found 1");
+
+    let model = robot("pendulum_3");
+    let parts = parts(3);
+    let refused = |lagrangian: ControlLagrangian, words: &str| {
+        let mut omega = [0.0; 6];
+        let flow = ControlForm::of(&model, lagrangian.clone()).omega(node(&parts), 1.0, &mut omega);
+        assert_refused(flow, words);
+        let mut jacobian = ControlFormJacobian::of(&model, lagrangian.clone());
+        let jacobian = jacobian.evaluate(node(&parts), 1.0, &mut NodeBlocks::new(3));
+        assert_refused(jacobian, words);
+        let value = lagrangian.value(&model, 0.0, &parts[0], &parts[1], 1.0);
+        assert_refused(value, words);
+    };
+    let two_weights = ControlLagrangian {
+        weights: weights(&[1.0, 2.0]),
+        ..ControlLagrangian::default()
+    };
+    refused(two_weights, "weights: expected 3 entries, found 2");
+    let two_components = ControlLagrangian {
+        slip_dual: Some(lambda),
+        ..ControlLagrangian::default()
+    };
+    let words = "components of the dual of the slip: expected 3 entries, found 2";
+    refused(two_components, words);
+    let metric = ActuationMetric {
+        weights: weights(&[1.0; 2]),
+    };
+    let matrix = metric.matrix(&model, 0.0, &parts[0], 1.0);
+    assert_refused(matrix, "weights: expected 3 entries, found 2");
+}
+
+/// A metric of one's own needs its matrix alone.
+#[test]
+fn a_metric_by_its_matrix_is_inverted() {
+    struct Mass;
+    impl Metric for Mass {
+        fn matrix<S: AlgebraOver<f64> + Tanh>(
+            &self,
+            model: &Model,
+            t: S,
+            x: &[S],
+            k: f64,
+        ) -> aghf::Result<DMatrix<S>> {
+            let g = ActuationMetric::default().matrix(model, t, x, k)?;
+            let n = g.nrows();
+            Ok(g * (S::one() + t) + DMatrix::identity(n, n))
+        }
+    }
+    let model = robot("pendulum_2");
+    let (x, force) = (wave(4, 0.7), wave(4, 1.3));
+    let mut raised = force.clone();
+    Mass.raise(&model, 0.5, &x, 3.0, &mut raised).expect("fits");
+    let g = Mass.matrix(&model, 0.5, &x, 3.0).expect("fits");
+    assert_close!(&(g * DVector::from_vec(raised)), &force, 1e-12);
+    let short = Mass.raise(&model, 0.5, &x, 3.0, &mut [0.0; 3]);
+    assert_refused(short, "force: expected 4 entries, found 3");
+}
