@@ -23,6 +23,7 @@ use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
 use stage::{Demands, Outcome, Stage, Walk};
+use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Points of the quadrature per degree to start with, without and with rows, and the most.
@@ -36,6 +37,8 @@ const DEGREES: [usize; 6] = [6, 9, 16, 24, 32, 48];
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The most guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;
+/// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
+const PASSIVE_SHARE: f64 = 5e-4;
 /// The factor of the running cost in the first of two phases.
 const FIRST_PHASE: f64 = 1e-3;
 
@@ -211,6 +214,8 @@ pub struct RestSolution {
     pub violation: f64,
     /// The relative difference of the quadrature and a finer one.
     pub quadrature_error: f64,
+    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes.
+    pub passive_share: f64,
     /// True if the gradient vanishes and the constraints hold, to the tolerances of the settings.
     pub at_rest: bool,
     /// The number of the guess that led here.
@@ -280,12 +285,15 @@ pub fn flow_to_rest<K: Constraint>(
             }
         };
         let from = (number, guess);
+        let least = best.as_ref().filter(|best| best.at_rest);
+        let least = least.map_or(f64::INFINITY, |best| best.action);
         let mut found = walk(
             problem,
             settings,
             lagrangian,
             constraints,
             from,
+            least,
             &watch,
             observe,
         )?;
@@ -314,11 +322,18 @@ pub fn flow_to_rest<K: Constraint>(
     best.ok_or_else(|| Error::input("settings", "guesses", "there is none"))
 }
 
+impl RestSolution {
+    /// How far it is from a motion.
+    fn excess(&self) -> f64 {
+        self.violation.max(self.slip).max(self.passive_share)
+    }
+}
+
 /// Tells whether a solution is to be preferred: at rest, then by the action; else by what is violated.
 fn is_better(a: &RestSolution, b: &RestSolution) -> bool {
     match (a.at_rest, b.at_rest) {
         (true, true) => a.action < b.action,
-        (false, false) => a.violation.max(a.slip) < b.violation.max(b.slip),
+        (false, false) => a.excess() < b.excess(),
         (a, _) => a,
     }
 }
@@ -330,6 +345,7 @@ fn walk<K: Constraint>(
     lagrangian: &AnalyticLagrangian<'_>,
     constraints: &Constraints<K>,
     (guess, curve): (usize, Curve),
+    least: f64,
     watch: &Watch,
     observe: &mut dyn FnMut(&RestRecord),
 ) -> Result<RestSolution> {
@@ -350,14 +366,16 @@ fn walk<K: Constraint>(
         observe: &mut record,
     };
     let mut outcome = Outcome::default();
-    let passive = (0..constraints.torque.dim()).any(|row| constraints.torque.is_equality(row));
-    let collocated = |degree: usize| if passive { degree - 1 } else { 0 };
-    for demands in settings.stages(kind == 1) {
+    let torque = &constraints.torque;
+    let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
+    let horizon = problem.horizon();
+    let mut stages: VecDeque<_> = settings.stages(kind == 1).into();
+    while let Some(demands) = stages.pop_front() {
         let (segments, degree) = demands.basis;
         let mut points = (POINTS[kind] * degree as f64) as usize + 4;
+        let collocated = if passive { degree - 1 } else { 0 };
         loop {
-            let horizon = problem.horizon();
-            let grid = StateGrid::collocated(segments, degree, points, collocated(degree), horizon);
+            let grid = StateGrid::collocated(segments, degree, points, collocated, horizon);
             let plain = lagrangian.clone();
             let stage = Stage::new(
                 problem,
@@ -379,7 +397,14 @@ fn walk<K: Constraint>(
             outcome.at_rest = false;
             break;
         }
+        let finer = 2 * segments * degree <= RestSettings::LARGEST_SIZE;
+        let worth_it = outcome.action < least;
+        if stages.is_empty() && outcome.passive_share > PASSIVE_SHARE && finer && worth_it {
+            let basis = (2 * segments, degree);
+            stages.push_back(Demands { basis, ..demands });
+        }
     }
+    outcome.at_rest &= outcome.passive_share <= PASSIVE_SHARE;
     let Walk {
         curve,
         steps,
@@ -394,6 +419,7 @@ fn walk<K: Constraint>(
         slip: outcome.slip,
         violation: outcome.violation,
         quadrature_error: outcome.quadrature_error,
+        passive_share: outcome.passive_share,
         at_rest: outcome.at_rest,
         guess,
         guesses: 1,

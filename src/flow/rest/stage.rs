@@ -2,7 +2,7 @@
 
 use super::euler::{Euler, Progress, Stretch};
 use super::{RestRecord, RestSettings};
-use crate::constraint::{Constraint, Constraints};
+use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::weak::{
@@ -59,6 +59,8 @@ pub(super) struct Outcome {
     pub slip: f64,
     pub violation: f64,
     pub quadrature_error: f64,
+    /// The largest torque of a passive joint, relative to the largest torque; zero where no joint is passive.
+    pub passive_share: f64,
     pub at_rest: bool,
 }
 
@@ -181,6 +183,10 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         walk.curve = self
             .grid
             .curve(&progress.coefficients, self.problem.horizon())?;
+        if demands.dense {
+            let curve = grid.curve(&progress.coefficients, self.problem.horizon())?;
+            outcome.passive_share = self.passive_share(&curve)?;
+        }
         walk.duals = Some(self.terms().over_time(grid.times()));
         walk.s = progress.s;
         walk.steps += progress.steps;
@@ -272,6 +278,28 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             largest = largest.max(violation.by);
         }
         Ok(largest)
+    }
+
+    /// The largest torque of a passive joint at any time, relative to the largest torque.
+    fn passive_share(&self, curve: &Curve) -> Result<f64> {
+        let limits = &self.constraints.torque;
+        let is_passive = |joint: usize| limits.0.get(joint) == Some(&Some(0.0));
+        let n = curve.dof();
+        if !(0..n).any(is_passive) {
+            return Ok(0.0);
+        }
+        // As equalities the rows are the torques of all joints.
+        let all = Constraints {
+            state: (),
+            torque: TorqueLimits(vec![Some(0.0); n]),
+        };
+        let times = TIMES.div_ceil(self.grid.segments());
+        let torques = violations(self.problem.model(), curve, &all, times)?;
+        let largest = torques
+            .iter()
+            .fold(f64::MIN_POSITIVE, |most, u| most.max(u.by));
+        let passive = torques.iter().filter(|u| is_passive(u.row));
+        Ok(passive.fold(0.0_f64, |most, u| most.max(u.by)) / largest)
     }
 
     /// The largest slip at the points; with `duals` they become those that the slip asks for, $\lambda + 2 k e$.
