@@ -23,24 +23,29 @@ fn assert_close<const N: usize>(found: [f64; N], expected: [f64; N]) {
     }
 }
 
-/// Spong's acrobot: both links of 1 m and 1 kg, 1/12 kg m^2 about the middle.
+/// Two rods of 1 kg, the first of 1 m, the second of this length: inverse dynamics as Spong has them.
+fn two_rods(length: f64, q: [f64; 2], v: [f64; 2], a: [f64; 2]) -> [f64; 2] {
+    let (first, half) = (0.5, 0.5 * length);
+    let (inertia_1, inertia_2) = (1.0 / 12.0, length * length / 12.0);
+    let (s2, c2) = q[1].sin_cos();
+    let d22 = inertia_2 + half * half;
+    let d12 = d22 + half * c2;
+    let d11 = inertia_1 + first * first + d22 + 1.0 + 2.0 * half * c2;
+    let h = half * s2;
+    let both = G * half * (q[0] + q[1]).sin();
+    [
+        d11 * a[0] + d12 * a[1] - h * (2.0 * v[0] * v[1] + v[1] * v[1])
+            + G * (first + 1.0) * q[0].sin()
+            + both,
+        d12 * a[0] + d22 * a[1] + h * v[0] * v[0] + both,
+    ]
+}
+
 #[test]
 fn acrobot_and_pendubot_are_two_rods() {
     let (q, v, a): ([f64; 2], [f64; 2], [f64; 2]) = ([0.4, -1.1], [0.7, 1.9], [-0.3, 2.1]);
-    let (inertia, half) = (1.0 / 12.0, 0.5);
-    let (s2, c2) = q[1].sin_cos();
-    let d11 = inertia + half * half + inertia + 1.0 + half * half + 2.0 * half * c2;
-    let d12 = inertia + half * half + half * c2;
-    let d22 = inertia + half * half;
-    let h = half * s2;
-    let both = (q[0] + q[1]).sin();
-    let expected = [
-        d11 * a[0] + d12 * a[1] - h * (2.0 * v[0] * v[1] + v[1] * v[1])
-            + G * ((half + 1.0) * q[0].sin() + half * both),
-        d12 * a[0] + d22 * a[1] + h * v[0] * v[0] + G * half * both,
-    ];
-    assert_close(torques("acrobot", q, v, a), expected);
-    assert_close(torques("pendubot", q, v, a), expected);
+    assert_close(torques("acrobot", q, v, a), two_rods(2.0, q, v, a));
+    assert_close(torques("pendubot", q, v, a), two_rods(1.0, q, v, a));
 }
 
 /// Kelly's equations of the cart-pole, of which the second is divided by the mass and the length of the pole.
