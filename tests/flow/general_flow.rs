@@ -1,6 +1,7 @@
 //! The flow beyond the paper's: weights, dual trajectories, costs in time, metrics and drifts.
 
 use crate::common::{assert_refused, node, robot, robots, wave};
+use aghf::constraint::{Bounds, Constraints, TorqueLimits};
 use aghf::curve::Chebyshev;
 use aghf::flow::jacobian::{
     CentralDifference, ControlFormJacobian, ForwardDual, NodeBlocks, NodeJacobian,
@@ -8,7 +9,8 @@ use aghf::flow::jacobian::{
 use aghf::flow::{
     ActuationMetric, ActuationWeights, AffineLagrangian, Collocation, ControlCost, ControlDual,
     ControlForm, ControlLagrangian, DualTrajectory, FreeDynamics, Lagrangian, LagrangianFlow,
-    Metric, Node, RightHandSide,
+    Metric, Node, Penalised, Penalty, PenaltyWeights, RightHandSide, StateCost, StateCostTerm, Sum,
+    WithStateCost,
 };
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Tanh};
@@ -111,6 +113,10 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
         assert_close!(ours, by_duals, 1e-11);
         assert_close!(ours, right, 1e-7);
     }
+    let metric = lagrangian.metric();
+    let by_definition = LagrangianFlow::in_metric(&model, &lagrangian, &metric);
+    let of_control = omega_of(ControlForm::of(&model, lagrangian.clone()), at);
+    assert_close!(&omega_of(by_definition, at), &of_control, 1e-12);
     // The rate of dL/dxdot along a parabola of states through the node, by differences in time.
     let step = 1e-4;
     let momentum = |t: f64, i: usize| {
@@ -147,7 +153,6 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
         rate - gradient(i)
     });
     let mut omega: Vec<f64> = expression.collect();
-    let metric = lagrangian.metric();
     metric
         .raise(&model, 1.3, &parts[0], 3.0, &mut omega)
         .expect("fits");
@@ -158,61 +163,89 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
     );
 }
 
-/// The affine Lagrangian of the paper's drift and metric has the paper's flow.
+/// The affine Lagrangian of the free dynamics in the metric with weights is the effort with weights, and so is its flow.
 #[test]
-fn drift_and_metric_of_the_paper_give_its_flow() {
+fn the_affine_lagrangian_of_the_free_dynamics_is_the_effort() {
     let model = robot("pendulum_3");
     let parts = parts(3);
-    let affine = AffineLagrangian {
-        drift: FreeDynamics,
-        metric: ActuationMetric::default(),
-    };
-    let ours = omega_of(LagrangianFlow::new(&model, affine), node(&parts));
-    assert_close!(
-        &ours,
-        &omega_of(ControlForm::new(&model), node(&parts)),
-        1e-9
-    );
+    for of in [[1.0, 1.0, 1.0], [1.0, 0.5, 30.0]] {
+        let control: ControlLagrangian = ControlLagrangian {
+            weights: weights(&of),
+            ..ControlLagrangian::default()
+        };
+        let affine = AffineLagrangian {
+            drift: FreeDynamics,
+            metric: control.metric(),
+        };
+        let value = |l: &dyn Fn() -> aghf::Result<f64>| l().expect("fits");
+        let [x, xdot, _] = &parts;
+        let of_affine = value(&|| affine.value(&model, 0.0, x, xdot, 3.0));
+        let of_control = value(&|| control.value(&model, 0.0, x, xdot, 3.0));
+        assert_close!(&[of_affine], &[of_control], 1e-12);
+        let ours = LagrangianFlow::in_metric(&model, &affine, control.metric());
+        let right = omega_of(ControlForm::of(&model, control.clone()), node(&parts));
+        assert_close!(&omega_of(ours, node(&parts)), &right, 1e-9);
+    }
 }
 
+/// A cost of the state, and constraints as penalties, in the metric with weights, against the definition and against duals.
 #[test]
-fn a_dual_trajectory_goes_through_its_values() {
-    for p in [2, 7, 30] {
-        let chebyshev = Chebyshev::new(p, 2.5).expect("a degree");
-        let values = |shift: f64| {
-            let times = chebyshev.times();
-            DMatrix::from_fn(3, p + 1, |i, j| (times[j] * (i as f64 + 1.0) + shift).sin())
-        };
-        let (first, second) = (values(0.0), values(1.0));
-        let mut lambda = DualTrajectory::through(&chebyshev, &first).expect("one per node");
-        assert_eq!(lambda.components(), 3);
-        let at_nodes = |lambda: &DualTrajectory, part: usize| {
-            let times = chebyshev.times();
-            DMatrix::from_fn(3, p + 1, |i, j| lambda.value_and_rate(i, times[j])[part])
-        };
-        assert_close!(&at_nodes(&lambda, 0), &first, 1e-14);
-        let rates = &first * chebyshev.d().transpose();
-        assert_close!(&at_nodes(&lambda, 1), &rates, 1e-12);
-        lambda
-            .ascend(0.3, &chebyshev, &second)
-            .expect("same horizon");
-        assert_close!(&at_nodes(&lambda, 0), &(first + second * 0.3), 1e-14);
-        assert_close!(&[lambda.value(3, 1.0)], &[0.0], 0.0);
+fn terms_of_the_state_in_the_metric_with_weights() {
+    struct Place;
+    impl StateCost for Place {
+        fn value<S: AlgebraOver<f64> + Tanh>(&self, _: &Model, t: S, x: &[S]) -> aghf::Result<S> {
+            let shifted = x.iter().map(|x| *x + t);
+            Ok(shifted.fold(S::zero(), |sum, x| sum + x * x * x))
+        }
     }
-    // The step may be of another degree.
-    let (few, many) = [3, 9]
-        .map(|p| Chebyshev::new(p, 2.5).expect("a degree"))
-        .into();
-    let constant = |count: usize, c: f64| DMatrix::from_element(1, count, c);
-    for (own, other) in [(&few, &many), (&many, &few)] {
-        let count = |c: &Chebyshev| c.degree() + 1;
-        let mut lambda =
-            DualTrajectory::through(own, &constant(count(own), 1.0)).expect("one per node");
-        lambda
-            .ascend(2.0, other, &constant(count(other), 3.0))
-            .expect("same horizon");
-        assert_close!(&[lambda.value(0, 0.4)], &[7.0], 1e-14);
-    }
+    let model = robot("pendulum_2");
+    let parts = parts(2);
+    let at = Node {
+        t: 0.8,
+        ..node(&parts)
+    };
+    let control: ControlLagrangian = ControlLagrangian {
+        weights: weights(&[1.0, 30.0]),
+        ..ControlLagrangian::default()
+    };
+    let whole = WithStateCost {
+        lagrangian: &control,
+        cost: Place,
+    };
+    let definition = LagrangianFlow::in_metric(&model, &whole, control.metric());
+    let term = || StateCostTerm::new(&model, control.weights.clone(), Place);
+    let sum = Sum::new(ControlForm::of(&model, control.clone()), term());
+    assert_close!(&omega_of(sum, at), &omega_of(definition, at), 1e-11);
+    let by_duals = ForwardDual::of(
+        StateCostTerm::new(&model, control.weights.clone(), Place),
+        2,
+    );
+    assert_close!(
+        &blocks_of(term(), at).dx,
+        &blocks_of(by_duals, at).dx,
+        1e-11
+    );
+
+    let penalty = Penalty {
+        k_cons: 3.0,
+        c_cons: 0.7,
+    };
+    let constraints = Penalised {
+        constraints: Constraints {
+            state: Bounds::positions(&model),
+            torque: TorqueLimits(vec![Some(0.5), None]),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
+        },
+    };
+    let ours = blocks_of(constraints.jacobian_of(&model, control.clone()), at);
+    let flow = constraints.right_hand_side_of(&model, control.clone());
+    let by_duals = blocks_of(ForwardDual::of(flow, 2), at);
+    assert_close!(&ours.dx, &by_duals.dx, 1e-11);
+    assert_close!(&ours.dxdot, &by_duals.dxdot, 1e-11);
+    assert_close!(&ours.dxddot, &by_duals.dxddot, 1e-11);
 }
 
 #[test]
@@ -231,19 +264,7 @@ fn what_does_not_fit_is_refused() {
         zero,
         "weights: weight of joint 1: it is zero, the metric would be singular",
     );
-    let empty = DualTrajectory::new(1.0, DMatrix::zeros(2, 0));
-    assert_refused(empty, "there are none, at least one column is needed");
-    let still = DualTrajectory::new(0.0, DMatrix::zeros(2, 1));
-    assert_refused(still, "horizon: it is zero, a positive time is needed");
-    let chebyshev = Chebyshev::new(4, 2.0).expect("a degree");
-    let too_few = DualTrajectory::through(&chebyshev, &DMatrix::zeros(2, 4));
-    assert_refused(too_few, "values: expected 5 entries, found 4");
-    let mut lambda = DualTrajectory::new(1.0, DMatrix::zeros(2, 1)).expect("a column");
-    let other_horizon = lambda.ascend(1.0, &chebyshev, &DMatrix::zeros(2, 5));
-    assert_refused(other_horizon, "horizon: it is 1, that of the step 2");
-    let one_row = lambda.ascend(1.0, &chebyshev, &DMatrix::zeros(1, 5));
-    assert_refused(one_row, "c: expected 2 entries, found 1");
-
+    let lambda = DualTrajectory::new(1.0, DMatrix::zeros(2, 1)).expect("a column");
     let model = robot("pendulum_3");
     let parts = parts(3);
     let refused = |lagrangian: ControlLagrangian, words: &str| {

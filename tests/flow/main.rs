@@ -6,6 +6,7 @@ mod common;
 
 mod constrained_flow;
 mod curve;
+mod dual_trajectory;
 mod extension;
 mod general_flow;
 mod integrate;
