@@ -14,21 +14,19 @@
 
 mod euler;
 mod stage;
+mod walk;
 
 pub use euler::RestMetric;
 
-use super::weak::{AnalyticLagrangian, StateGrid};
+use super::weak::AnalyticLagrangian;
 use crate::constraint::{Constraint, Constraints};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
-use stage::{Demands, Outcome, Stage, Walk};
-use std::collections::VecDeque;
+use stage::Demands;
 use std::time::Duration;
+use walk::WalkOf;
 
-/// Points of the quadrature per degree to start with, without and with rows, and the most.
-const POINTS: [f64; 2] = [3.0, 3.5];
-const MOST_POINTS: usize = 16;
 /// The lowest degree without and with rows.
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
 /// The degrees on the way, as those of the relaxation.
@@ -37,8 +35,6 @@ const DEGREES: [usize; 6] = [6, 9, 16, 24, 32, 48];
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The most guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;
-/// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
-const PASSIVE_SHARE: f64 = 5e-4;
 /// The factor of the running cost in the first of two phases.
 const FIRST_PHASE: f64 = 1e-3;
 
@@ -86,7 +82,7 @@ impl Default for RestSettings {
             two_phases: false,
             tolerance: 1e-8,
             feasible: 1e-5,
-            steps: 500,
+            steps: 100,
             rounds: 40,
             guesses: 1,
             seed: 0,
@@ -262,62 +258,48 @@ pub fn flow_to_rest<K: Constraint>(
 ) -> Result<RestSolution> {
     settings.check()?;
     let watch = Watch::start(settings.time_limit, &settings.interrupt);
-    let rows = constraints.dim() > 0;
-    let line = Path::line(
-        problem,
-        Basis::new(1, LOWEST_DEGREE[usize::from(rows)], false),
-    );
+    let kind = usize::from(constraints.dim() > 0);
+    let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
     let mut best: Option<RestSolution> = None;
     let mut work = [0; 3];
     for number in 0..settings.guesses.max(MOST_GUESSES) {
-        let enough = best.as_ref().is_some_and(|best| best.at_rest || !rows);
-        if best.is_some() && (watch.stopped().is_some() || (enough && number >= settings.guesses)) {
-            break;
-        }
         let guess = match &settings.start {
             Some(start) => start.clone(),
             None => {
-                let amplitude = AMPLITUDE[usize::from(rows)];
-                curve_of(
-                    problem,
-                    &line.start(amplitude, settings.seed, number as u64),
-                )?
+                let bent = line.start(AMPLITUDE[kind], settings.seed, number as u64);
+                curve_of(problem, &bent)?
             }
         };
-        let from = (number, guess);
-        let least = best.as_ref().filter(|best| best.at_rest);
-        let least = least.map_or(f64::INFINITY, |best| best.action);
-        let mut found = walk(
+        // The action above which a guess is not worth more segments.
+        let known = best.as_ref().filter(|best| best.at_rest);
+        let walk = WalkOf {
             problem,
             settings,
             lagrangian,
             constraints,
-            from,
-            least,
-            &watch,
-            observe,
-        )?;
-        for (sum, own) in work
-            .iter_mut()
-            .zip([found.steps, found.factorisations, found.rounds])
-        {
+            least: known.map_or(f64::INFINITY, |best| best.action),
+            watch: &watch,
+        };
+        let mut found = walk.from(number, guess, observe)?;
+        let own = [found.steps, found.factorisations, found.rounds];
+        for (sum, own) in work.iter_mut().zip(own) {
             *sum += own;
         }
-        [found.steps, found.factorisations, found.rounds] = work;
-        found.guesses = number + 1;
-        best = Some(match best {
-            Some(best) if !is_better(&found, &best) => RestSolution {
-                guesses: found.guesses,
-                steps: found.steps,
-                factorisations: found.factorisations,
-                rounds: found.rounds,
-                ..best
-            },
-            _ => found,
-        });
-        if settings.start.is_some() {
-            break;
+        let mut now = match best {
+            Some(best) if !is_better(&found, &best) => best,
+            _ => {
+                found.guess = number;
+                found
+            }
+        };
+        now.guesses = number + 1;
+        [now.steps, now.factorisations, now.rounds] = work;
+        let enough = kind == 0 || now.at_rest;
+        let over = watch.stopped().is_some() || settings.start.is_some();
+        if over || (enough && now.guesses >= settings.guesses) {
+            return Ok(now);
         }
+        best = Some(now);
     }
     best.ok_or_else(|| Error::input("settings", "guesses", "there is none"))
 }
@@ -336,97 +318,4 @@ fn is_better(a: &RestSolution, b: &RestSolution) -> bool {
         (false, false) => a.excess() < b.excess(),
         (a, _) => a,
     }
-}
-
-/// From one guess to rest, stage by stage.
-fn walk<K: Constraint>(
-    problem: &Problem<'_>,
-    settings: &RestSettings,
-    lagrangian: &AnalyticLagrangian<'_>,
-    constraints: &Constraints<K>,
-    (guess, curve): (usize, Curve),
-    least: f64,
-    watch: &Watch,
-    observe: &mut dyn FnMut(&RestRecord),
-) -> Result<RestSolution> {
-    let kind = usize::from(constraints.dim() > 0);
-    let mut history = Vec::new();
-    let mut record = |record: RestRecord| {
-        observe(&record);
-        history.push(record);
-    };
-    let mut walk = Walk {
-        curve,
-        s: 0.0,
-        steps: 0,
-        factorisations: 0,
-        rounds: 0,
-        duals: None,
-        watch,
-        observe: &mut record,
-    };
-    let mut outcome = Outcome::default();
-    let torque = &constraints.torque;
-    let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
-    let horizon = problem.horizon();
-    let mut stages: VecDeque<_> = settings.stages(kind == 1).into();
-    while let Some(demands) = stages.pop_front() {
-        let (segments, degree) = demands.basis;
-        let mut points = (POINTS[kind] * degree as f64) as usize + 4;
-        let collocated = if passive { degree - 1 } else { 0 };
-        loop {
-            let grid = StateGrid::collocated(segments, degree, points, collocated, horizon);
-            let plain = lagrangian.clone();
-            let stage = Stage::new(
-                problem,
-                settings,
-                constraints,
-                plain,
-                demands,
-                points,
-                &grid,
-            )?;
-            outcome = stage.run(&mut walk)?;
-            let coarse = outcome.quadrature_error > demands.quadrature;
-            if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {
-                break;
-            }
-            points = points * 3 / 2;
-        }
-        if watch.stopped().is_some() {
-            outcome.at_rest = false;
-            break;
-        }
-        let finer = 2 * segments * degree <= RestSettings::LARGEST_SIZE;
-        let worth_it = outcome.action < least;
-        if stages.is_empty() && outcome.passive_share > PASSIVE_SHARE && finer && worth_it {
-            let basis = (2 * segments, degree);
-            stages.push_back(Demands { basis, ..demands });
-        }
-    }
-    outcome.at_rest &= outcome.passive_share <= PASSIVE_SHARE;
-    let Walk {
-        curve,
-        steps,
-        factorisations,
-        rounds,
-        ..
-    } = walk;
-    Ok(RestSolution {
-        curve,
-        action: outcome.action,
-        gradient_norm: outcome.gradient_norm,
-        slip: outcome.slip,
-        violation: outcome.violation,
-        quadrature_error: outcome.quadrature_error,
-        passive_share: outcome.passive_share,
-        at_rest: outcome.at_rest,
-        guess,
-        guesses: 1,
-        steps,
-        factorisations,
-        rounds,
-        history,
-        stopped: watch.stopped(),
-    })
 }

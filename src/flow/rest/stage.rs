@@ -19,8 +19,10 @@ const ON_THE_WAY: f64 = 0.05;
 const FIRST_PENALTY: f64 = 1e3;
 const PENALTY_FACTOR: f64 = 10.0;
 const LARGEST_PENALTY: f64 = 1e9;
-/// The first penalty of the torque of a passive joint: that of a motor, whose torque costs its square.
+/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square; and the largest, beyond which steps
+/// become short and the duals do as well.
 const MOTOR: f64 = 2.0;
+const LARGEST_MOTOR: f64 = 2e4;
 /// The part of its violation that a row may keep from one round to the next before its penalty grows.
 const PROGRESS: f64 = 0.25;
 /// The factor of the tolerance from one round of duals to the next.
@@ -132,7 +134,6 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         let mut euler = Euler::new(&self.action);
         let (grid, rows) = (self.grid, self.constraints.dim());
         let density = self.action.value(&progress.coefficients)?.abs() / self.problem.horizon();
-        let largest_penalty = LARGEST_PENALTY * density;
         match &walk.duals {
             Some(known) => self.terms().take_over(known, grid.times()),
             None => self.first_penalties(density),
@@ -168,14 +169,10 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             if self.settings.duals {
                 self.terms().update_duals();
             }
-            let terms = self.terms();
-            for ((penalty, now), then) in terms.penalties.iter_mut().zip(&largest).zip(&mut before)
-            {
-                if reached && *now > PROGRESS * *then && *now > demands.feasible {
-                    *penalty = (*penalty * PENALTY_FACTOR).min(largest_penalty);
-                }
-                *then = *now;
+            if reached {
+                self.raise_penalties(&largest, &before, density);
             }
+            before = largest;
             asked *= TIGHTER;
             euler.refresh();
         }
@@ -210,6 +207,23 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             } else {
                 FIRST_PENALTY * density
             };
+        }
+    }
+
+    /// Larger penalties for rows that are still violated, and have not become much less so since the round before.
+    fn raise_penalties(&mut self, largest: &[f64], before: &[f64], density: f64) {
+        let (constraints, feasible) = (self.constraints, self.demands.feasible);
+        let states = constraints.state.dim();
+        for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
+            let passive = row >= states && constraints.is_equality(row);
+            let most = if passive {
+                LARGEST_MOTOR
+            } else {
+                LARGEST_PENALTY * density
+            };
+            if largest[row] > feasible && largest[row] > PROGRESS * before[row] {
+                *penalty = (*penalty * PENALTY_FACTOR).min(most);
+            }
         }
     }
 

@@ -1,0 +1,126 @@
+//! From one guess to rest, stage by stage.
+
+use super::stage::{Demands, Outcome, Stage, Walk};
+use super::{RestRecord, RestSettings, RestSolution};
+use crate::constraint::{Constraint, Constraints};
+use crate::curve::Curve;
+use crate::error::Result;
+use crate::flow::weak::{AnalyticLagrangian, StateGrid};
+use crate::motion::{Problem, Watch};
+use std::collections::VecDeque;
+
+/// Points of the quadrature per degree to start with, without and with rows, and the most.
+const POINTS: [f64; 2] = [3.0, 3.5];
+const MOST_POINTS: usize = 16;
+/// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
+const PASSIVE_SHARE: f64 = 5e-4;
+
+/// What the walks from all guesses have in common.
+pub(super) struct WalkOf<'w, 'a, K> {
+    pub problem: &'w Problem<'a>,
+    pub settings: &'w RestSettings,
+    pub lagrangian: &'w AnalyticLagrangian<'w>,
+    pub constraints: &'w Constraints<K>,
+    /// The action above which there are no further segments.
+    pub least: f64,
+    pub watch: &'w Watch,
+}
+
+impl<K: Constraint> WalkOf<'_, '_, K> {
+    /// From the guess of this number to rest.
+    pub fn from(
+        &self,
+        guess: usize,
+        curve: Curve,
+        observe: &mut dyn FnMut(&RestRecord),
+    ) -> Result<RestSolution> {
+        let Self {
+            problem,
+            settings,
+            lagrangian,
+            constraints,
+            least,
+            watch,
+        } = *self;
+        let kind = usize::from(constraints.dim() > 0);
+        let mut history = Vec::new();
+        let mut record = |record: RestRecord| {
+            observe(&record);
+            history.push(record);
+        };
+        let mut walk = Walk {
+            curve,
+            s: 0.0,
+            steps: 0,
+            factorisations: 0,
+            rounds: 0,
+            duals: None,
+            watch,
+            observe: &mut record,
+        };
+        let mut outcome = Outcome::default();
+        let torque = &constraints.torque;
+        let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
+        let horizon = problem.horizon();
+        let mut stages: VecDeque<_> = settings.stages(kind == 1).into();
+        while let Some(demands) = stages.pop_front() {
+            let (segments, degree) = demands.basis;
+            let mut points = (POINTS[kind] * degree as f64) as usize + 4;
+            let collocated = if passive { degree - 1 } else { 0 };
+            loop {
+                let grid = StateGrid::collocated(segments, degree, points, collocated, horizon);
+                let plain = lagrangian.clone();
+                let stage = Stage::new(
+                    problem,
+                    settings,
+                    constraints,
+                    plain,
+                    demands,
+                    points,
+                    &grid,
+                )?;
+                outcome = stage.run(&mut walk)?;
+                let coarse = outcome.quadrature_error > demands.quadrature;
+                if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {
+                    break;
+                }
+                points = points * 3 / 2;
+            }
+            if watch.stopped().is_some() {
+                outcome.at_rest = false;
+                break;
+            }
+            let finer = 2 * segments * degree <= RestSettings::LARGEST_SIZE;
+            let worth_it = outcome.action < least;
+            if stages.is_empty() && outcome.passive_share > PASSIVE_SHARE && finer && worth_it {
+                let basis = (2 * segments, degree);
+                stages.push_back(Demands { basis, ..demands });
+            }
+        }
+        outcome.at_rest &= outcome.passive_share <= PASSIVE_SHARE;
+        let Walk {
+            curve,
+            steps,
+            factorisations,
+            rounds,
+            ..
+        } = walk;
+        Ok(RestSolution {
+            curve,
+            action: outcome.action,
+            gradient_norm: outcome.gradient_norm,
+            slip: outcome.slip,
+            violation: outcome.violation,
+            quadrature_error: outcome.quadrature_error,
+            passive_share: outcome.passive_share,
+            at_rest: outcome.at_rest,
+            guess,
+            guesses: 1,
+            steps,
+            factorisations,
+            rounds,
+            history,
+            stopped: watch.stopped(),
+        })
+    }
+}
