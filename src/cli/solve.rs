@@ -6,11 +6,12 @@ use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json, signals, tell};
 use crate::error::{Error, Result, plain};
 use crate::flow::jacobian::JacobianKind;
+use crate::flow::rest::RestRecord;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
 use crate::relax::Iteration;
-use crate::scenario::{Method, Record, SolveOptions, solve};
+use crate::scenario::{FlowVariant, Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
@@ -34,10 +35,13 @@ pub(super) struct Solve {
     /// The method of solving it [default: relax].
     #[arg(long, value_parser = choice::<Method>())]
     method: Option<Method>,
-    /// Degree of the polynomial, or of each segment [default: 16 for relax].
+    /// Of flow: its variant [default: published].
+    #[arg(long, value_parser = choice::<FlowVariant>())]
+    variant: Option<FlowVariant>,
+    /// Degree of the polynomial, or of each segment [default: 16; the scenario's for the published flow, 8 with passive joints].
     #[arg(long, alias = "p")]
     degree: Option<usize>,
-    /// Of relax: of how many polynomials on equal parts of the horizon the motion is made [default: 1].
+    /// Of relax and of the flow to rest: of how many polynomials on equal parts of the horizon the motion is made [default: 1, 8 for a flow with passive joints].
     #[arg(long, alias = "pieces")]
     segments: Option<usize>,
     /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
@@ -46,10 +50,10 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax: how many starts to try [default: 16 up to 7 joints and fewer beyond, 1 within limits of the joints; more while none ends within the constraints].
+    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1, 16 with passive joints; more while none ends within the constraints].
     #[arg(long)]
     starts: Option<usize>,
-    /// Of relax: the number from which the starts are drawn [default: 0].
+    /// Of relax and of the flow to rest: the number from which the starts are drawn [default: 0].
     #[arg(long)]
     seed: Option<u64>,
     /// Stop after so long, s, as by Ctrl-C, with the best motion so far. Until then relax tries further starts.
@@ -98,6 +102,7 @@ impl Default for Solve {
             scenario: "kinova_free_01".to_owned(),
             robot: RobotArgs::default(),
             method: None,
+            variant: None,
             degree: None,
             segments: None,
             degree_tolerance: None,
@@ -136,8 +141,10 @@ impl Solve {
             ProgressBar::hidden()
         } else {
             match options.method {
-                Method::Flow => bar(options.flow_settings(&scenario).s_max),
-                Method::Relax => ProgressBar::new_spinner(),
+                Method::Flow if !options.flows_to_rest() => {
+                    bar(options.flow_settings(&scenario).s_max)
+                }
+                Method::Flow | Method::Relax => ProgressBar::new_spinner(),
             }
         };
         let mut stages = Stages::default();
@@ -195,6 +202,7 @@ impl Solve {
         };
         Ok(SolveOptions {
             method,
+            variant: self.variant.or(other.variant),
             degree: self.degree.or(other.degree),
             segments: self.segments.or(other.segments),
             degree_tolerance: self.degree_tolerance.or(other.degree_tolerance),
@@ -219,6 +227,13 @@ impl Solve {
 fn message(record: &Record) -> String {
     match record {
         Record::Flow(r) => format!("s {:.1e}, action {:.4e}", r.s, r.action_at_nodes),
+        Record::Rest(r) => {
+            let RestRecord { degree, action, .. } = r;
+            format!(
+                "degree {degree}, action {action:.4e}, gradient {:.1e}",
+                r.gradient_norm
+            )
+        }
         Record::Relax(i) => {
             let Iteration { degree, cost, .. } = i;
             format!(

@@ -22,6 +22,13 @@ impl Stages {
                 ));
                 return;
             }
+            Record::Rest(r) => {
+                tell(&format!(
+                    "{} segments of degree {}, s {:.2e}: action {:.6e}, gradient norm {:.1e}",
+                    r.segments, r.degree, r.s, r.action, r.gradient_norm
+                ));
+                return;
+            }
             Record::Relax(iteration) => iteration,
         };
         let key = |i: &Iteration| (i.start, i.horizon, i.segments, i.degree);

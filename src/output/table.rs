@@ -4,8 +4,8 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::relax::DegreeRefinement;
 use crate::scenario::{
-    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RobotShape, Scenario, Summary,
-    builtin_scenarios, generated_scenarios,
+    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RestDetails, RobotShape, Scenario,
+    Summary, builtin_scenarios, generated_scenarios,
 };
 use crate::verify::duals::Finding;
 use crate::verify::field::Verdict;
@@ -37,6 +37,7 @@ pub fn summary_table(summary: &Summary) -> String {
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
     let (settings, rows) = match &s.details {
         Details::Flow(d) => flow_rows(d),
+        Details::Rest(d) => rest_rows(d),
         Details::Relax(d) => relax_rows(d),
     };
     let degree = match s.pieces {
@@ -108,6 +109,28 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
         ("action at the nodes, before and after", nodes.join(", ")),
         ("work", work),
     ];
+    (settings, rows)
+}
+
+/// The parameters of a flow to rest, and what only such a flow has to say.
+fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!("{}, k {:e}, tolerance {:e}", d.variant, d.k, d.tolerance);
+    let work = format!(
+        "{} steps, {} factorisations, {} updates of the duals, {} guesses",
+        d.steps, d.factorisations, d.dual_updates, d.guesses
+    );
+    let mut rows = vec![
+        ("action", short(d.action)),
+        (
+            "gradient norm, relative",
+            format!("{:.1e}", d.gradient_norm),
+        ),
+        ("slip at the points, max |qdot - v|", short(d.slip)),
+    ];
+    if let Some(violation) = d.largest_violation {
+        rows.push(("largest violation", short(violation)));
+    }
+    rows.push(("work", work));
     (settings, rows)
 }
 

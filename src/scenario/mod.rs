@@ -1,6 +1,7 @@
 #![doc = include_str!("keys.md")]
 
 mod builtin;
+mod by_flow;
 mod curve_file;
 mod environment;
 mod feasibility;
@@ -26,9 +27,9 @@ pub use file::{
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
-pub use options::{Method, SolveOptions};
+pub use options::{FlowVariant, Method, SolveOptions};
 pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, solve};
-pub use summary::{Details, FlowDetails, RelaxDetails, Summary};
+pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

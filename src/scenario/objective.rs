@@ -1,6 +1,6 @@
 //! The keys of a scenario that say what the relaxation is to find, beside a motion of least effort from state to state.
 
-use super::{Method, Scenario, ScenarioFile};
+use super::{Method, Scenario, ScenarioFile, SolveOptions};
 use crate::error::{Error, Result};
 use crate::relax::{FreeHorizon, WeightedSquares};
 use serde::{Deserialize, Serialize};
@@ -106,29 +106,32 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 
 impl Scenario {
     /// The keys of this scenario that a method does not look at, in words.
-    pub(super) fn notes(&self, method: Method) -> Vec<String> {
+    pub(super) fn notes(&self, options: &SolveOptions) -> Vec<String> {
         let mut notes = Vec::new();
-        if method == Method::Flow && self.file.running_cost.is_some() {
-            let note = "running_cost: the method 'flow' minimises the control effort alone";
+        let published = options.method == Method::Flow && !options.flows_to_rest();
+        if published && self.file.running_cost.is_some() {
+            let note = "running_cost: the published flow minimises the control effort alone";
             notes.push(note.to_owned());
         }
         notes
     }
 
-    /// Refuses what only the relaxation can be asked for and what makes another problem of it.
-    pub(super) fn check_for_flow(&self) -> Result<()> {
+    /// Refuses what a flow cannot be asked for: what only the relaxation knows, and passive joints unless it goes to rest.
+    pub(super) fn check_for_flow(&self, to_rest: bool) -> Result<()> {
         let file = &self.file;
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("free_horizon", file.free_horizon.is_some()),
-            ("passive", !file.passive.is_empty()),
         ];
-        match keys.iter().find(|(_, given)| *given) {
-            Some((key, _)) => {
-                let condition = "the method 'flow' does not know it, only 'relax' does";
-                Err(Error::input(&self.name, *key, condition))
-            }
-            None => Ok(()),
+        if let Some((key, _)) = keys.iter().find(|(_, given)| *given) {
+            let condition = "the method 'flow' does not know it, only 'relax' does";
+            return Err(Error::input(&self.name, *key, condition));
         }
+        if !to_rest && !file.passive.is_empty() {
+            let condition =
+                "the published flow does not know it; the variants 'duals' and 'two-phases' do";
+            return Err(Error::input(&self.name, "passive", condition));
+        }
+        Ok(())
     }
 }

@@ -3,6 +3,8 @@
 use super::Scenario;
 use crate::error::{Error, Result};
 use crate::flow::jacobian::JacobianKind;
+use crate::flow::rest::RestSettings;
+use crate::flow::weak::AnalyticLagrangian;
 use crate::flow::{FlowSettings, Penalty};
 use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
@@ -20,12 +22,29 @@ pub enum Method("method") {
 }
 }
 
+crate::names::named_enum! {
+/// A variant of the flow; all go down the action of a Lagrangian.
+pub enum FlowVariant("variant") {
+    /// As published: collocated, the penalty `k`, constraints as penalties, integrated to `s_max`.
+    Published = "published",
+    /// To rest by an implicit scheme whose steps grow without bound; what the penalties leave of slip and constraints stays.
+    Rest = "rest",
+    /// To rest, with duals that take over what large penalties would have to do (the idea of EL-AGHF).
+    Duals = "duals",
+    /// The same in two phases: the first looks for a motion within the constraints, the second for one of least cost (that of BLAZE).
+    TwoPhases = "two-phases",
+}
+}
+
 /// The choice of a method, and values that override the parameters of a scenario or the defaults of the method.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolveOptions {
     /// The method.
     pub method: Method,
+    /// Of the flow: the variant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variant: Option<FlowVariant>,
     /// Degree of the polynomial, or of each segment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<usize>,
@@ -98,6 +117,60 @@ impl SolveOptions {
         }
     }
 
+    /// The settings of a flow of `scenario` to rest, likewise.
+    #[must_use]
+    pub fn rest_settings(&self, scenario: &Scenario) -> RestSettings {
+        let default = RestSettings::default();
+        let passive = !scenario.file.passive.is_empty();
+        let (degree, segments) = if passive {
+            PASSIVE_BASIS
+        } else {
+            (default.degree, default.segments)
+        };
+        let tolerance = if scenario.is_free() {
+            default.tolerance
+        } else {
+            RelaxSettings::constrained().tolerance
+        };
+        let variant = self.variant.unwrap_or_default();
+        RestSettings {
+            degree: self.degree.unwrap_or(degree),
+            segments: self.segments.unwrap_or(segments),
+            duals: variant != FlowVariant::Rest,
+            two_phases: variant == FlowVariant::TwoPhases,
+            tolerance: self.tolerance.unwrap_or(tolerance),
+            guesses: self.num_starts.unwrap_or(if passive {
+                PASSIVE_GUESSES
+            } else {
+                default.guesses
+            }),
+            seed: self.seed.unwrap_or(default.seed),
+            time_limit: self.time_limit,
+            interrupt: self.interrupt.clone(),
+            ..default
+        }
+    }
+
+    /// The Lagrangian of a flow of `scenario` to rest but for the constraints: its running cost, no price on torques of passive joints.
+    ///
+    /// # Errors
+    /// Weights of the running cost are out of range.
+    pub fn lagrangian<'m>(&self, scenario: &'m Scenario) -> Result<AnalyticLagrangian<'m>> {
+        let k = self.k.unwrap_or(scenario.file.flow.k);
+        let mut lagrangian = AnalyticLagrangian::new(&scenario.model, k);
+        if let Some(weights) = &scenario.file.running_cost {
+            let weights = weights.weighted(scenario.model.dof())?;
+            let all = [weights.torque(), weights.velocity(), weights.acceleration()];
+            for (to, from) in lagrangian.weights.iter_mut().zip(all) {
+                to.copy_from_slice(from);
+            }
+        }
+        for joint in scenario.passive() {
+            lagrangian.weights[0][joint] = 0.0;
+        }
+        Ok(lagrangian)
+    }
+
     /// The penalty of the constraints of `scenario` in the flow, likewise.
     #[must_use]
     pub fn penalty(&self, scenario: &Scenario) -> Penalty {
@@ -160,10 +233,24 @@ impl SolveOptions {
                     ..common
                 }
             }
+            Method::Flow if self.flows_to_rest() => {
+                let settings = self.rest_settings(scenario);
+                Self {
+                    variant: self.variant,
+                    degree: Some(settings.degree),
+                    segments: Some(settings.segments),
+                    tolerance: Some(settings.tolerance),
+                    num_starts: Some(settings.guesses),
+                    seed: Some(settings.seed),
+                    k: Some(self.k.unwrap_or(scenario.file.flow.k)),
+                    ..common
+                }
+            }
             Method::Flow => {
                 let settings = self.flow_settings(scenario);
                 let penalty = self.penalty(scenario);
                 Self {
+                    variant: self.variant,
                     degree: Some(settings.p),
                     tolerance: Some(settings.tolerance),
                     jacobian: Some(settings.jacobian),
@@ -179,6 +266,12 @@ impl SolveOptions {
         }
     }
 
+    /// Tells whether the variant of the flow is one that goes to rest.
+    #[must_use]
+    pub fn flows_to_rest(&self) -> bool {
+        self.variant.unwrap_or_default() != FlowVariant::Published
+    }
+
     /// Refuses options that the method does not have, and a time limit that is none.
     pub(super) fn check(&self) -> Result<()> {
         let longest = Self::LONGEST_TIME_LIMIT;
@@ -187,6 +280,19 @@ impl SolveOptions {
             return Err(Error::input("options", "time_limit", condition));
         }
         let (method, foreign) = match self.method {
+            Method::Flow if self.flows_to_rest() => {
+                let foreign = [
+                    ("degree_tolerance", self.degree_tolerance.is_some()),
+                    ("threads", self.threads.is_some()),
+                    ("jacobian", self.jacobian.is_some()),
+                    ("integrator", self.integrator.is_some()),
+                    ("s_max", self.s_max.is_some()),
+                    ("guess", self.guess.is_some()),
+                    ("k_cons", self.k_cons.is_some()),
+                    ("c_cons", self.c_cons.is_some()),
+                ];
+                ("flow to rest", foreign.to_vec())
+            }
             Method::Flow => {
                 let foreign = [
                     ("segments", self.segments.is_some()),
@@ -199,6 +305,7 @@ impl SolveOptions {
             }
             Method::Relax => {
                 let foreign = [
+                    ("variant", self.variant.is_some()),
                     ("jacobian", self.jacobian.is_some()),
                     ("integrator", self.integrator.is_some()),
                     ("k", self.k.is_some()),
@@ -219,6 +326,11 @@ impl SolveOptions {
         }
     }
 }
+
+/// The degree and the number of segments of motions with passive joints, unless given.
+const PASSIVE_BASIS: (usize, usize) = (8, 8);
+/// The number of guesses at them, whose minima are many.
+const PASSIVE_GUESSES: usize = 16;
 
 /// A duration as a number of seconds.
 mod seconds {

@@ -1,15 +1,14 @@
 //! Solving a scenario and testing whether that was a success.
 
+use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
-use super::summary::{Details, FlowDetails, RelaxDetails, Summary};
+use super::summary::{Details, RelaxDetails, Summary};
 use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions};
 use crate::constraint::Constraints;
 use crate::curve::Curve;
 use crate::error::Result;
-use crate::flow::{
-    EffortSummary, FlowRecord, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of,
-    flow, flow_constrained,
-};
+use crate::flow::rest::RestRecord;
+use crate::flow::{EffortSummary, FlowRecord, effort_of};
 use crate::motion::{Feedback, Stopped, replay_error, simulate};
 use crate::relax::{ControlEffort, Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
@@ -23,8 +22,10 @@ const INTERVALS: usize = 2000;
 /// The progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Record {
-    /// Of the flow.
+    /// Of the published flow.
     Flow(FlowRecord),
+    /// Of a flow to rest.
+    Rest(RestRecord),
     /// Of the relaxation.
     Relax(Iteration),
 }
@@ -57,89 +58,14 @@ pub fn solve(
     scenario.check_feasible()?;
     match options.method {
         Method::Flow => {
-            scenario.check_for_flow()?;
+            scenario.check_for_flow(options.flows_to_rest())?;
+            if options.flows_to_rest() {
+                return solve_by_flow_to_rest(scenario, options, observe);
+            }
             solve_by_flow(scenario, options, observe)
         }
         Method::Relax => solve_by_relaxation(scenario, options, observe),
     }
-}
-
-fn solve_by_flow(
-    scenario: &Scenario,
-    options: &SolveOptions,
-    observe: &mut dyn FnMut(&Record),
-) -> Result<SolveReport> {
-    let problem = scenario.problem()?;
-    let settings: &FlowSettings = &options.flow_settings(scenario);
-    let penalty = options.penalty(scenario);
-    let constraints = Penalised {
-        constraints: Constraints {
-            state: scenario.state_constraints()?,
-            torque: scenario.torque_limits(),
-        },
-        weights: PenaltyWeights {
-            state: penalty,
-            torque: penalty,
-        },
-    };
-    let observe = &mut |record: &FlowRecord| observe(&Record::Flow(*record));
-    let started = Instant::now();
-    let outcome = if scenario.is_free() {
-        flow(&problem, settings, observe)?
-    } else {
-        flow_constrained(&problem, settings, &constraints, observe)?
-    };
-    let solve_seconds = started.elapsed().as_secs_f64();
-    let mut stopped = None;
-    let (solution, failure) = match outcome {
-        Ok(solution) => (solution, None),
-        Err(failure) => {
-            stopped = failure.stopped;
-            let reason = failure.to_string();
-            let kept = FlowSolution {
-                curve: failure.last_good,
-                history: failure.history,
-                statistics: failure.statistics,
-            };
-            (kept, Some(reason))
-        }
-    };
-    let FlowSolution {
-        curve,
-        history,
-        statistics,
-    } = solution;
-    let effort = effort_of(&scenario.model, &curve, settings.k)?;
-    let interior = settings.p - 1;
-    let details = Details::Flow(FlowDetails {
-        jacobian: settings.jacobian,
-        integrator: settings.integrator,
-        k: settings.k,
-        s_max: settings.s_max,
-        tolerance: settings.tolerance,
-        guess: settings.guess,
-        k_cons: (!scenario.is_free()).then_some(penalty.k_cons),
-        c_cons: (!scenario.is_free()).then_some(penalty.c_cons),
-        action: effort.action,
-        action_at_nodes: effort.action_at_nodes,
-        action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
-        steps: statistics.steps,
-        rejected_steps: statistics.rejected_steps,
-        omega_evaluations: statistics.rhs_evaluations * interior,
-        jacobian_evaluations: statistics.jacobian_evaluations * interior,
-        factorisations: statistics.factorisations,
-    });
-    let history = history.into_iter().map(Record::Flow).collect();
-    let found = Solution {
-        curve,
-        effort,
-        history,
-        details,
-        solve_seconds,
-        failure,
-        stopped,
-    };
-    report_of(scenario, options, found)
 }
 
 fn solve_by_relaxation(
@@ -266,18 +192,22 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
 }
 
 /// What a method found.
-struct Solution {
-    curve: Curve,
-    effort: EffortSummary,
-    history: Vec<Record>,
-    details: Details,
-    solve_seconds: f64,
-    failure: Option<String>,
-    stopped: Option<Stopped>,
+pub(super) struct Solution {
+    pub curve: Curve,
+    pub effort: EffortSummary,
+    pub history: Vec<Record>,
+    pub details: Details,
+    pub solve_seconds: f64,
+    pub failure: Option<String>,
+    pub stopped: Option<Stopped>,
 }
 
 /// What can be measured of a curve, whatever found it.
-fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Result<SolveReport> {
+pub(super) fn report_of(
+    scenario: &Scenario,
+    options: &SolveOptions,
+    found: Solution,
+) -> Result<SolveReport> {
     let Solution {
         curve,
         effort,
@@ -298,7 +228,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
     let reached = final_error_inf.is_some_and(|e| e < success_threshold);
     let feasibility = Feasibility::of(scenario, &curve)?;
     let (method, tolerance) = match details {
-        Details::Flow(_) => (Method::Flow, LIMIT_TOLERANCE),
+        Details::Flow(_) | Details::Rest(_) => (Method::Flow, LIMIT_TOLERANCE),
         Details::Relax(_) => (Method::Relax, RelaxSettings::FEASIBLE),
     };
     let feasible = feasibility.holds(tolerance);
@@ -313,7 +243,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
     // passive joints it tells as well whether the torques that they lack are missed.
     let simulated = method == Method::Flow || !passive.is_empty();
     let success = completed && feasible && (reached || !simulated);
-    let mut notes = scenario.notes(method);
+    let mut notes = scenario.notes(options);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }

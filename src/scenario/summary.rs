@@ -1,6 +1,6 @@
 //! What came of a solve, in numbers.
 
-use super::{CurveFile, Feasibility, Method, Provenance};
+use super::{CurveFile, Feasibility, FlowVariant, Method, Provenance};
 use crate::flow::jacobian::JacobianKind;
 use crate::motion::{Feedback, Guess};
 use crate::ode::IntegratorKind;
@@ -60,19 +60,21 @@ pub struct Summary {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Details {
-    /// Of the flow.
+    /// Of the published flow.
     Flow(FlowDetails),
+    /// Of a flow to rest.
+    Rest(RestDetails),
     /// Of the relaxation.
     Relax(RelaxDetails),
 }
 
 impl Details {
-    /// Those of the flow, if it was the flow.
+    /// Those of the published flow, if it was that.
     #[must_use]
     pub fn flow(&self) -> Option<&FlowDetails> {
         match self {
             Self::Flow(flow) => Some(flow),
-            Self::Relax(_) => None,
+            Self::Rest(_) | Self::Relax(_) => None,
         }
     }
 }
@@ -112,6 +114,35 @@ pub struct FlowDetails {
     pub jacobian_evaluations: usize,
     /// LU factorisations of the Newton matrix.
     pub factorisations: usize,
+}
+
+/// The result of a flow to rest and the work it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestDetails {
+    /// The variant.
+    pub variant: FlowVariant,
+    /// Penalty of (11).
+    pub k: f64,
+    /// The gradient norm that was asked for, relative to the action.
+    pub tolerance: f64,
+    /// The gradient norm that was reached.
+    pub gradient_norm: f64,
+    /// The action with the terms of the duals, which vanish where the constraints hold.
+    pub action: f64,
+    /// The largest slip at the points of the quadrature, rad/s or m/s.
+    pub slip: f64,
+    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    pub largest_violation: Option<f64>,
+    /// The number of the guess that led here, counted from zero, and how many there were.
+    pub guess: usize,
+    /// As [`guess`](Self::guess).
+    pub guesses: usize,
+    /// Steps in `s`, all guesses and degrees together.
+    pub steps: usize,
+    /// Cholesky factorisations.
+    pub factorisations: usize,
+    /// Updates of the duals.
+    pub dual_updates: usize,
 }
 
 /// The result of a relaxation and the work it took.

@@ -187,7 +187,7 @@ fn the_flow_minimises_the_effort_alone_with_a_note() {
         });
     assert_eq!(weighted.curve.x(), alone.curve.x());
     assert_eq!(alone.summary.notes, [""; 0]);
-    let note = "running_cost: the method 'flow' minimises the control effort alone";
+    let note = "running_cost: the published flow minimises the control effort alone";
     assert_eq!(weighted.summary.notes, [note]);
     let table = aghf::output::summary_table(&weighted.summary);
     assert!(table.contains(note), "{table}");

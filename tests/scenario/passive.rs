@@ -153,7 +153,7 @@ fn the_flow_knows_no_passive_joints() {
         .to_string();
     assert_eq!(
         error,
-        "flow: passive: the method 'flow' does not know it, only 'relax' does"
+        "flow: passive: the published flow does not know it; the variants 'duals' and 'two-phases' do"
     );
 }
 

@@ -96,7 +96,7 @@ fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
     };
     let records = outcome.history.iter().map(|record| match record {
         Record::Flow(record) => *record,
-        Record::Relax(_) => panic!("it is a flow"),
+        Record::Rest(_) | Record::Relax(_) => panic!("it is the published flow"),
     });
     (details, records.collect())
 }

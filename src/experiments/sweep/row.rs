@@ -276,6 +276,13 @@ impl Row {
                 };
                 (f.action, Work::Flow(work), false)
             }
+            Details::Rest(r) => {
+                let work = FlowWork {
+                    steps: Some(r.steps),
+                    ..FlowWork::default()
+                };
+                (r.action, Work::Flow(work), false)
+            }
             Details::Relax(r) => {
                 let work = RelaxWork {
                     horizon_s: Some(r.horizon_s),
