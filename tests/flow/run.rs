@@ -310,7 +310,7 @@ fn every_built_in_scenario_succeeds() {
         };
         let outcome = aghf::scenario::solve(&scenario, &options, &mut |_| ());
         if !scenario.passive().is_empty() {
-            let words = format!("{name}: passive: the method 'flow' does not know it");
+            let words = format!("{name}: passive: the published flow does not know it");
             assert_refused(outcome, &words);
             continue;
         }

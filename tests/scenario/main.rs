@@ -20,4 +20,5 @@ mod sweep;
 mod sweep_files;
 mod sweep_refused;
 mod sweep_relax;
+mod variants;
 mod written;
