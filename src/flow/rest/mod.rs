@@ -12,10 +12,12 @@
 //! 4. Low degrees first, then the degree and the segments that are asked for, each from where the one before came to rest. In two phases
 //!    (the idea of BLAZE, arXiv 2505.01589) the first looks for a motion within the constraints and hardly at what it costs.
 
+mod any;
 mod euler;
 mod stage;
 mod walk;
 
+pub use any::{AnyRest, AnyRestOptions, any_to_rest};
 pub use euler::RestMetric;
 
 use super::weak::AnalyticLagrangian;

@@ -71,6 +71,13 @@ impl StateGrid<f64> {
         }
     }
 
+    /// The end of the last segment, s.
+    #[must_use]
+    pub fn horizon(&self) -> f64 {
+        let quadrature = &self.weights[..self.points() - self.collocated];
+        quadrature.iter().sum::<f64>() * self.segments as f64
+    }
+
     /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it is of this degree and its breakpoints are among these;
     /// else equal to it at the breakpoints, and between them the best in the rate.
     #[must_use]
