@@ -14,6 +14,7 @@ mod integrate;
 mod integrate_failures;
 mod jacobian;
 mod rest;
+mod rest_settings;
 mod right_hand_side;
 mod run;
 mod theorem_b4;

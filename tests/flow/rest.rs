@@ -1,7 +1,7 @@
 //! The flow to rest: that it ends where the relaxation does, keeps what it is asked to keep, and says so when it does not.
 
 use crate::common::relax::solved;
-use crate::common::{assert_refused, robot};
+use crate::common::robot;
 use aghf::constraint::{
     CollisionSphere, Constraint, Constraints, Sphere, SphereClearance, TorqueLimits,
 };
@@ -10,12 +10,11 @@ use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::flow::rest::{RestMetric, RestSettings, RestSolution, flow_to_rest};
 use aghf::flow::weak::{Action, ActionDerivatives, AnalyticLagrangian, StateGrid};
 use aghf::model::Model;
-use aghf::motion::{Interrupt, Problem, Stopped};
+use aghf::motion::Problem;
 use aghf::relax::RelaxSettings;
 use aghf::scenario::Scenario;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
-use std::time::Duration;
 
 pub(super) const FREE: Constraints<()> = Constraints {
     state: (),
@@ -112,12 +111,15 @@ fn it_rests_where_the_effort_is_least() {
                 ..RelaxSettings::default()
             },
         );
+        // The effort is above its minimum by half the square of this, relatively.
+        let first = relaxed.iterations[0].gradient_norm;
+        assert!(first < 1e-4, "{name}, {segments}: {first:e}");
         let [ours, least] = [&solution.curve, &relaxed.curve].map(|c| effort(&scenario.model, c));
         assert!(
-            relaxed.converged && (ours - least).abs() <= 1e-8 * least,
+            relaxed.converged && (ours - least).abs() <= 5e-8 * least,
             "{name}, {segments}: {ours} {least}"
         );
-        // The path goes down, and so does the action from step to step at its end.
+        // Steps in s are large in the end.
         let last: Vec<_> = solution.history.iter().rev().take(3).collect();
         assert!(
             last.windows(2).all(|pair| pair[0].s > pair[1].s),
@@ -155,7 +157,7 @@ fn duals_take_the_place_of_a_large_penalty() {
     let large = rested(&problem, &from_there, 1e5, &FREE);
     assert!(large.at_rest && large.slip <= 1e-6, "{large:?}");
     assert_close!(large.curve.x(), small.curve.x(), 1e-5);
-    let [a, b] = [&small, &large].map(|solution| effort(&model, &solution.curve));
+    let [a, b] = [small.action, large.action];
     assert!((a - b).abs() < 1e-8 * b, "{a} {b}");
 }
 
@@ -306,105 +308,6 @@ fn a_passive_joint_has_no_torque_at_the_gauss_points() {
     assert!(
         between > 10.0 * held && between < 0.1 * all,
         "{held:e} {between:e} {all}"
-    );
-}
-
-#[test]
-fn settings_that_make_no_sense_are_refused() {
-    let model = robot("pendulum_2");
-    let problem = swing(&model);
-    let refused = |settings: &RestSettings, words: &str| {
-        let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-        let found = flow_to_rest(&problem, settings, &lagrangian, &FREE, &mut |_| {});
-        assert_refused(found.map(|s| s.at_rest), words);
-    };
-    refused(&degree(3), "degree");
-    refused(&degree(65), "degree");
-    for segments in [0, 17] {
-        refused(
-            &RestSettings {
-                segments,
-                ..degree(16)
-            },
-            "segments",
-        );
-    }
-    refused(
-        &RestSettings {
-            guesses: 0,
-            ..degree(9)
-        },
-        "guesses",
-    );
-    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        refused(
-            &RestSettings {
-                tolerance: wrong,
-                ..degree(9)
-            },
-            "tolerance",
-        );
-        refused(
-            &RestSettings {
-                feasible: wrong,
-                ..degree(9)
-            },
-            "feasible",
-        );
-    }
-    let other = robot("pendulum_1");
-    let start = rested(&swing(&other), &degree(6), 1e3, &FREE).curve;
-    let start = RestSettings {
-        start: Some(start),
-        ..degree(9)
-    };
-    refused(&start, "coefficients");
-    let lagrangian = AnalyticLagrangian::new(&other, 1e3);
-    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &FREE, &mut |_| {});
-    assert_refused(found.map(|s| s.at_rest), "entries");
-    let limits = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(1.0)]),
-    };
-    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &limits, &mut |_| {});
-    assert_refused(found.map(|s| s.at_rest), "entries");
-}
-
-/// It ends with the curve so far, and says why.
-#[test]
-fn it_stops_when_asked_to() {
-    let model = robot("pendulum_2");
-    let problem = swing(&model);
-    let limit = Duration::ZERO;
-    let late = RestSettings {
-        time_limit: Some(limit),
-        ..degree(9)
-    };
-    let solution = rested(&problem, &late, 1e3, &FREE);
-    assert_eq!(
-        (solution.stopped, solution.at_rest),
-        (Some(Stopped::TimeLimit(limit)), false)
-    );
-    assert_close!(&solution.curve.at(0.0).0, problem.start(), 1e-12);
-
-    let interrupt = Interrupt::default();
-    let settings = RestSettings {
-        interrupt: interrupt.clone(),
-        ..degree(9)
-    };
-    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let mut seen = 0;
-    let solution = flow_to_rest(&problem, &settings, &lagrangian, &FREE, &mut |_| {
-        seen += 1;
-        if seen == 3 {
-            interrupt.raise();
-        }
-    })
-    .expect("valid");
-    assert_eq!(
-        (solution.stopped, solution.at_rest, seen),
-        (Some(Stopped::Interrupt), false, 3)
     );
 }
 

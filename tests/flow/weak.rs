@@ -1,7 +1,7 @@
 //! The weak form of the flow: its functions, the action of a curve, and Lagrangians at the points of a quadrature.
 
 use crate::common::{robot, wave};
-use aghf::constraint::{Constraints, TorqueLimits};
+use aghf::constraint::{CollisionSphere, Constraints, Sphere, SphereClearance, TorqueLimits};
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::flow::weak::{
     Action, ActionDerivatives, AnalyticLagrangian, AugmentedLagrangian, DualLagrangian,
@@ -10,7 +10,7 @@ use aghf::flow::weak::{
 use aghf::flow::{AghfLagrangian, Lagrangian};
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Tanh};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A curve of some polynomials that meet continuously.
 fn curve(n: usize, segments: usize, degree: usize) -> Curve {
@@ -145,10 +145,18 @@ fn the_derivatives_of_the_action_are_those_of_differences() {
         let grid = StateGrid::new(segments, 5, 9, 1.3);
         agrees_with_differences(&grid, AnalyticLagrangian::new(&model, 2.0), 3);
         agrees_with_differences(&grid, DualLagrangian::new(&model, AghfLagrangian, 2.0), 3);
-        // With duals and penalties of a passive joint and of a limit that is passed.
+        // With duals of the slip, and penalties of a passive joint, of a limit that is passed and of a sphere about the robot.
         let grid = StateGrid::collocated(segments, 5, 9, 4, 1.3);
+        let points = CollisionSphere::joint_frames(&model);
+        let sphere = Sphere {
+            centre: Vector3::new(0.1, 0.4, -0.3),
+            radius: 2.0,
+        };
         let limits = Constraints {
-            state: (),
+            state: SphereClearance {
+                balls: points,
+                spheres: vec![sphere],
+            },
             torque: TorqueLimits(vec![None, Some(0.0), Some(2.0)]),
         };
         let mut plain = AnalyticLagrangian::new(&model, 2.0);
