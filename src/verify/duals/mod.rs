@@ -355,8 +355,9 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], the flow of a general Lagrangian and its weak form, the derivatives of constraints, and the gradient of
-/// the relaxation against the flow. Duals of the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, the
+/// derivatives of constraints, and the gradient of the relaxation against the flow. Duals of the control form are themselves
+/// compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.

@@ -112,7 +112,7 @@ impl RandomCurve {
             let (e, g) = (index / Self::POINTS, index % Self::POINTS);
             let own = coefficients.columns(e * Self::DEGREE, Self::DEGREE + 1);
             let [x, xdot] =
-                [g, Self::POINTS + g].map(|column| &own * self.table.column(column).map(S::lift));
+                [g, Self::POINTS + g].map(|column| own * self.table.column(column).map(S::lift));
             let value = at(index, S::lift(*time), x.as_slice(), xdot.as_slice())?;
             sum += value.scale(self.weights[g]);
         }
