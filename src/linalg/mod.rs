@@ -8,6 +8,8 @@ mod gram;
 mod ldlt;
 #[cfg(feature = "solvers")]
 mod matmul;
+#[cfg(feature = "solvers")]
+mod positive_part;
 mod tensor;
 #[cfg(feature = "solvers")]
 mod trust_region;
@@ -19,6 +21,8 @@ pub(crate) use gram::weighted_gram;
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;
+#[cfg(feature = "solvers")]
+pub(crate) use positive_part::positive_part;
 pub use tensor::{Tensor3, Tensor4};
 #[cfg(feature = "solvers")]
 pub(crate) use trust_region::{Region, Step};

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod any_to_rest;
 mod constrained_flow;
 mod curve;
 mod dual_trajectory;
@@ -12,6 +13,9 @@ mod general_flow;
 mod integrate;
 mod integrate_failures;
 mod jacobian;
+mod rest;
+mod rest_settings;
 mod right_hand_side;
 mod run;
 mod theorem_b4;
+mod weak;

@@ -41,6 +41,10 @@ fn everything_passes_on_every_robot() {
             "control-form with constraints: dOmega_P2/dxddot",
             "theorem-b4 with constraints: dOmega_P1/dx",
             "Omega on a curve, weak form: gradient of the effort",
+            "weak form: L",
+            "weak form: dL/dx_P2",
+            "weak form: Hessian, rows of xdot_P2",
+            "weak form: metric, rows of x_P2",
         ] {
             let finding = findings.iter().find(|f| f.quantity == what);
             assert!(finding.is_some(), "{what} is not checked");

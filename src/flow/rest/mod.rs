@@ -11,11 +11,15 @@
 //!    constraints, of torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).
 //! 4. Low degrees first, then the degree and the segments that are asked for, each from where the one before came to rest. In two phases
 //!    (the idea of BLAZE, arXiv 2505.01589) the first looks for a motion within the constraints and hardly at what it costs.
+//!
+//! [`any_to_rest`] does the second for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
 
+mod any;
 mod euler;
 mod stage;
 mod walk;
 
+pub use any::{AnyRest, AnyRestOptions, any_to_rest};
 pub use euler::RestMetric;
 
 use super::weak::AnalyticLagrangian;

@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 /// coefficients, `2 N` by `count`.
 ///
 /// $$ \frac{\partial A}{\partial c_m} = \sum_g w_g \left( \varphi_m L_x + \dot\varphi_m L_{\dot x} \right), $$
-/// $$ \frac{\partial^2 A}{\partial c_m \partial c_n} = \sum_g w_g \left( \varphi_m \varphi_n L_{x x} + \varphi_m \dot\varphi_n L_{x \dot x}
-///    + \dot\varphi_m \varphi_n L_{\dot x x} + \dot\varphi_m \dot\varphi_n L_{\dot x \dot x} \right), \qquad
+/// $$ \frac{\partial^2 A}{\partial c_m \partial c_n} = \sum_g w_g \left( \varphi_m \varphi_n L_{x x} + \varphi_m \dot\varphi_n L_{x \dot x} +
+///    \dot\varphi_m \varphi_n L_{\dot x x} + \dot\varphi_m \dot\varphi_n L_{\dot x \dot x} \right), \qquad
 ///    M_{m n} = \sum_g w_g\, \varphi_m \varphi_n\, G . $$
 ///
 /// As $\Omega = G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$, the flow tested with the functions in its own metric is $M \dot c = -\nabla A$: no
@@ -106,6 +106,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     ) -> Result<S> {
         let (grid, mut sum) = (self.grid, S::zero());
         let (size, count) = (self.size, grid.points());
+        self.at_points.convex = false;
         out.gradient.fill(S::zero());
         let mut gradient = DMatrix::zeros(size, grid.degree() + 1);
         for e in 0..grid.segments {
@@ -152,7 +153,6 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
             multiply(&self.at_points.hessians, &grid.products, &mut self.sums);
             add_blocks(grid, &self.sums, self.size, e, out);
         }
-        self.at_points.convex = false;
         Ok(())
     }
 
@@ -242,7 +242,8 @@ fn add_blocks<S: Scalar>(
             continue;
         }
         let block = block.reshape_generic(nalgebra::Dyn(size), nalgebra::Dyn(size));
-        let (row, column) = (a.wrapping_sub(1) * size, b.wrapping_sub(1) * size);
+        // The first function of a segment is among the unknowns of the segment before.
+        let place = |function: usize| (function - 1) * size;
         match (a, b) {
             (0, _) => {
                 let before = &mut out.diagonal[e - 1];
@@ -251,10 +252,10 @@ fn add_blocks<S: Scalar>(
                 own += block;
             }
             (_, 0) => out.coupling[e - 1]
-                .view_mut((row, 0), (size, size))
+                .view_mut((place(a), 0), (size, size))
                 .copy_from(&block),
             _ => out.diagonal[e]
-                .view_mut((row, column), (size, size))
+                .view_mut((place(a), place(b)), (size, size))
                 .copy_from(&block),
         }
     }

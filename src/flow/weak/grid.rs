@@ -37,8 +37,9 @@ impl StateGrid<f64> {
     }
 
     /// The same with `collocated` Gauss-Legendre points more per segment, which come after the others and are no part of the quadrature:
-    /// an equality may be asked for there. A polynomial that vanishes at as many Gauss points as a segment has functions for itself,
-    /// `degree - 1`, is orthogonal to all of lower degree, so that what such an equality leaves between the points moves next to nothing.
+    /// an equality may be asked for there. Asked for at as many Gauss points as a segment has functions for itself, `degree - 1`, it leaves
+    /// between the points what is orthogonal to polynomials, to all of lower degree if it is one of degree `degree - 1`
+    /// (`proofs/weak_form.md`), and so moves next to nothing.
     #[must_use]
     pub fn collocated(
         segments: usize,
@@ -69,6 +70,13 @@ impl StateGrid<f64> {
             collocated,
             ..Self::from_table(segments, times.collect(), weights, table)
         }
+    }
+
+    /// The end of the last segment, s.
+    #[must_use]
+    pub fn horizon(&self) -> f64 {
+        let quadrature = &self.weights[..self.points() - self.collocated];
+        quadrature.iter().sum::<f64>() * self.segments as f64
     }
 
     /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it is of this degree and its breakpoints are among these;

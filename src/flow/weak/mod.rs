@@ -15,6 +15,7 @@
 mod action;
 mod analytic;
 mod augmented;
+mod dual;
 mod grid;
 mod lagrangian;
 mod row_terms;
@@ -22,6 +23,7 @@ mod row_terms;
 pub use action::{Action, ActionDerivatives};
 pub use analytic::{AnalyticLagrangian, ControlPoint};
 pub use augmented::AugmentedLagrangian;
+pub use dual::DualLagrangian;
 pub use grid::StateGrid;
 pub use lagrangian::{LagrangianDerivatives, PointLagrangian, StatePoints};
 pub(in crate::flow) use row_terms::{RowDuals, RowTerms};

@@ -13,9 +13,10 @@ pub use weighted_squares::WeightedSquares;
 
 use super::{ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives};
 use crate::error::{Error, Result};
+use crate::linalg::positive_part;
 use crate::model::Model;
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 /// A motion at one time, with the control that it takes there.
 #[derive(Clone, Copy, Debug)]
@@ -213,39 +214,6 @@ fn moment<'a>(point: Point<'a, f64>, u: &'a [f64]) -> StageInput<'a, f64> {
         a,
         u,
     }
-}
-
-/// A symmetric matrix with its negative eigenvalues taken for zero; says whether it has none. One that is not finite is left as it is.
-fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool {
-    /// What rounding can take from an eigenvalue that is zero, relative.
-    const ROUNDING: f64 = 1e-12;
-    to.copy_from(from);
-    // Most costs do not depend on everything.
-    let own: Vec<usize> = (0..from.nrows())
-        .filter(|i| from.column(*i).iter().any(|x| *x != 0.0))
-        .collect();
-    let inner = from.select_rows(&own).select_columns(&own);
-    let shift = ROUNDING * inner.amax();
-    let mut shifted = inner.clone();
-    (0..own.len()).for_each(|i| shifted[(i, i)] += shift);
-    if own.is_empty() || !shift.is_finite() || shifted.cholesky().is_some() {
-        return true;
-    }
-    let SymmetricEigen {
-        eigenvalues,
-        eigenvectors,
-    } = SymmetricEigen::new(inner);
-    let mut scaled = eigenvectors.clone();
-    for (mut column, value) in scaled.column_iter_mut().zip(eigenvalues.iter()) {
-        column *= value.max(0.0);
-    }
-    let positive = scaled * eigenvectors.transpose();
-    for (j, column) in own.iter().enumerate() {
-        for (i, row) in own.iter().enumerate() {
-            to[(*row, *column)] = positive[(i, j)];
-        }
-    }
-    false
 }
 
 /// Refuses a negative integral: gradients are measured relative to it.

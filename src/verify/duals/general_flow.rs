@@ -139,7 +139,7 @@ pub fn check_general_flow(model: &Model, options: &CheckOptions) -> Result<Vec<F
 }
 
 /// Numbers that are neither zero nor alike.
-fn wave(i: usize, j: usize) -> f64 {
+pub(super) fn wave(i: usize, j: usize) -> f64 {
     (1.0 + i as f64 + 0.7 * j as f64).sin()
 }
 

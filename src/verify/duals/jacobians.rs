@@ -5,8 +5,10 @@ use super::{
     Tolerance,
 };
 use crate::error::Result;
-use crate::flow::Node;
-use crate::flow::jacobian::{CentralDifference, ForwardDual, NodeBlocks, NodeJacobian};
+use crate::flow::jacobian::{
+    CentralDifference, ForwardDual, JacobianKind, Jacobians, NodeBlocks, NodeJacobian,
+};
+use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use nalgebra::DMatrix;
 
@@ -157,4 +159,37 @@ impl<J: NodeJacobian> NodeJacobian for Printed<J> {
         out.dxddot.fill_diagonal(2.0);
         Ok(())
     }
+}
+
+/// Checks every Jacobian of a list with [`check_jacobian`]. Two that are built in are compared otherwise: differences with a bound
+/// of their own, and duals of the control form, which are the truth for the others, with duals of Algorithm B1.
+///
+/// # Errors
+/// An implementation refuses the model.
+pub fn check_jacobians(
+    model: &Model,
+    jacobians: &Jacobians,
+    options: &CheckOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for name in jacobians.names() {
+        let jacobian = &mut *jacobians.build(name, model)?;
+        findings.extend(match name.parse() {
+            Ok(JacobianKind::Difference) => check_differences(model, name, options)?,
+            Ok(JacobianKind::Dual) => {
+                let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
+                let expected = &mut Printed(as_printed);
+                compare_jacobians(
+                    model,
+                    name,
+                    jacobian,
+                    expected,
+                    &options.states(model)?,
+                    &options.penalties,
+                )?
+            }
+            _ => check_jacobian(model, name, jacobian, options)?,
+        });
+    }
+    Ok(findings)
 }

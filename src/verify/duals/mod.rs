@@ -1,8 +1,8 @@
 //! Analytic derivatives against dual numbers, at random states of any robot.
 //!
-//! The dual numbers are those of `num-dual`, which nothing analytic here is built from. Errors are relative to the largest
-//! entry of what is compared. The rows of $\Omega_{P1}$ and of $\Omega_{P2}$ are compared apart, since the first have the size
-//! `1 / k`, in which a wrong term of the others would drown.
+//! The dual numbers are those of `num-dual`, which nothing analytic here is built from, and in the weak form of the flow the library's
+//! [`Jet`](crate::scalar::Jet). Errors are relative to the largest entry of what is compared. The rows of $\Omega_{P1}$ and of
+//! $\Omega_{P2}$ are compared apart, since the first have the size `1 / k`, in which a wrong term of the others would drown.
 
 mod constraints;
 mod dynamics;
@@ -11,22 +11,25 @@ mod jacobians;
 mod relaxation;
 mod running_cost;
 mod tensors;
+mod weak_form;
 
 pub use constraints::{check_constraint, check_constraints};
 pub use dynamics::{check_dynamics, check_dynamics_at};
 pub use general_flow::{FlowUnderTest, check_flow, check_general_flow};
-pub use jacobians::{check_jacobian, check_jacobian_at};
+pub use jacobians::{check_jacobian, check_jacobian_at, check_jacobians};
 pub use relaxation::check_relaxation;
 pub use running_cost::check_running_cost;
+pub(super) use weak_form::Written;
+pub use weak_form::check_weak_form;
 
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::{Result, check_count};
-use crate::flow::jacobian::{ForwardDual, JacobianKind, Jacobians};
-use crate::flow::{AlgorithmB1, Node};
+use crate::flow::Node;
+use crate::flow::jacobian::Jacobians;
 use crate::model::Model;
 use crate::spatial::Placement;
 use crate::verify::reference::{Differentiable, DualNumber};
-use jacobians::{Printed, check_differences, compare_jacobians};
+use jacobians::compare_jacobians;
 use nalgebra::{DMatrix, DMatrixView};
 use num_dual::{Dual, Dual64, DualNum};
 use rand::{RngExt, SeedableRng};
@@ -352,8 +355,9 @@ impl Findings {
 }
 
 /// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`], the flow of a general Lagrangian, the derivatives of constraints, and the gradient of the relaxation
-/// against the flow. Duals of the control form are themselves compared with duals of Algorithm B1.
+/// Jacobian of [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, the
+/// derivatives of constraints, and the gradient of the relaxation against the flow. Duals of the control form are themselves
+/// compared with duals of Algorithm B1.
 ///
 /// # Errors
 /// None that a loaded model gives.
@@ -361,40 +365,8 @@ pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> 
     let mut findings = check_dynamics(model, options)?;
     findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);
     findings.extend(check_general_flow(model, options)?);
+    findings.extend(check_weak_form(model, options)?);
     findings.extend(check_constraints(model, options)?);
     findings.extend(check_relaxation(model, options)?);
-    Ok(findings)
-}
-
-/// Checks every Jacobian of a list with [`check_jacobian`]. Two that are built in are compared otherwise: differences with a bound
-/// of their own, and duals of the control form, which are the truth for the others, with duals of Algorithm B1.
-///
-/// # Errors
-/// An implementation refuses the model.
-pub fn check_jacobians(
-    model: &Model,
-    jacobians: &Jacobians,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
-    let mut findings = Vec::new();
-    for name in jacobians.names() {
-        let jacobian = &mut *jacobians.build(name, model)?;
-        findings.extend(match name.parse() {
-            Ok(JacobianKind::Difference) => check_differences(model, name, options)?,
-            Ok(JacobianKind::Dual) => {
-                let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
-                let expected = &mut Printed(as_printed);
-                compare_jacobians(
-                    model,
-                    name,
-                    jacobian,
-                    expected,
-                    &options.states(model)?,
-                    &options.penalties,
-                )?
-            }
-            _ => check_jacobian(model, name, jacobian, options)?,
-        });
-    }
     Ok(findings)
 }

@@ -4,6 +4,7 @@
 //! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
 //! equation with its conventions; a test holds pages and identities together.
 
+mod action;
 mod algorithm_b1;
 mod algorithm_b2;
 mod algorithm_b3;
@@ -163,6 +164,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(relaxation::identities());
     all.extend(running_cost::identities());
     all.extend(general_flow::identities());
+    all.extend(action::identities());
     all
 }
 

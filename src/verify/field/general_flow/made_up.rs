@@ -26,7 +26,7 @@ pub(super) fn trajectory(p: &RandomInstance, skip: usize) -> Result<DualTrajecto
 
 /// The cost $(a t + b)\, u^3 + t^2 u$ with numbers of each joint: no derivative that the flow reads vanishes.
 #[derive(Clone)]
-pub(super) struct Cubic(DVector<Gf>);
+pub(in crate::verify::field) struct Cubic(DVector<Gf>);
 
 impl ControlCost<Gf> for Cubic {
     fn value<S: AlgebraOver<Gf> + Tanh>(&self, t: S, joint: usize, u: S) -> S {
@@ -36,10 +36,12 @@ impl ControlCost<Gf> for Cubic {
 }
 
 /// The cost of the control: a dual trajectory and a cubic.
-pub(super) type Cost = (ControlDual<Gf>, Cubic);
+pub(in crate::verify::field) type Cost = (ControlDual<Gf>, Cubic);
 
 /// Weights, a dual trajectory of the slip, and a cost with a dual trajectory of the control.
-pub(super) fn lagrangian(p: &RandomInstance) -> Result<ControlLagrangian<Gf, Cost>> {
+pub(in crate::verify::field) fn lagrangian(
+    p: &RandomInstance,
+) -> Result<ControlLagrangian<Gf, Cost>> {
     Ok(ControlLagrangian {
         weights: weights(p)?,
         slip_dual: Some(trajectory(p, 0)?),
@@ -63,7 +65,7 @@ impl Metric<Gf> for MatrixAlone {
 }
 
 /// A metric that couples all states and changes with time, $k I + t\, x x^T$.
-pub(super) struct Coupled;
+pub(in crate::verify::field) struct Coupled;
 
 impl Metric<Gf> for Coupled {
     fn matrix<S: AlgebraOver<Gf> + Tanh>(
@@ -94,7 +96,7 @@ impl Drift<Gf> for Windy {
 }
 
 /// A cubic of the state that grows with time, which couples each entry with others.
-pub(super) struct Place;
+pub(in crate::verify::field) struct Place;
 
 impl StateCost<Gf> for Place {
     fn value<S: AlgebraOver<Gf> + Tanh>(&self, _: &Model<Gf>, t: S, x: &[S]) -> Result<S> {

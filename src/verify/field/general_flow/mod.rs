@@ -1,7 +1,7 @@
 //! The flow of Lagrangians beyond the paper's: weights of the actuation, dual trajectories, running costs, any metric and drift.
 
 mod control_form;
-mod made_up;
+pub(super) mod made_up;
 mod multipliers;
 mod weak_form;
 

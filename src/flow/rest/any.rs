@@ -1,0 +1,134 @@
+//! The flow of any Lagrangian to rest, without constraints.
+
+use super::euler::{Euler, Progress, Stretch};
+use super::{RestMetric, RestRecord};
+use crate::curve::{Basis, Curve};
+use crate::error::{Error, Result, check_length};
+use crate::flow::weak::{Action, PointLagrangian, StateGrid};
+use crate::motion::{Interrupt, Stopped, Watch};
+use std::time::Duration;
+
+/// After so many steps the metric is that of the present curve again.
+const FRESH: usize = 10;
+/// The relative difference of the horizons of a grid and of a curve on it that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The options of [`any_to_rest`].
+#[derive(Clone, Debug)]
+pub struct AnyRestOptions {
+    /// The metric in which the flow goes down.
+    pub metric: RestMetric,
+    /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
+    pub tolerance: f64,
+    /// The most steps.
+    pub steps: usize,
+    /// The wall time after which the flow stops with the curve so far.
+    pub time_limit: Option<Duration>,
+    /// The request that stops it likewise when it is raised.
+    pub interrupt: Interrupt,
+}
+
+impl Default for AnyRestOptions {
+    fn default() -> Self {
+        Self {
+            metric: RestMetric::Action,
+            tolerance: 1e-8,
+            steps: 500,
+            time_limit: None,
+            interrupt: Interrupt::default(),
+        }
+    }
+}
+
+/// The end of the flow of any Lagrangian.
+#[derive(Clone, Debug)]
+pub struct AnyRest {
+    /// The curve.
+    pub curve: Curve,
+    /// The action there, by the quadrature of the grid.
+    pub action: f64,
+    /// The relative gradient norm.
+    pub gradient_norm: f64,
+    /// True if the gradient vanishes, to the tolerance.
+    pub at_rest: bool,
+    /// The number of steps.
+    pub steps: usize,
+    /// The number of factorisations.
+    pub factorisations: usize,
+    /// The reason why it was stopped, if it was.
+    pub stopped: Option<Stopped>,
+}
+
+/// Follows the flow of any Lagrangian in its metric from `curve` until it is at rest, by the same implicit scheme as
+/// [`flow_to_rest`](super::flow_to_rest), on one grid and without constraints. The ends of the curve stay where they are. `observe` is
+/// called before each step. A page of the [guide](crate::guide::lagrangian) has an example.
+///
+/// The quadrature is that of `grid`: whether it is fine enough for the Lagrangian is for its user to see, such as by a finer one.
+///
+/// # Errors
+/// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian is for another robot. A
+/// flow that does not come to rest is an end that says so.
+pub fn any_to_rest<L: PointLagrangian<f64>>(
+    grid: &StateGrid<f64>,
+    lagrangian: L,
+    curve: &Curve,
+    options: &AnyRestOptions,
+    observe: &mut dyn FnMut(&RestRecord),
+) -> Result<AnyRest> {
+    check(grid, curve, options)?;
+    let watch = Watch::start(options.time_limit, &options.interrupt);
+    let mut action = Action::new(grid, lagrangian, curve.dof());
+    let mut progress = Progress::new(grid.fit(curve), 0.0);
+    let stretch = Stretch {
+        tolerance: options.tolerance,
+        steps: options.steps,
+        fresh: FRESH,
+        metric: options.metric,
+    };
+    let mut look = |progress: &Progress| {
+        observe(&RestRecord {
+            s: progress.s,
+            action: progress.action,
+            gradient_norm: progress.gradient_norm,
+            segments: grid.segments(),
+            degree: grid.degree(),
+        });
+        Ok(true)
+    };
+    let at_rest =
+        Euler::new(&action).run(&mut action, &mut progress, stretch, &watch, &mut look)?;
+    Ok(AnyRest {
+        curve: grid.curve(&progress.coefficients, curve.horizon())?,
+        action: progress.action,
+        gradient_norm: progress.gradient_norm,
+        at_rest,
+        steps: progress.steps,
+        factorisations: progress.factorisations,
+        stopped: watch.stopped(),
+    })
+}
+
+/// Refuses what there is no flow for.
+fn check(grid: &StateGrid<f64>, curve: &Curve, options: &AnyRestOptions) -> Result<()> {
+    let refuse =
+        |file: &str, what: &str, condition: String| Err(Error::input(file, what, condition));
+    let tolerance = options.tolerance;
+    if !(tolerance.is_finite() && tolerance > 0.0) {
+        let condition = format!("it is {tolerance}, a positive number is needed");
+        return refuse("options", "tolerance", condition);
+    }
+    let (own, horizon) = (grid.horizon(), curve.horizon());
+    if (own - horizon).abs() > ROUNDING * horizon {
+        let condition = format!("it is {own} s, that of the curve {horizon} s");
+        return refuse("grid", "horizon", condition);
+    }
+    if grid.degree() < Basis::SMALLEST_DEGREE {
+        let (degree, least) = (grid.degree(), Basis::SMALLEST_DEGREE);
+        return refuse(
+            "grid",
+            "degree",
+            format!("it is {degree}, the least is {least}"),
+        );
+    }
+    check_length("state", 2 * curve.dof(), curve.x().nrows())
+}

@@ -1,0 +1,170 @@
+//! The Lagrangian of the weak form of the flow, on any robot.
+
+use super::general_flow::wave;
+use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING};
+use crate::dynamics::{Data, rnea};
+use crate::error::Result;
+use crate::flow::weak::{
+    AnalyticLagrangian, DualLagrangian, LagrangianDerivatives, PointLagrangian, StatePoints,
+};
+use crate::flow::{ActuationMetric, ActuationWeights, Lagrangian};
+use crate::model::Model;
+use crate::scalar::{AlgebraOver, Scalar, Tanh};
+use nalgebra::{DMatrix, DVector};
+
+/// The number of states that are looked at together: one more than go through the dynamics side by side.
+const TOGETHER: usize = 5;
+/// The parts of $[x; \dot x]$.
+const PARTS: [&str; 4] = ["x_P1", "x_P2", "xdot_P1", "xdot_P2"];
+
+/// The Lagrangian of [`AnalyticLagrangian`] by its value alone,
+/// $k |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}$.
+pub(crate) struct Written<C: Scalar> {
+    /// $W$, $W_v$ and $W_a$, `N` entries each.
+    pub weights: [DVector<C>; 3],
+    /// $\lambda$.
+    pub dual: DVector<C>,
+}
+
+impl<C: Scalar> Lagrangian<C> for Written<C> {
+    fn value<S: AlgebraOver<C> + Tanh>(
+        &self,
+        model: &Model<C>,
+        _: S,
+        x: &[S],
+        xdot: &[S],
+        k: C,
+    ) -> Result<S> {
+        let n = model.dof();
+        let ((q, v), (rate, a)) = (x.split_at(n), xdot.split_at(n));
+        let mut u = vec![S::zero(); n];
+        rnea(model, &mut Data::new(model), q, v, a, &mut u)?;
+        Ok((0..n).fold(S::zero(), |sum, i| {
+            let (slip, [w, wv, wa]) = (rate[i] - v[i], self.weights.each_ref().map(|w| w[i]));
+            let squares =
+                (u[i] * u[i]).scale(w) + (v[i] * v[i]).scale(wv) + (a[i] * a[i]).scale(wa);
+            sum + squares + (slip * slip).scale(k) + slip.scale(self.dual[i])
+        }))
+    }
+}
+
+/// Compares the analytic Lagrangian of the weak form of the flow, with weights and a dual of the slip that are all there, and its metric
+/// with dual numbers of the value: the worst of each part at each penalty.
+///
+/// # Errors
+/// None that a loaded model gives.
+pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let n = model.dof();
+    let mut findings = Findings::default();
+    let vector = |shift: usize| DVector::from_fn(n, |i, _| 2.0 + wave(i, shift));
+    let written = Written {
+        weights: [0, 1, 2].map(vector),
+        dual: vector(3),
+    };
+    let metric_weights = vector(4);
+    let metric = ActuationMetric {
+        weights: ActuationWeights::diagonal(metric_weights.as_slice().to_vec())?,
+    };
+    for (chunk, states) in options.states(model)?.chunks(TOGETHER).enumerate() {
+        let count = states.len();
+        let columns: Vec<_> = states.iter().map(column).collect();
+        let (times, columns) = (vec![0.0; count], DMatrix::from_columns(&columns));
+        let points = StatePoints {
+            first: 1,
+            times: &times,
+            states: &columns,
+        };
+        for k in &options.penalties {
+            let mut analytic = AnalyticLagrangian::new(model, *k);
+            analytic.weights.clone_from(&written.weights);
+            analytic.metric_weights.clone_from(&metric_weights);
+            analytic.slip_duals = DMatrix::from_fn(n, count + 1, |i, _| written.dual[i]);
+            let mut by_duals = DualLagrangian::in_metric(model, &written, &metric, *k);
+            let ours = looked_at(&mut analytic, points)?;
+            let expected = looked_at(&mut by_duals, points)?;
+            for (g, state) in states.iter().enumerate() {
+                let at = At::new(model, chunk * TOGETHER + g, state)?.under(*k);
+                let tolerance = at.squared();
+                for ((what, ours), (_, expected)) in ours.of(g).iter().zip(expected.of(g)) {
+                    let quantity = format!("weak form: {what}");
+                    let (ours, expected) = (ours.as_view(), expected.as_view());
+                    findings.compare(tolerance, &quantity, at, ours, expected);
+                }
+            }
+        }
+    }
+    Ok(findings.all)
+}
+
+impl At<'_> {
+    /// Of sums of products with two inertias.
+    fn squared(&self) -> Tolerance {
+        Tolerance {
+            bound: BOUND,
+            floor: VANISHING * self.inertia.powi(2),
+        }
+    }
+}
+
+/// $[q; v; \dot x_{P2}; \dot x_{P1}]$ of a state.
+fn column(state: &State) -> DVector<f64> {
+    let (rate, acceleration) = state.xdot.split_at(state.xdot.len() / 2);
+    DVector::from_vec([&state.x, acceleration, rate].concat())
+}
+
+/// All that a Lagrangian gives at some points.
+struct Found {
+    values: Vec<f64>,
+    derivatives: LagrangianDerivatives<f64>,
+    metrics: DMatrix<f64>,
+}
+
+fn looked_at(
+    lagrangian: &mut impl PointLagrangian<f64>,
+    at: StatePoints<'_, f64>,
+) -> Result<Found> {
+    let (n, count) = (at.dof(), at.count());
+    let mut found = Found {
+        values: vec![0.0; count],
+        derivatives: LagrangianDerivatives::new(n, count),
+        metrics: DMatrix::zeros(4 * n * n, count),
+    };
+    lagrangian.values(at, &mut found.values)?;
+    lagrangian.derivatives(at, &mut found.derivatives)?;
+    lagrangian.metrics(at, &mut found.metrics)?;
+    Ok(found)
+}
+
+impl Found {
+    /// What there is of point `g`: rows that have the penalty apart from those that do not.
+    fn of(&self, g: usize) -> Vec<(String, DMatrix<f64>)> {
+        let (all, count) = (&self.derivatives, self.values.len());
+        let size = all.gradients.nrows();
+        let n = size / 2;
+        let whole = |column: usize, of: &DMatrix<f64>| {
+            DMatrix::from_column_slice(size, size, of.column(column).as_slice())
+        };
+        let values = [self.values[g], all.values[g]];
+        let mut found = vec![("L".to_owned(), DMatrix::from_row_slice(1, 2, &values))];
+        for (part, name) in PARTS.iter().enumerate() {
+            let (rate, first) = (part / 2, part % 2 * n);
+            let slope = all.gradients.column(rate * count + g);
+            let slope = slope.rows(first, n).into_owned();
+            let slope = DMatrix::from_column_slice(n, 1, slope.as_slice());
+            found.push((format!("dL/d{name}"), slope));
+            let mut rows = DMatrix::zeros(n, 2 * size);
+            for other in 0..2 {
+                let block = whole((2 * rate + other) * count + g, &all.hessians);
+                rows.columns_mut(other * size, size)
+                    .copy_from(&block.rows(first, n));
+            }
+            found.push((format!("Hessian, rows of {name}"), rows));
+        }
+        let metric = whole(g, &self.metrics);
+        for (part, name) in PARTS[..2].iter().enumerate() {
+            let rows = metric.rows(part * n, n).into_owned();
+            found.push((format!("metric, rows of {name}"), rows));
+        }
+        found
+    }
+}

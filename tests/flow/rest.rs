@@ -1,0 +1,322 @@
+//! The flow to rest: that it ends where the relaxation does, keeps what it is asked to keep, and says so when it does not.
+
+use crate::common::relax::solved;
+use crate::common::robot;
+use aghf::constraint::{
+    CollisionSphere, Constraint, Constraints, Sphere, SphereClearance, TorqueLimits,
+};
+use aghf::curve::{Curve, gauss_legendre};
+use aghf::dynamics::{Data, forward_kinematics, rnea};
+use aghf::flow::rest::{RestMetric, RestSettings, RestSolution, flow_to_rest};
+use aghf::flow::weak::{Action, ActionDerivatives, AnalyticLagrangian, StateGrid};
+use aghf::model::Model;
+use aghf::motion::Problem;
+use aghf::relax::RelaxSettings;
+use aghf::scenario::Scenario;
+use aghf::spatial::Placement;
+use nalgebra::Vector3;
+
+pub(super) const FREE: Constraints<()> = Constraints {
+    state: (),
+    torque: TorqueLimits(Vec::new()),
+};
+
+pub(super) fn swing(model: &Model) -> Problem<'_> {
+    let n = model.dof();
+    let mut goal = vec![0.0; 2 * n];
+    goal[..n].fill(1.0);
+    Problem::new(model, vec![0.0; 2 * n], goal, 1.5).expect("valid")
+}
+
+pub(super) fn degree(degree: usize) -> RestSettings {
+    RestSettings {
+        degree,
+        ..RestSettings::default()
+    }
+}
+
+pub(super) fn rested<K: Constraint>(
+    problem: &Problem<'_>,
+    settings: &RestSettings,
+    k: f64,
+    constraints: &Constraints<K>,
+) -> RestSolution {
+    let lagrangian = AnalyticLagrangian::new(problem.model(), k);
+    flow_to_rest(problem, settings, &lagrangian, constraints, &mut |_| {})
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The torques at `points` Gauss points of each segment, with the weights of these.
+fn torques(model: &Model, curve: &Curve, points: usize) -> Vec<(f64, Vec<f64>)> {
+    let (n, half) = (model.dof(), 0.5 * curve.horizon() / curve.segments() as f64);
+    let (nodes, weights) = gauss_legendre(points);
+    let mut found = Vec::new();
+    for e in 0..curve.segments() {
+        for (s, w) in nodes.iter().zip(&weights) {
+            let (x, xdot) = curve.at_in(e, half * ((2 * e + 1) as f64 + s));
+            let mut u = vec![0.0; n];
+            let (q, v) = x.as_slice().split_at(n);
+            let a = &xdot.as_slice()[n..];
+            rnea(model, &mut Data::new(model), q, v, a, &mut u).expect("sizes agree");
+            found.push((w * half, u));
+        }
+    }
+    found
+}
+
+/// $\int |u|^2 dt$.
+fn effort(model: &Model, curve: &Curve) -> f64 {
+    let square = |u: &[f64]| u.iter().map(|u| u * u).sum::<f64>();
+    torques(model, curve, 100)
+        .iter()
+        .map(|(w, u)| w * square(u))
+        .sum()
+}
+
+/// Curves of the flow at rest have no slip, so they are those that the relaxation looks among, and started there it comes to the same least
+/// effort by the same quadrature.
+#[test]
+fn it_rests_where_the_effort_is_least() {
+    for (name, degree, segments) in [
+        ("pendulum_2_swingup", 12, 1),
+        ("pendulum_2_swingup", 6, 3),
+        ("kinova_free_01", 9, 1),
+    ] {
+        let scenario = Scenario::load(name).expect("built in");
+        let problem = scenario.problem().expect("valid");
+        let settings = RestSettings {
+            degree,
+            segments,
+            ..RestSettings::default()
+        };
+        let solution = rested(&problem, &settings, 1e4, &FREE);
+        assert!(
+            solution.at_rest && solution.gradient_norm <= 1e-8,
+            "{name}: {solution:?}"
+        );
+        assert!(solution.slip <= 1e-6, "{name}: slip {:e}", solution.slip);
+        assert_eq!(solution.curve.segments(), segments);
+        assert_close!(&solution.curve.at(0.0).0, problem.start(), 1e-12);
+        assert_close!(
+            &solution.curve.at(problem.horizon()).0,
+            problem.goal(),
+            1e-12
+        );
+        let relaxed = solved(
+            &problem,
+            &RelaxSettings {
+                degree,
+                segments,
+                quadrature_tolerance: 1e-9,
+                start: Some(solution.curve.clone()),
+                ..RelaxSettings::default()
+            },
+        );
+        // The relaxation ends by one quadrature after the other, and the flow by one of these.
+        let action = solution.action;
+        let away = |cost: f64| (cost - action).abs() / action;
+        let costs = relaxed.iterations.iter().map(|i| away(i.cost));
+        let nearest = costs.fold(f64::MAX, f64::min);
+        assert!(
+            relaxed.converged && nearest <= 1e-10,
+            "{name}, {segments}: {nearest:e}, {action} {}",
+            relaxed.cost
+        );
+        // Steps in s are large in the end.
+        let last: Vec<_> = solution.history.iter().rev().take(3).collect();
+        assert!(
+            last.windows(2).all(|pair| pair[0].s > pair[1].s),
+            "{last:?}"
+        );
+    }
+}
+
+/// Without duals the slip is what `k` leaves of it; with them it vanishes for any.
+#[test]
+fn duals_take_the_place_of_a_large_penalty() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let without = RestSettings {
+        duals: false,
+        ..degree(9)
+    };
+    let [coarse, fine] = [1e4, 1e5].map(|k| rested(&problem, &without, k, &FREE));
+    assert!(coarse.at_rest && fine.at_rest);
+    let ratio = coarse.slip / fine.slip;
+    assert!(
+        coarse.slip > 1e-4 && (ratio - 10.0).abs() < 0.5,
+        "{} {ratio}",
+        coarse.slip
+    );
+    let small = rested(&problem, &degree(9), 1e2, &FREE);
+    assert!(
+        small.at_rest && small.slip <= 1e-6 && small.rounds > 1,
+        "{small:?}"
+    );
+    let from_there = RestSettings {
+        start: Some(small.curve.clone()),
+        ..degree(9)
+    };
+    let large = rested(&problem, &from_there, 1e5, &FREE);
+    assert!(large.at_rest && large.slip <= 1e-6, "{large:?}");
+    assert_close!(large.curve.x(), small.curve.x(), 1e-5);
+    let [a, b] = [small.action, large.action];
+    assert!((a - b).abs() < 1e-8 * b, "{a} {b}");
+}
+
+/// The metric bends the path only: in both the gradient of the action vanishes at its end.
+#[test]
+fn it_comes_to_rest_in_either_metric() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let mut actions = Vec::new();
+    for metric in [RestMetric::Action, RestMetric::Flow] {
+        let settings = RestSettings {
+            metric,
+            duals: false,
+            segments: 2,
+            tolerance: 1e-9,
+            ..degree(6)
+        };
+        let solution = rested(&problem, &settings, 1e3, &FREE);
+        assert!(solution.at_rest, "{metric:?}: {solution:?}");
+        let grid = StateGrid::new(2, 6, 22, problem.horizon());
+        let mut action = Action::new(&grid, AnalyticLagrangian::new(&model, 1e3), 2);
+        let gradient = |action: &mut Action<'_, _, _>, curve: &Curve| {
+            let mut out = ActionDerivatives::new(&grid, 2);
+            action
+                .derivatives(&grid.fit(curve), &mut out)
+                .expect("sizes agree");
+            out.gradient.amax()
+        };
+        let [here, there] =
+            [&solution.curve, &beside(&solution.curve)].map(|c| gradient(&mut action, c));
+        assert!(here < 1e-5 * there, "{metric:?}: {here:e} {there:e}");
+        actions.push(solution.action);
+    }
+    assert!(
+        (actions[0] - actions[1]).abs() < 1e-9 * actions[1],
+        "{actions:?}"
+    );
+}
+
+#[test]
+fn a_torque_limit_is_kept() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let free = rested(&problem, &degree(12), 1e4, &FREE);
+    let largest = |curve: &Curve| {
+        let all = torques(&model, curve, 300);
+        all.iter().map(|(_, u)| u[0].abs()).fold(0.0, f64::max)
+    };
+    let limit = 0.9 * largest(&free.curve);
+    let limited = Constraints {
+        state: (),
+        torque: TorqueLimits(vec![Some(limit), None]),
+    };
+    for two_phases in [false, true] {
+        let settings = RestSettings {
+            two_phases,
+            ..degree(12)
+        };
+        let solution = rested(&problem, &settings, 1e4, &limited);
+        assert!(
+            solution.at_rest && solution.violation <= 1e-5,
+            "{two_phases}: {solution:?}"
+        );
+        let reached = largest(&solution.curve);
+        assert!(
+            reached <= limit + 2e-5 && reached > 0.99 * limit,
+            "{reached} {limit}"
+        );
+        let [kept, least] = [&solution, &free].map(|s| effort(&model, &s.curve));
+        assert!(kept > 1.0001 * least, "{kept} {least}");
+    }
+}
+
+#[test]
+fn a_sphere_is_kept_out_of() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let free = rested(&problem, &degree(12), 1e4, &FREE);
+    let tip = Vector3::new(0.0, 0.0, -0.5);
+    let place = |curve: &Curve, t: f64| {
+        let mut placements = vec![Placement::identity(); 2];
+        forward_kinematics(&model, &curve.at(t).0.as_slice()[..2], &mut placements)
+            .expect("sizes agree");
+        placements[1].rotation * tip + placements[1].translation
+    };
+    let (t, radius) = (0.5 * problem.horizon(), 0.1);
+    let (middle, near) = (place(&free.curve, t), place(&free.curve, t + 0.01));
+    // Beside the path, so that there is one way round.
+    let along = (near - middle).normalize();
+    let axis = model.joints()[0].axis();
+    let centre = middle + 0.05 * along.cross(axis);
+    let clearance = SphereClearance {
+        balls: vec![CollisionSphere {
+            body: Some(1),
+            centre: tip,
+            radius: 0.0,
+        }],
+        spheres: vec![Sphere { centre, radius }],
+    };
+    let constraints = Constraints {
+        state: clearance,
+        torque: TorqueLimits(Vec::new()),
+    };
+    let solution = rested(&problem, &degree(16), 1e4, &constraints);
+    assert!(
+        solution.at_rest && solution.violation <= 1e-5,
+        "{solution:?}"
+    );
+    let times = (0..=500).map(|i| problem.horizon() * f64::from(i) / 500.0);
+    let nearest = times
+        .map(|t| (place(&solution.curve, t) - centre).norm())
+        .fold(f64::MAX, f64::min);
+    assert!(
+        (nearest - radius).abs() < 1e-3 && nearest > radius - 2e-5,
+        "{nearest}"
+    );
+    assert!((place(&free.curve, t) - centre).norm() < 0.06);
+}
+
+/// A joint without a motor has no torque at the Gauss points where that is asked for, one for each coefficient of a segment.
+#[test]
+fn a_passive_joint_has_no_torque_at_the_gauss_points() {
+    let scenario = Scenario::load("cart_pole_swingup").expect("built in");
+    let problem = scenario.problem().expect("valid");
+    let passive = scenario.passive();
+    let limits = (0..scenario.model.dof()).map(|i| passive.contains(&i).then_some(0.0));
+    let constraints = Constraints {
+        state: (),
+        torque: TorqueLimits(limits.collect()),
+    };
+    let solution = rested(&problem, &degree(16), 1e4, &constraints);
+    assert!(solution.at_rest && solution.slip <= 1e-6, "{solution:?}");
+    let torque = |points: usize| {
+        let all = torques(&scenario.model, &solution.curve, points);
+        let passive = all
+            .iter()
+            .map(|(_, u)| u[passive[0]].abs())
+            .fold(0.0, f64::max);
+        let all = all
+            .iter()
+            .flat_map(|(_, u)| u)
+            .map(|u| u.abs())
+            .fold(0.0, f64::max);
+        (passive, all)
+    };
+    let ((held, _), (between, all)) = (torque(15), torque(100));
+    assert!(held <= 1e-5, "{held:e}");
+    assert!(
+        between > 10.0 * held && between < 0.1 * all,
+        "{held:e} {between:e} {all}"
+    );
+}
+
+/// A curve close to another one.
+pub(super) fn beside(curve: &Curve) -> Curve {
+    let mut x = curve.x().clone();
+    x[(0, 3)] += 1e-3;
+    Curve::piecewise(curve.horizon(), curve.segments(), x).expect("they meet")
+}

@@ -1,0 +1,108 @@
+//! What a flow to rest refuses, and what stops it.
+
+use crate::common::{assert_refused, robot};
+use crate::rest::{FREE, degree, rested, swing};
+use aghf::constraint::{Constraints, TorqueLimits};
+use aghf::flow::rest::{RestSettings, flow_to_rest};
+use aghf::flow::weak::AnalyticLagrangian;
+use aghf::motion::{Interrupt, Stopped};
+use std::time::Duration;
+
+#[test]
+fn settings_that_make_no_sense_are_refused() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let refused = |settings: &RestSettings, words: &str| {
+        let lagrangian = AnalyticLagrangian::new(&model, 1e3);
+        let found = flow_to_rest(&problem, settings, &lagrangian, &FREE, &mut |_| {});
+        assert_refused(found.map(|s| s.at_rest), words);
+    };
+    refused(&degree(3), "degree");
+    refused(&degree(65), "degree");
+    for segments in [0, 17] {
+        refused(
+            &RestSettings {
+                segments,
+                ..degree(16)
+            },
+            "segments",
+        );
+    }
+    refused(
+        &RestSettings {
+            guesses: 0,
+            ..degree(9)
+        },
+        "guesses",
+    );
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        refused(
+            &RestSettings {
+                tolerance: wrong,
+                ..degree(9)
+            },
+            "tolerance",
+        );
+        refused(
+            &RestSettings {
+                feasible: wrong,
+                ..degree(9)
+            },
+            "feasible",
+        );
+    }
+    let other = robot("pendulum_1");
+    let start = rested(&swing(&other), &degree(6), 1e3, &FREE).curve;
+    let start = RestSettings {
+        start: Some(start),
+        ..degree(9)
+    };
+    refused(&start, "coefficients");
+    let lagrangian = AnalyticLagrangian::new(&other, 1e3);
+    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &FREE, &mut |_| {});
+    assert_refused(found.map(|s| s.at_rest), "entries");
+    let limits = Constraints {
+        state: (),
+        torque: TorqueLimits(vec![Some(1.0)]),
+    };
+    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
+    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &limits, &mut |_| {});
+    assert_refused(found.map(|s| s.at_rest), "entries");
+}
+
+/// It ends with the curve so far, and says why.
+#[test]
+fn it_stops_when_asked_to() {
+    let model = robot("pendulum_2");
+    let problem = swing(&model);
+    let limit = Duration::ZERO;
+    let late = RestSettings {
+        time_limit: Some(limit),
+        ..degree(9)
+    };
+    let solution = rested(&problem, &late, 1e3, &FREE);
+    assert_eq!(
+        (solution.stopped, solution.at_rest),
+        (Some(Stopped::TimeLimit(limit)), false)
+    );
+    assert_close!(&solution.curve.at(0.0).0, problem.start(), 1e-12);
+
+    let interrupt = Interrupt::default();
+    let settings = RestSettings {
+        interrupt: interrupt.clone(),
+        ..degree(9)
+    };
+    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
+    let mut seen = 0;
+    let solution = flow_to_rest(&problem, &settings, &lagrangian, &FREE, &mut |_| {
+        seen += 1;
+        if seen == 3 {
+            interrupt.raise();
+        }
+    })
+    .expect("valid");
+    assert_eq!(
+        (solution.stopped, solution.at_rest, seen),
+        (Some(Stopped::Interrupt), false, 3)
+    );
+}
