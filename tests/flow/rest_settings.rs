@@ -57,7 +57,23 @@ fn settings_that_make_no_sense_are_refused() {
         start: Some(start),
         ..degree(9)
     };
-    refused(&start, "coefficients");
+    refused(&start, "start");
+    let longer = problem
+        .with_horizon(3.0 * problem.horizon())
+        .expect("valid");
+    let start = RestSettings {
+        start: Some(rested(&longer, &degree(6), 1e3, &FREE).curve),
+        ..degree(9)
+    };
+    refused(&start, "settings: start: it does not go");
+    for (steps, rounds, words) in [(0, 1, "steps"), (1, 0, "rounds")] {
+        let settings = RestSettings {
+            steps,
+            rounds,
+            ..degree(9)
+        };
+        refused(&settings, words);
+    }
     let lagrangian = AnalyticLagrangian::new(&other, 1e3);
     let found = flow_to_rest(&problem, &degree(9), &lagrangian, &FREE, &mut |_| {});
     assert_refused(found.map(|s| s.at_rest), "entries");

@@ -104,26 +104,35 @@ impl RestSettings {
     pub const LARGEST_SIZE: usize = 256;
     /// The most guesses.
     pub const LARGEST_GUESSES: usize = 100_000;
+    /// The most steps between two updates of the duals, of which each is kept, and the most updates.
+    pub const MOST_STEPS: usize = 100_000;
 
     /// # Errors
-    /// A setting is out of range.
-    fn check(&self) -> Result<()> {
-        check_count(
-            "degree",
-            self.degree,
-            Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE,
-        )?;
-        check_count(
-            "segments",
-            self.segments,
-            1..=Self::LARGEST_SIZE / self.degree,
-        )?;
+    /// A setting is out of range, or the start is no curve of the problem.
+    fn check(&self, problem: &Problem<'_>) -> Result<()> {
+        let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
+        check_count("degree", self.degree, degrees)?;
+        let segments = 1..=Self::LARGEST_SIZE / self.degree;
+        check_count("segments", self.segments, segments)?;
         check_count("guesses", self.guesses, 1..=Self::LARGEST_GUESSES)?;
+        check_count("steps", self.steps, 1..=Self::MOST_STEPS)?;
+        check_count("rounds", self.rounds, 1..=Self::MOST_STEPS)?;
         for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
             if !(value.is_finite() && value > 0.0) {
                 let condition = format!("it is {value}, a positive number is needed");
                 return Err(Error::input("settings", what, condition));
             }
+        }
+        let Some(start) = &self.start else {
+            return Ok(());
+        };
+        problem.model().check("start", start.dof())?;
+        let (x, last) = (start.x(), start.x().ncols() - 1);
+        let ends = x.column(0).as_slice() == problem.start()
+            && x.column(last).as_slice() == problem.goal();
+        if !ends || start.horizon() != problem.horizon() {
+            let condition = "it does not go from the start of the problem to its goal in its time";
+            return Err(Error::input("settings", "start", condition));
         }
         Ok(())
     }
@@ -260,7 +269,7 @@ pub fn flow_to_rest<K: Constraint>(
     constraints: &Constraints<K>,
     observe: &mut dyn FnMut(&RestRecord),
 ) -> Result<RestSolution> {
-    settings.check()?;
+    settings.check(problem)?;
     let watch = Watch::start(settings.time_limit, &settings.interrupt);
     let kind = usize::from(constraints.dim() > 0);
     let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
