@@ -50,7 +50,7 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1, 16 with passive joints; more while none ends within the constraints].
+    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1, 40 with passive joints; more while none ends within the constraints].
     #[arg(long)]
     starts: Option<usize>,
     /// Of relax and of the flow to rest: the number from which the starts are drawn [default: 0].

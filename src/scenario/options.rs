@@ -330,7 +330,7 @@ impl SolveOptions {
 /// The degree and the number of segments of motions with passive joints, unless given.
 const PASSIVE_BASIS: (usize, usize) = (8, 8);
 /// The number of guesses at them, whose minima are many.
-const PASSIVE_GUESSES: usize = 16;
+const PASSIVE_GUESSES: usize = 40;
 
 /// A duration as a number of seconds.
 mod seconds {

@@ -35,7 +35,7 @@ use walk::WalkOf;
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
 /// The degrees on the way, as those of the relaxation.
 const DEGREES: [usize; 6] = [6, 9, 16, 24, 32, 48];
-/// The amplitude of bent guesses without and with rows, rad or m.
+/// The amplitude of bent guesses without and with rows, rad or m; with passive joints the first, since there are many minima.
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The most guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;
@@ -101,7 +101,7 @@ impl RestSettings {
     /// The largest degree, and the largest degree times the number of segments.
     pub const LARGEST_DEGREE: usize = 64;
     /// Beyond it the Hessians of a large robot do not fit into memory.
-    pub const LARGEST_SIZE: usize = 256;
+    pub const LARGEST_SIZE: usize = 512;
     /// The most guesses.
     pub const LARGEST_GUESSES: usize = 100_000;
     /// The most steps between two updates of the duals, of which each is kept, and the most updates.
@@ -137,8 +137,8 @@ impl RestSettings {
         Ok(())
     }
 
-    /// The stages for a problem with or without rows, the last one last.
-    fn stages(&self, rows: bool) -> Vec<Demands> {
+    /// The stages for a problem with or without rows, and with or without passive joints among them, the last one last.
+    fn stages(&self, rows: bool, passive: bool) -> Vec<Demands> {
         let last = Demands {
             basis: (self.segments, self.degree),
             tolerance: self.tolerance,
@@ -175,6 +175,10 @@ impl RestSettings {
             bases.push(last.basis);
         }
         bases.dedup();
+        if passive {
+            // A few polynomials leave a passive joint next to no choice, and whatever the guess the same.
+            bases.retain(|(segments, _)| 2 * segments >= self.segments);
+        }
         let mut stages: Vec<_> = bases
             .into_iter()
             .map(|basis| Demands { basis, ..rough })
@@ -273,13 +277,16 @@ pub fn flow_to_rest<K: Constraint>(
     let watch = Watch::start(settings.time_limit, &settings.interrupt);
     let kind = usize::from(constraints.dim() > 0);
     let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
+    let torque = &constraints.torque;
+    let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
+    let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
     let mut best: Option<RestSolution> = None;
     let mut work = [0; 3];
     for number in 0..settings.guesses.max(MOST_GUESSES) {
         let guess = match &settings.start {
             Some(start) => start.clone(),
             None => {
-                let bent = line.start(AMPLITUDE[kind], settings.seed, number as u64);
+                let bent = line.start(amplitude, settings.seed, number as u64);
                 curve_of(problem, &bent)?
             }
         };
@@ -290,6 +297,7 @@ pub fn flow_to_rest<K: Constraint>(
             settings,
             lagrangian,
             constraints,
+            passive,
             least: known.map_or(f64::INFINITY, |best| best.action),
             watch: &watch,
         };

@@ -166,7 +166,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
                     break;
                 }
             }
-            if self.settings.duals {
+            if self.settings.duals && reached {
                 self.terms().update_duals();
             }
             if reached {

@@ -14,6 +14,9 @@ const POINTS: [f64; 2] = [3.0, 3.5];
 const MOST_POINTS: usize = 16;
 /// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
 const PASSIVE_SHARE: f64 = 5e-4;
+/// The number of segments up to which there are more of them first, and the degree up to which that grows afterwards.
+const SEGMENTS: usize = 16;
+const DEGREE: usize = 16;
 
 /// What the walks from all guesses have in common.
 pub(super) struct WalkOf<'w, 'a, K> {
@@ -21,6 +24,8 @@ pub(super) struct WalkOf<'w, 'a, K> {
     pub settings: &'w RestSettings,
     pub lagrangian: &'w AnalyticLagrangian<'w>,
     pub constraints: &'w Constraints<K>,
+    /// True if there are passive joints.
+    pub passive: bool,
     /// The action above which there are no further segments.
     pub least: f64,
     pub watch: &'w Watch,
@@ -39,6 +44,7 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             settings,
             lagrangian,
             constraints,
+            passive,
             least,
             watch,
         } = *self;
@@ -59,10 +65,8 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             observe: &mut record,
         };
         let mut outcome = Outcome::default();
-        let torque = &constraints.torque;
-        let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
         let horizon = problem.horizon();
-        let mut stages: VecDeque<_> = settings.stages(kind == 1).into();
+        let mut stages: VecDeque<_> = settings.stages(kind == 1, passive).into();
         while let Some(demands) = stages.pop_front() {
             let (segments, degree) = demands.basis;
             let mut points = (POINTS[kind] * degree as f64) as usize + 4;
@@ -90,10 +94,8 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
                 outcome.at_rest = false;
                 break;
             }
-            let finer = 2 * segments * degree <= RestSettings::LARGEST_SIZE;
-            let worth_it = outcome.action < least;
-            if stages.is_empty() && outcome.passive_share > PASSIVE_SHARE && finer && worth_it {
-                let basis = (2 * segments, degree);
+            let left = outcome.passive_share > PASSIVE_SHARE && outcome.action < least;
+            if let (true, true, Some(basis)) = (stages.is_empty(), left, finer(demands.basis)) {
                 stages.push_back(Demands { basis, ..demands });
             }
         }
@@ -123,4 +125,15 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             stopped: watch.stopped(),
         })
     }
+}
+
+/// The next basis where one does not let a passive joint be without torque: more segments up to a number, then a higher degree, then more
+/// segments again, as far as they go.
+fn finer((segments, degree): (usize, usize)) -> Option<(usize, usize)> {
+    let next = if segments < SEGMENTS || degree >= DEGREE {
+        (2 * segments, degree)
+    } else {
+        (segments, (degree + degree / 2).min(DEGREE))
+    };
+    (next.0 * next.1 <= RestSettings::LARGEST_SIZE).then_some(next)
 }
