@@ -5,6 +5,7 @@ use super::markdown::{Table, machine};
 use super::timing::median;
 use super::{plot, tables};
 use crate::error::{Error, Result};
+use crate::motion::Interrupt;
 use crate::names::Named;
 use crate::output::write_whole;
 use crate::scenario::{
@@ -185,10 +186,6 @@ pub fn compare(
 /// The options of a variant; `None` where it is not defined.
 fn options(variant: &str, scenario: &Scenario, time_limit: Duration) -> Option<SolveOptions> {
     let passive = !scenario.file.passive.is_empty();
-    let limited = SolveOptions {
-        time_limit: Some(time_limit),
-        ..SolveOptions::default()
-    };
     let mut flows = FlowVariant::ALL.iter();
     let flow = flows.find(|(_, name, _)| *name == variant);
     let Some(&(flow, ..)) = flow else {
@@ -196,14 +193,17 @@ fn options(variant: &str, scenario: &Scenario, time_limit: Duration) -> Option<S
             method: Method::Relax,
             num_starts: (!passive).then_some(1),
             threads: Some(1),
-            ..limited
+            // With a time limit it would try starts until then.
+            interrupt: Interrupt::after(time_limit),
+            ..SolveOptions::default()
         });
     };
     let defined = flow != FlowVariant::Published || !passive;
     defined.then(|| SolveOptions {
         method: Method::Flow,
         variant: Some(flow),
-        ..limited
+        time_limit: Some(time_limit),
+        ..SolveOptions::default()
     })
 }
 
