@@ -28,9 +28,10 @@ fn cells<'t>(table: &'t str, family: &str) -> Vec<&'t str> {
 
 #[test]
 fn all_variants_are_in_the_table_the_rows_and_the_picture() {
-    let families: [(&str, &[&str]); 2] = [
+    let families: [(&str, &[&str]); 3] = [
         ("swinging", &["pendulum_1_swingup", "pendulum_2_swingup"]),
         ("passive", &["cart_pole_swingup"]),
+        ("in the way", &["kinova_gap_01"]),
     ];
     let mut heard = Vec::new();
     let drawn = settings(&families, "pendulum_1_swingup");
@@ -69,6 +70,10 @@ fn all_variants_are_in_the_table_the_rows_and_the_picture() {
     );
     assert_eq!(passive[1], "-");
     assert!(passive[3].starts_with("1/1, "), "{table}");
+    // The line collides, and the published flow stays near it.
+    let in_the_way = cells(&table, "in the way");
+    assert_eq!(in_the_way[1], "0/1");
+    assert!(in_the_way[3].starts_with("1/1, "), "{table}");
     // The median of two is their mean.
     let [one, two] = ["pendulum_1_swingup", "pendulum_2_swingup"].map(|name| {
         let of = results().find(|r| r.scenario == name && r.variant == "duals");
