@@ -3,7 +3,9 @@
 use super::output::OutArgs;
 use super::{print, tell};
 use crate::error::Result;
-use crate::experiments::reproduce::{Reproduction, Settings, reproduce};
+use crate::experiments::reproduce::{
+    Comparison, Reproduction, Settings, VariantSettings, compare, reproduce,
+};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
@@ -24,11 +26,21 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// Then solves every scenario, built in or generated, with the best sets, and times the right-hand side of the flow and its Jacobian
 /// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). A new folder, out/reproduce or out/reproduce-2 and so on, gets
 /// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg and figure_5.svg.
+///
+/// --variants compares the flow as published, to rest, with duals and in two phases, and the relaxation from the same guess, on pendulums,
+/// Kinova, Digit and robots with passive joints instead. A new folder, out/variants or out/variants-2 and so on, gets variants.md, which
+/// is what is printed, variants.csv and variants.svg, the action on the way of each flow.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
-    /// Search no grids and measure less: takes about a minute.
+    /// Search no grids and measure less: takes about a minute. With --variants: two scenarios of each family, 10 s for each solve, not 60.
     #[arg(long)]
     quick: bool,
+    /// Compare the variants of the flow and the relaxation instead.
+    #[arg(
+        long,
+        conflicts_with_all = ["grid", "sweeps", "repetitions", "configurations", "seed"]
+    )]
+    variants: bool,
     /// Search this sweep instead, built in or a TOML file; may be given several times [default: the five tables, quick: none].
     #[arg(long, value_name = "SWEEP")]
     grid: Vec<String>,
@@ -44,7 +56,7 @@ pub(super) struct Reproduce {
     /// The seed of the configurations.
     #[arg(long, default_value_t = Settings::full().seed)]
     seed: u64,
-    /// Only systems and robots whose names begin with this, such as kinova.
+    /// Only systems, robots and scenarios whose names begin with this, such as kinova.
     #[arg(
         long,
         value_name = "NAME",
@@ -58,6 +70,9 @@ pub(super) struct Reproduce {
 
 impl Reproduce {
     pub(super) fn run(self) -> Result<ExitCode> {
+        if self.variants {
+            return self.run_variants();
+        }
         let usual = if self.quick {
             Settings::quick()
         } else {
@@ -79,20 +94,37 @@ impl Reproduce {
         let folder = self
             .out
             .folder(Path::new("out/reproduce"), &Reproduction::FILES)?;
-        let progress = ProgressBar::new_spinner();
-        let watched = std::io::stderr().is_terminal();
-        let mut told = Instant::now();
-        let reproduction = reproduce(&settings, &mut |what| {
-            progress.set_message(what.to_owned());
-            progress.tick();
-            if !watched && told.elapsed() >= LINE_EVERY {
-                told = Instant::now();
-                tell(what);
-            }
-        })?;
-        progress.finish_and_clear();
+        let reproduction = told(|progress| reproduce(&settings, progress))?;
         reproduction.write(folder.path())?;
         print(reproduction.markdown().trim_end())?;
         Ok(ExitCode::SUCCESS)
     }
+
+    fn run_variants(self) -> Result<ExitCode> {
+        let settings = VariantSettings::builtin(self.quick, &self.only)?;
+        let folder = self
+            .out
+            .folder(Path::new("out/variants"), &Comparison::FILES)?;
+        let comparison = told(|progress| compare(&settings, progress))?;
+        comparison.write(folder.path())?;
+        print(comparison.markdown().trim_end())?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// What comes of `work`, whose progress is shown meanwhile.
+fn told<T>(work: impl FnOnce(&mut (dyn FnMut(&str) + Send)) -> Result<T>) -> Result<T> {
+    let progress = ProgressBar::new_spinner();
+    let watched = std::io::stderr().is_terminal();
+    let mut told = Instant::now();
+    let done = work(&mut |what| {
+        progress.set_message(what.to_owned());
+        progress.tick();
+        if !watched && told.elapsed() >= LINE_EVERY {
+            told = Instant::now();
+            tell(what);
+        }
+    })?;
+    progress.finish_and_clear();
+    Ok(done)
 }

@@ -1,5 +1,5 @@
 //! How to extend the mathematics: one page for each thing that a user can replace, with an example that is compiled and run as a test.
-//! A page on [many solves](sweeps) tells how to run them on one machine or several.
+//! A page on [many solves](sweeps) tells how to run them on one machine or several, one on [the variants of the flow](variants) what each is.
 //!
 //! Every page of the former has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
 //! goes, and what the limits are.
@@ -43,3 +43,6 @@ pub mod joint {}
 
 #[doc = include_str!("sweeps.md")]
 pub mod sweeps {}
+
+#[doc = include_str!("variants.md")]
+pub mod variants {}

@@ -15,6 +15,7 @@ mod output;
 mod passive;
 mod preflight;
 mod reproduce;
+mod reproduce_variants;
 mod solve;
 mod sweep;
 mod sweep_files;

@@ -7,22 +7,26 @@ use crate::experiments::sweep::FlowPoint;
 use crate::scenario::Limit;
 
 /// A table of Markdown.
-struct Table(String);
+pub(super) struct Table(String);
 
 impl Table {
-    fn new(header: &[&str]) -> Self {
+    pub(super) fn new(header: &[&str]) -> Self {
         let mut table = Self(String::new());
         table.row(header.iter().map(|h| (*h).to_owned()));
         table.row(header.iter().map(|_| "---".to_owned()));
         table
     }
 
-    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+    pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.0.push('|');
         for cell in cells {
             self.0.push_str(&format!(" {cell} |"));
         }
         self.0.push('\n');
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.0
     }
 }
 
@@ -245,7 +249,7 @@ fn time_settings(reproduction: &Reproduction) -> String {
 }
 
 /// What this ran on.
-fn machine(seconds: f64) -> String {
+pub(super) fn machine(seconds: f64) -> String {
     let profile = if cfg!(debug_assertions) {
         "a development build, not for comparison"
     } else {

@@ -1,5 +1,5 @@
 //! The experiments of the paper's supplement, run anew: the grid searches of Tables IX to XIII, the solves of section C with the
-//! best sets, and the times of Figures 4 and 5.
+//! best sets, and the times of Figures 4 and 5. And the variants of the flow on the same scenarios.
 
 pub mod fit;
 mod format;
@@ -10,11 +10,13 @@ mod solves;
 mod systems;
 mod tables;
 mod timing;
+mod variants;
 
 pub use searches::{BestSet, Search};
 pub use solves::{Origin, ScenarioResult, SystemResult};
 pub use systems::{PaperSet, SCALING_ROBOTS, SYSTEMS, System};
 pub use timing::{Quantity, Series, Times};
+pub use variants::{ActionPath, Comparison, VARIANTS, VariantResult, VariantSettings, compare};
 
 use crate::error::{Error, Result, check_count};
 use crate::output::write_whole;

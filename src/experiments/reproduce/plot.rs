@@ -1,6 +1,6 @@
-//! Figures 4 and 5 as pictures.
+//! Figures 4 and 5 and the ways of the variants as pictures.
 
-use super::{Quantity, Series, fit};
+use super::{ActionPath, Quantity, Series, fit};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::error::Error;
@@ -8,8 +8,13 @@ use std::io;
 use std::ops::Range;
 
 const SIZE: (u32, u32) = (720, 480);
-/// Blue and orange that the colour-blind can tell apart.
-const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
+/// Blue, orange, green and pink that the colour-blind can tell apart.
+const COLOURS: [RGBColor; 4] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+];
 /// How many points draw a curve.
 const CURVE: usize = 40;
 
@@ -91,6 +96,61 @@ fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
+/// The picture of the action against `s`, one line for each flow, both axes logarithmic: points where either is not positive are left out.
+pub(super) fn actions(scenario: &str, paths: &[ActionPath]) -> io::Result<String> {
+    draw_actions(scenario, paths).map_err(|e| io::Error::other(e.to_string()))
+}
+
+fn draw_actions(scenario: &str, paths: &[ActionPath]) -> Result<String, Box<dyn Error>> {
+    let lines = paths.iter().map(|path| {
+        let points = path.points.iter().copied();
+        points
+            .filter(|(s, action)| *s > 0.0 && *action > 0.0 && s.is_finite() && action.is_finite())
+    });
+    let points = || lines.clone().flatten();
+    if points().next().is_none() {
+        return Err(format!("no flow of {scenario} has a positive action to draw").into());
+    }
+    let mut text = String::new();
+    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&root)
+        .caption(format!("Action on the way, {scenario}"), ("sans-serif", 18))
+        .margin(12)
+        .x_label_area_size(44)
+        .y_label_area_size(64)
+        .build_cartesian_2d(
+            Logarithmic(range(points().map(|p| p.0), 2.0)),
+            Logarithmic(range(points().map(|p| p.1), 2.0)),
+        )?;
+    chart
+        .configure_mesh()
+        .x_desc("s")
+        .y_desc("action")
+        .axis_desc_style(("sans-serif", 15))
+        .label_style(("sans-serif", 13))
+        .light_line_style(WHITE)
+        .draw()?;
+    for ((path, line), colour) in paths.iter().zip(lines.clone()).zip(COLOURS) {
+        chart
+            .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
+            .label(path.variant)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .margin(14)
+        .label_font(("sans-serif", 13))
+        .background_style(WHITE)
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    root.present()?;
+    drop(chart);
+    drop(root);
+    Ok(text)
+}
+
 fn legend(quantity: Quantity, power: Option<(f64, f64)>) -> String {
     let power = power.map_or_else(String::new, |(_, e)| format!(", about N^{e:.1}"));
     format!("{}{power}", quantity.name())
@@ -103,7 +163,12 @@ fn range(numbers: impl Iterator<Item = f64> + Clone, room: f64) -> Range<f64> {
     low / room..high * room
 }
 
-/// A logarithmic axis that marks 1, 2 and 5 of every decade.
+/// The most decades of which 1, 2 and 5 are marked.
+const FEW_DECADES: i32 = 4;
+/// About the most powers of ten that are marked where there are more.
+const POWERS: i32 = 10;
+
+/// A logarithmic axis that marks 1, 2 and 5 of every decade, or powers of ten where there are many.
 #[derive(Clone)]
 struct Logarithmic(Range<f64>);
 
@@ -117,9 +182,17 @@ impl Ranged for Logarithmic {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
-        let decades = self.0.start.log10().floor() as i32..=self.0.end.log10().ceil() as i32;
-        decades
-            .flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(d)))
+        let first = self.0.start.log10().floor() as i32;
+        let last = self.0.end.log10().ceil() as i32;
+        let count = last - first;
+        let (marks, every): (&[f64], i32) = if count <= FEW_DECADES {
+            (&[1.0, 2.0, 5.0], 1)
+        } else {
+            (&[1.0], count / POWERS + 1)
+        };
+        (first..=last)
+            .step_by(every as usize)
+            .flat_map(|d| marks.iter().map(move |m| m * 10_f64.powi(d)))
             .filter(|x| self.0.contains(x))
             .collect()
     }
@@ -131,7 +204,11 @@ impl Ranged for Logarithmic {
 
 impl ValueFormatter<f64> for Logarithmic {
     fn format(value: &f64) -> String {
-        // Such as 0.30000000000000004 is 0.3 to the reader.
-        format!("{}", (value * 1e6).round() / 1e6)
+        if (1e-3..1e6).contains(value) {
+            // Such as 0.30000000000000004 is 0.3 to the reader.
+            format!("{}", (value * 1e6).round() / 1e6)
+        } else {
+            format!("{value:.0e}")
+        }
     }
 }

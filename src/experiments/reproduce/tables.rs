@@ -1,6 +1,6 @@
 //! The measurements as comma-separated values, for other programs.
 
-use super::{Reproduction, Series, SystemResult};
+use super::{Reproduction, Series, SystemResult, VariantResult};
 use crate::scenario::Limit;
 use std::io::{Error, Result};
 
@@ -140,6 +140,33 @@ pub(super) fn fits(series: &[Series]) -> Result<String> {
         .into_iter()
         .chain(numbers.map(all))
         .collect()
+    });
+    table(&header, rows)
+}
+
+/// One row for each scenario and variant.
+pub(super) fn variants(results: &[VariantResult]) -> Result<String> {
+    let header = [
+        "scenario",
+        "variant",
+        "success",
+        "control_effort",
+        "final_error_inf",
+        "solve_s",
+        "steps",
+        "failure",
+    ];
+    let rows = results.iter().map(|r| {
+        vec![
+            r.scenario.clone(),
+            r.variant.to_owned(),
+            r.success.to_string(),
+            all(r.effort),
+            all(r.final_error),
+            all(r.seconds),
+            r.steps.to_string(),
+            r.failure.clone().unwrap_or_default(),
+        ]
     });
     table(&header, rows)
 }
