@@ -19,7 +19,7 @@ fn settings_that_make_no_sense_are_refused() {
     };
     refused(&degree(3), "degree");
     refused(&degree(65), "degree");
-    for segments in [0, 17] {
+    for segments in [0, 33] {
         refused(
             &RestSettings {
                 segments,
