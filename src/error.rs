@@ -87,6 +87,16 @@ pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usiz
     Err(Error::input("settings", what, condition))
 }
 
+/// Checks that a number that was asked for is positive and finite. `of` and `what` name the bundle and the number in it.
+#[cfg(feature = "solvers")]
+pub(crate) fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    let condition = format!("it is {value}, a positive number is needed");
+    Err(Error::input(of, what, condition))
+}
+
 /// A number in a message: as it is written, but not in hundreds of digits.
 pub(crate) fn plain(x: f64) -> String {
     if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {

@@ -112,7 +112,7 @@ impl Reproduce {
     }
 }
 
-/// What comes of `work`, whose progress is shown meanwhile.
+/// The result of `work`, whose progress is shown meanwhile.
 fn told<T>(work: impl FnOnce(&mut (dyn FnMut(&str) + Send)) -> Result<T>) -> Result<T> {
     let progress = ProgressBar::new_spinner();
     let watched = std::io::stderr().is_terminal();

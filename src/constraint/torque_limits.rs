@@ -32,13 +32,26 @@ impl<C: Scalar> TorqueLimits<C> {
         let limited = self.0.iter().enumerate();
         let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
         limited.flat_map(|(i, limit)| {
-            let sides: &[Option<Side>] = if limit == C::zero() {
+            let sides: &[Option<Side>] = if limit.is_zero() {
                 &[None]
             } else {
                 &[Some(Side::Upper), Some(Side::Lower)]
             };
             sides.iter().map(move |side| (i, limit, *side))
         })
+    }
+
+    /// Tells whether a joint is passive: its limit is zero.
+    #[must_use]
+    pub fn is_passive(&self, joint: usize) -> bool {
+        let limit = self.0.get(joint).copied().flatten();
+        limit.is_some_and(|limit| limit.is_zero())
+    }
+
+    /// Tells whether any joint is passive.
+    #[must_use]
+    pub fn has_passive(&self) -> bool {
+        (0..self.0.len()).any(|joint| self.is_passive(joint))
     }
 
     /// The number of rows: two for each limit, one for each passive joint.
@@ -128,6 +141,11 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         }
     }
 
+    /// Tells whether a row of all is the torque of a passive joint.
+    pub(crate) fn is_passive(&self, row: usize) -> bool {
+        row >= self.state.dim() && self.is_equality(row)
+    }
+
     /// Tells whether a row of all is an equality; see [`Constraint::is_equality`].
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
@@ -135,6 +153,21 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
             None => self.state.is_equality(row),
             Some(row) => self.torque.is_equality(row),
         }
+    }
+}
+
+impl<K: Constraint> Constraints<K> {
+    /// The factor of each row, with which it is of the order of 0.1 where it is badly violated, and one of the multiplied row in rad,
+    /// rad/s, m, N m or N. A torque counts relative to its limit; that of a passive joint in its own unit.
+    pub(crate) fn factors_and_units(&self) -> [Vec<f64>; 2] {
+        let mut scales = self.row_scales();
+        let mut units = vec![1.0; scales.len()];
+        for (row, (_, limit, _)) in (self.state.dim()..).zip(self.torque.rows()) {
+            if limit > 0.0 {
+                (scales[row], units[row]) = (limit, limit);
+            }
+        }
+        [scales.into_iter().map(f64::recip).collect(), units]
     }
 }
 

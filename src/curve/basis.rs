@@ -33,6 +33,27 @@ impl Basis {
     /// The smallest degree that leaves something free on a single segment.
     pub(crate) const SMALLEST_DEGREE: usize = 4;
 
+    /// The degrees of the ladder from 9 on: powers of two, and those times one and a half.
+    pub(crate) fn degrees() -> impl Iterator<Item = usize> {
+        let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
+        std::iter::once(9).chain(doubling)
+    }
+
+    /// The degrees on the way to `degree`, ascending: the lowest, or `degree` where that is lower, then those of the ladder between.
+    pub(crate) fn degrees_below(degree: usize, lowest: usize) -> impl Iterator<Item = usize> {
+        let below = Self::degrees().take_while(move |between| *between < degree);
+        let above = below.filter(move |between| *between > lowest);
+        std::iter::once(degree.min(lowest)).chain(above)
+    }
+
+    /// The numbers of segments on the way to `segments`, ascending: each divides the next, so that its breakpoints stay.
+    pub(crate) fn fewer_segments(segments: usize) -> impl Iterator<Item = usize> {
+        let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
+        let mut all: Vec<_> = std::iter::successors(fewer(&segments), fewer).collect();
+        all.reverse();
+        all.into_iter()
+    }
+
     /// `segments` segments of degree `degree`, at least 4.
     #[must_use]
     pub fn new(segments: usize, degree: usize, free_final_velocity: bool) -> Self {

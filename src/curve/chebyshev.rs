@@ -94,6 +94,19 @@ impl Chebyshev {
         &self.weights
     }
 
+    /// The coefficients $c_k$ of the polynomials $\sum_k c_k T_k(2 t / T - 1)$ with these values at the nodes: one row per polynomial, one
+    /// column per node and per degree. Cost O(p^2) per row.
+    pub(crate) fn coefficients(&self, values: &DMatrix<f64>) -> DMatrix<f64> {
+        let p = self.degree();
+        // The discrete orthogonality of the polynomials at the nodes s_i = -cos(pi i / p), at whose ends values count half.
+        let half = |i: usize| if i == 0 || i == p { 0.5 } else { 1.0 };
+        let transform = DMatrix::from_fn(p + 1, p + 1, |i, k| {
+            let angle = PI * ((i * k) % (2 * p)) as f64 / p as f64;
+            alternating(k) * angle.cos() * half(i) * half(k) * 2.0 / p as f64
+        });
+        values * transform
+    }
+
     /// The weights with which values at the nodes enter the interpolating polynomial at time `t`, into `out`.
     ///
     /// This is the second barycentric formula (Berrut and Trefethen, "Barycentric Lagrange interpolation", 2004),

@@ -3,7 +3,6 @@
 use super::Chebyshev;
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DMatrixView, DVector};
-use std::f64::consts::PI;
 
 /// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon, through given states at
 /// Chebyshev nodes.
@@ -120,15 +119,8 @@ impl Curve {
     /// There is no such segment.
     #[must_use]
     pub fn coefficients(&self, segment: usize) -> DMatrix<f64> {
-        let p = self.chebyshev.degree();
-        // The discrete orthogonality of the polynomials at the nodes s_i = -cos(pi i / p), at whose ends values count half.
-        let half = |i: usize| if i == 0 || i == p { 0.5 } else { 1.0 };
-        let transform = DMatrix::from_fn(p + 1, p + 1, |i, k| {
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            let angle = PI * ((i * k) % (2 * p)) as f64 / p as f64;
-            sign * angle.cos() * half(i) * half(k) * 2.0 / p as f64
-        });
-        self.segment(segment) * transform
+        self.chebyshev
+            .coefficients(&self.segment(segment).into_owned())
     }
 
     /// The states at the nodes of one segment, `2 N` by `p + 1`.

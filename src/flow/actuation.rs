@@ -1,4 +1,4 @@
-//! What the effort of each joint weighs.
+//! The weights of the joints in the control effort.
 
 use crate::error::{Error, Result, check_length};
 use crate::scalar::{AlgebraOver, Scalar};

@@ -1,4 +1,4 @@
-//! What the Lagrangian may charge for the control of each joint: limits on the torque and dual trajectories as such costs.
+//! Costs of the control of each joint in the Lagrangian: limits on the torque and dual trajectories as such costs.
 
 use super::{DualTrajectory, Penalty};
 use crate::constraint::TorqueLimits;

@@ -4,7 +4,6 @@ use crate::curve::Chebyshev;
 use crate::error::{Error, Result, check_length};
 use crate::scalar::{AlgebraOver, Jet, Scalar};
 use nalgebra::DMatrix;
-use std::f64::consts::PI;
 
 /// A vector $\lambda(t)$ of polynomials on `[0, T]`, one multiplier per component, as sums of Chebyshev polynomials.
 ///
@@ -80,15 +79,8 @@ impl DualTrajectory {
     /// # Errors
     /// There is not one column per node.
     pub fn through(chebyshev: &Chebyshev, values: &DMatrix<f64>) -> Result<Self> {
-        let p = chebyshev.degree();
-        check_length("values", p + 1, values.ncols())?;
-        let half_at_end = |i: usize| if i == 0 || i == p { 0.5 } else { 1.0 };
-        // T_k at node i, which is at -cos(pi i / p) of [-1, 1], summed twice over the nodes.
-        let transform = DMatrix::from_fn(p + 1, p + 1, |i, k| {
-            let polynomial = (PI * (k * (p - i) % (2 * p)) as f64 / p as f64).cos();
-            2.0 / p as f64 * half_at_end(i) * half_at_end(k) * polynomial
-        });
-        Self::new(chebyshev.horizon(), values * transform)
+        check_length("values", chebyshev.degree() + 1, values.ncols())?;
+        Self::new(chebyshev.horizon(), chebyshev.coefficients(values))
     }
 
     /// The step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\, c$, with the violation `c` of the

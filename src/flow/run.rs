@@ -7,7 +7,7 @@ use super::{
 use crate::constraint::Constraint;
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_positive};
 use crate::motion::{Guess, Interrupt, Problem, Stopped, Watch};
 use crate::ode::{Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
 use nalgebra::DMatrix;
@@ -92,10 +92,7 @@ impl FlowSettings {
             ("s_max", self.s_max),
             ("tolerance", self.tolerance),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                let condition = format!("it is {value}, a positive number is needed");
-                return Err(Error::input("settings", what, condition));
-            }
+            check_positive("settings", what, value)?;
         }
         Ok(())
     }

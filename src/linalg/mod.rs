@@ -25,7 +25,7 @@ pub use matmul::multiply;
 pub(crate) use positive_part::positive_part;
 pub use tensor::{Tensor3, Tensor4};
 #[cfg(feature = "solvers")]
-pub(crate) use trust_region::{Region, Step};
+pub(crate) use trust_region::{Region, Step, add_step};
 
 /// A matrix as a list of its rows, as files have it.
 #[cfg(feature = "output")]

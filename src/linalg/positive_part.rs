@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 /// A symmetric matrix with its negative eigenvalues taken for zero; says whether it has none. One that is not finite is left as it is.
 pub(crate) fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool {
-    /// What rounding can take from an eigenvalue that is zero, relative.
+    /// The part that rounding can take from an eigenvalue that is zero, relative.
     const ROUNDING: f64 = 1e-12;
     to.copy_from(from);
     // Most costs do not depend on everything.

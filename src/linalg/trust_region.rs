@@ -1,7 +1,7 @@
 //! Steps of Newton's method that stay where the quadratic model is worth something.
 
 use super::BlockTridiagonal;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// A step is as long as the region allows within these factors of the radius.
 const SHORT: f64 = 0.6;
@@ -99,5 +99,20 @@ impl Region {
         } else if gain < 0.25 || gain.is_nan() {
             self.radius = 0.3 * length;
         }
+    }
+}
+
+/// `from` and a `share` of `step` added to its entries from `first` on, column by column.
+pub(crate) fn add_step(
+    from: &DMatrix<f64>,
+    first: usize,
+    step: &DVector<f64>,
+    share: f64,
+    to: &mut DMatrix<f64>,
+) {
+    to.copy_from(from);
+    let unknowns = &mut to.as_mut_slice()[first..first + step.len()];
+    for (to, step) in unknowns.iter_mut().zip(step.iter()) {
+        *to += share * step;
     }
 }

@@ -1,6 +1,6 @@
 //! The violations of constraints along a motion: what a summary tells and decides a success by.
 
-use crate::constraint::{Constraint, Constraints, Evaluator};
+use crate::constraint::{Constraint, Constraints, Evaluator, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
@@ -76,6 +76,21 @@ pub fn violations<K: Constraint>(
         }
     }
     Ok(largest)
+}
+
+/// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals of each segment and at the
+/// maxima between; see [`violations`].
+///
+/// # Errors
+/// The curve is for another robot.
+pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
+    // The rows of passive joints are the torques themselves.
+    let all = Constraints {
+        state: (),
+        torque: TorqueLimits(vec![Some(0.0); model.dof()]),
+    };
+    let found = violations(model, curve, &all, intervals)?;
+    Ok(found.into_iter().map(|torque| torque.by).collect())
 }
 
 /// The weights with which the nodes of a segment enter equally spaced times of it, a column for each time.

@@ -4,7 +4,7 @@ use super::interior_point::Stage;
 use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
-use crate::error::{Error, Result, check_count};
+use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
 
@@ -115,21 +115,15 @@ impl RelaxSettings {
             iterations: SEGMENT_STEPS,
             ..lower
         };
-        let below = degrees().take_while(|degree| *degree < self.degree);
         let first = LOWEST_DEGREE[usize::from(constrained)];
-        let above = below.filter(|degree| *degree > first);
-        let degrees = std::iter::once(self.degree.min(first)).chain(above);
         let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
-        let mut rungs: Vec<_> = degrees
+        let mut rungs: Vec<_> = Basis::degrees_below(self.degree, first)
             .map(|p| Rung {
                 basis: new(1, p),
                 stage: lower,
             })
             .collect();
-        let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
-        let mut segments: Vec<_> = std::iter::successors(fewer(&self.segments), fewer).collect();
-        segments.reverse();
-        rungs.extend(segments.into_iter().map(|n| Rung {
+        rungs.extend(Basis::fewer_segments(self.segments).map(|n| Rung {
             basis: new(n, self.degree),
             stage: fewer_segments,
         }));
@@ -165,7 +159,7 @@ impl RelaxSettings {
     /// The degrees after this one that an adaptive one may have.
     pub(super) fn higher_degrees(&self) -> impl Iterator<Item = usize> {
         let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / self.segments);
-        let above = degrees().skip_while(|degree| *degree <= self.degree);
+        let above = Basis::degrees().skip_while(|degree| *degree <= self.degree);
         above.take_while(move |degree| *degree <= largest)
     }
 
@@ -191,22 +185,17 @@ impl RelaxSettings {
     /// # Errors
     /// A setting is out of range.
     pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
-        let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
         Self::check_size(self.degree, self.segments)?;
         for (what, value) in [
             ("tolerance", self.tolerance),
             ("quadrature_tolerance", self.quadrature_tolerance),
             ("degree_tolerance", self.degree_tolerance.unwrap_or(1.0)),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                return refuse(what, format!("it is {value}, a positive number is needed"));
-            }
+            check_positive("settings", what, value)?;
         }
         if !self.start_amplitude.is_finite() {
-            return refuse(
-                "start_amplitude",
-                format!("it is {}, a finite number is needed", self.start_amplitude),
-            );
+            let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
+            return Err(Error::input("settings", "start_amplitude", condition));
         }
         check_count("num_starts", self.num_starts, 1..=Self::LARGEST_NUM_STARTS)?;
         check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
@@ -226,12 +215,6 @@ impl RelaxSettings {
 pub(super) struct Rung {
     pub basis: Basis,
     pub stage: Stage,
-}
-
-/// The degrees of the ladder after its first rung: 9, 16, 24, 32, 48, 64, ...
-fn degrees() -> impl Iterator<Item = usize> {
-    let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
-    std::iter::once(9).chain(doubling)
 }
 
 /// One iteration of the minimiser.

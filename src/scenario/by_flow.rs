@@ -3,7 +3,6 @@
 use super::report::{Record, Solution, SolveReport, report_of};
 use super::summary::{Details, FlowDetails, RestDetails};
 use super::{Scenario, SolveOptions};
-use crate::constraint::Constraints;
 use crate::error::Result;
 use crate::flow::rest::{RestRecord, flow_to_rest};
 use crate::flow::{
@@ -22,10 +21,7 @@ pub(super) fn solve_by_flow(
     let settings: &FlowSettings = &options.flow_settings(scenario);
     let penalty = options.penalty(scenario);
     let constraints = Penalised {
-        constraints: Constraints {
-            state: scenario.state_constraints()?,
-            torque: scenario.torque_limits(),
-        },
+        constraints: scenario.constraints()?,
         weights: PenaltyWeights {
             state: penalty,
             torque: penalty,
@@ -99,10 +95,7 @@ pub(super) fn solve_by_flow_to_rest(
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
     let settings = &options.rest_settings(scenario);
-    let constraints = &Constraints {
-        state: scenario.state_constraints()?,
-        torque: scenario.torque_limits(),
-    };
+    let constraints = &scenario.constraints()?;
     let lagrangian = options.lagrangian(scenario)?;
     let observe = &mut |record: &RestRecord| observe(&Record::Rest(*record));
     let started = Instant::now();

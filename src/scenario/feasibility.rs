@@ -1,11 +1,10 @@
 //! What a motion keeps clear of, and which limits it breaks.
 
-use super::passive::largest_torques;
 use super::{PASSIVE_TORQUE_SHARE, Scenario};
 use crate::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use crate::curve::Curve;
 use crate::error::Result;
-use crate::motion::{Violation, sample, violations};
+use crate::motion::{Violation, largest_torques, sample, violations};
 use serde::Serialize;
 use std::fmt;
 
@@ -116,10 +115,7 @@ impl Feasibility {
     /// The curve is for another robot, or a torque limit is negative.
     pub fn of(scenario: &Scenario, curve: &Curve) -> Result<Self> {
         let model = &scenario.model;
-        let enforced = Constraints {
-            state: scenario.state_constraints()?,
-            torque: scenario.torque_limits(),
-        };
+        let enforced = scenario.constraints()?;
         let mut limit_violations = Vec::new();
         add(scenario, curve, &enforced, true, &mut limit_violations)?;
         add(

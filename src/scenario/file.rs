@@ -122,7 +122,7 @@ pub struct ScenarioFile {
     /// Of the relaxation: whether the velocity at the end is whatever costs least; `v_goal` is then no more than the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
-    /// What is minimised instead of the control effort. The published flow minimises that alone and says so.
+    /// The cost that is minimised instead of the control effort. The published flow minimises that alone and says so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub running_cost: Option<RunningCostWeights>,
     /// Of the relaxation: between what bounds and at what price the horizon is found; `horizon_s` is then where the search begins.

@@ -196,6 +196,17 @@ impl Scenario {
         Ok(constraints)
     }
 
+    /// Everything that a motion has to keep.
+    ///
+    /// # Errors
+    /// As [`state_constraints`](Self::state_constraints).
+    pub fn constraints(&self) -> Result<Constraints<Vec<AnyConstraint>>> {
+        Ok(Constraints {
+            state: self.state_constraints()?,
+            torque: self.torque_limits(),
+        })
+    }
+
     /// The limits on the control that are enforced, zero for passive joints; no entries where there are none.
     #[must_use]
     pub fn torque_limits(&self) -> TorqueLimits {

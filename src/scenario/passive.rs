@@ -1,11 +1,10 @@
-//! The joints without a motor: which they are, and what torques a motion asks of them all the same.
+//! The joints without a motor, and the effort that a motion asks of them all the same.
 
 use super::{Scenario, ScenarioFile};
-use crate::constraint::{Constraints, TorqueLimits};
 use crate::curve::Curve;
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::motion::{sample, violations};
+use crate::motion::sample;
 
 /// The key of a scenario.
 const KEY: &str = "passive";
@@ -57,22 +56,7 @@ impl Scenario {
     }
 }
 
-/// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals of each segment and at the
-/// maxima between; see [`violations`].
-///
-/// # Errors
-/// The curve is for another robot.
-pub(super) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
-    // The rows of passive joints are the torques themselves.
-    let all = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(0.0); model.dof()]),
-    };
-    let found = violations(model, curve, &all, intervals)?;
-    Ok(found.into_iter().map(|torque| torque.by).collect())
-}
-
-/// What the torques of these joints add to $\int |u|^2 dt$, by the trapezoidal rule on `intervals` intervals.
+/// The part that the torques of these joints have in $\int |u|^2 dt$, by the trapezoidal rule on `intervals` intervals.
 ///
 /// # Errors
 /// The curve is for another robot.

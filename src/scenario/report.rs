@@ -4,7 +4,6 @@ use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
 use super::summary::{Details, RelaxDetails, Summary};
 use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions};
-use crate::constraint::Constraints;
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::rest::RestRecord;
@@ -76,10 +75,7 @@ fn solve_by_relaxation(
     let problem = scenario.problem()?;
     let settings = &options.relax_settings(scenario);
     let started = Instant::now();
-    let constraints = Constraints {
-        state: scenario.state_constraints()?,
-        torque: scenario.torque_limits(),
-    };
+    let constraints = scenario.constraints()?;
     let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
     let (model, kept) = (&scenario.model, &constraints);
     let cost = match &scenario.file.running_cost {

@@ -192,7 +192,7 @@ fn a_file_of_another_kind_is_told() {
     );
 }
 
-/// What bears on a motion is told wherever a robot is loaded, on the standard error, one line a kind.
+/// All that bears on a motion is told wherever a robot is loaded, on the standard error, one line a kind.
 #[test]
 fn notes_on_a_robot_are_told_wherever_it_is_loaded() {
     let folder = empty_folder("notes");

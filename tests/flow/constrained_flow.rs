@@ -3,18 +3,16 @@
 use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, TorqueLimits,
+    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{
-    AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, FlowSettings, Lagrangian,
-    LagrangianFlow, Penalised, Penalty, PenaltyWeights, RightHandSide, Sum, TorquePenalty,
-    constrained_lagrangian, flow, flow_constrained, penalty,
+    AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, Lagrangian, LagrangianFlow, Penalised,
+    Penalty, PenaltyWeights, RightHandSide, Sum, TorquePenalty, constrained_lagrangian, penalty,
 };
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{AlgebraOver, Tanh};
-use aghf::scenario::Scenario;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -295,109 +293,4 @@ fn costs_by_their_values() {
     assert_refused(two, "u: expected 3 entries, found 2");
     let a_row = none.value(&[0.0; 3], &mut [0.0]);
     assert_refused(a_row, "g: expected 0 entries, found 1");
-}
-
-/// A limit on the speed keeps a pendulum slower, whichever Jacobian the flow uses; constraints that are far from active do
-/// nothing.
-#[test]
-fn the_flow_heeds_constraints() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("it is one");
-    let settings = FlowSettings::new(9, 1e3, 100.0);
-    let limited = |limit: f64, settings: &FlowSettings| {
-        let speed = |side, value| Bound {
-            entry: 1,
-            side,
-            value,
-        };
-        let constraints = Penalised {
-            constraints: Constraints {
-                state: Bounds(vec![speed(Side::Upper, limit), speed(Side::Lower, -limit)]),
-                torque: TorqueLimits(vec![]),
-            },
-            weights: PenaltyWeights {
-                state: Penalty {
-                    k_cons: 1e3,
-                    c_cons: 20.0,
-                },
-                torque: Penalty {
-                    k_cons: 1.0,
-                    c_cons: 1.0,
-                },
-            },
-        };
-        let outcome = flow_constrained(&problem, settings, &constraints, &mut |_| ());
-        outcome
-            .expect("good input")
-            .expect("it reaches its end")
-            .curve
-    };
-    let free = flow(&problem, &settings, &mut |_| ())
-        .expect("good input")
-        .expect("it reaches its end")
-        .curve;
-    let fastest = |curve: &aghf::curve::Curve| {
-        let speeds = (0..=100).map(|i| curve.at(0.02 * f64::from(i)).0[1].abs());
-        speeds.fold(0.0, f64::max)
-    };
-    assert!((limited(100.0, &settings).x() - free.x()).amax() < 1e-6);
-    let limit = 0.9 * fastest(&free);
-    let slow = limited(limit, &settings);
-    assert!(
-        fastest(&slow) < 0.97 * fastest(&free),
-        "{} for {limit}",
-        fastest(&slow)
-    );
-    for (name, kind) in JacobianKind::by_name() {
-        let other = limited(limit, &settings.clone().with_jacobian(kind));
-        assert!((other.x() - slow.x()).amax() < 1e-3, "{name}");
-    }
-}
-
-/// A penalty is one-sided, so an equality would be half of one.
-#[test]
-fn an_equality_in_the_state_is_refused() {
-    #[derive(Clone, Debug)]
-    struct Level(Bounds);
-    impl Constraint for Level {
-        fn dim(&self) -> usize {
-            self.0.dim()
-        }
-
-        fn value<S: AlgebraOver<f64>>(
-            &self,
-            at: &PlacedState<'_, f64, S>,
-            g: &mut [S],
-        ) -> aghf::Result<()> {
-            self.0.value(at, g)
-        }
-
-        fn is_equality(&self, row: usize) -> bool {
-            row == 1
-        }
-    }
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("it is one");
-    let bound = |value| Bound {
-        entry: 0,
-        side: Side::Upper,
-        value,
-    };
-    let one = Penalty {
-        k_cons: 1.0,
-        c_cons: 1.0,
-    };
-    let level = Penalised {
-        constraints: Constraints {
-            state: vec![Level(Bounds(vec![bound(9.0), bound(1.0)]))],
-            torque: TorqueLimits(vec![]),
-        },
-        weights: PenaltyWeights {
-            state: one,
-            torque: one,
-        },
-    };
-    let settings = FlowSettings::new(9, 1e3, 1.0);
-    let refused = flow_constrained(&problem, &settings, &level, &mut |_| ());
-    assert_refused(refused, "row 1 of the constraint: it is an equality");
 }

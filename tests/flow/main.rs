@@ -5,7 +5,9 @@
 mod common;
 
 mod any_to_rest;
+mod built_in;
 mod constrained_flow;
+mod constrained_run;
 mod curve;
 mod dual_trajectory;
 mod extension;

@@ -1,4 +1,4 @@
-//! What a flow to rest refuses, and what stops it.
+//! Refusals of a flow to rest, and its end on request.
 
 use crate::common::{assert_refused, robot};
 use crate::rest::{FREE, degree, rested, swing};

@@ -6,7 +6,7 @@ use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, effort_of, flow};
 use aghf::model::{Model, pendulum};
 use aghf::motion::{Feedback, Guess, Problem, Stopped, sample, simulate};
-use aghf::scenario::{Limit, Method, Scenario, SolveOptions, builtin_scenarios};
+use aghf::scenario::Scenario;
 use nalgebra::DMatrix;
 
 fn run(problem: &Problem<'_>, settings: &FlowSettings) -> FlowSolution {
@@ -293,42 +293,6 @@ fn bad_problems_and_settings_are_errors() {
         effort_of(&other, &curve, 1.0),
         "x: expected 4 entries, found 2",
     );
-}
-
-/// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action is finite.
-const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
-
-/// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told above and those with
-/// passive joints, which it refuses.
-#[test]
-fn every_built_in_scenario_succeeds() {
-    for name in builtin_scenarios() {
-        let scenario = Scenario::load(name).expect("built in");
-        let options = SolveOptions {
-            method: Method::Flow,
-            ..SolveOptions::default()
-        };
-        let outcome = aghf::scenario::solve(&scenario, &options, &mut |_| ());
-        if !scenario.passive().is_empty() {
-            let words = format!("{name}: passive: the published flow does not know it");
-            assert_refused(outcome, &words);
-            continue;
-        }
-        let summary = outcome.expect("valid").summary;
-        println!(
-            "{name}: {:?} {:?}",
-            summary.final_error_inf, summary.open_loop_error_inf
-        );
-        let beyond = BEYOND_TORQUE_LIMITS.contains(&name);
-        assert_eq!(summary.success, !beyond, "{name}: {summary:?}");
-        if beyond {
-            let error = summary.final_error_inf.expect("it was simulated");
-            assert!(error < summary.success_threshold, "{name}: {error}");
-            let violations = summary.feasibility.limit_violations;
-            let torque = violations.iter().all(|v| v.limit == Limit::Torque);
-            assert!(torque, "{name}: {violations:?}");
-        }
-    }
 }
 
 /// Acceptance: the same solve with each Jacobian ends at the same curve, to the tolerance.

@@ -67,7 +67,7 @@ fn around_a_ball(radius: f64, degree: usize) -> RelaxSolution {
     solved_within(&problem, &settings, &kept)
 }
 
-/// What squares to more than there are numbers for ends as a search that failed.
+/// A cost that is more than there are numbers for ends as a search that failed.
 #[test]
 fn rows_that_overflow_are_a_failure() {
     let model = point_mass(&[Vector3::x(), Vector3::y()]);

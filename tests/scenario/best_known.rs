@@ -19,7 +19,7 @@ fn of_ipopt() -> Value {
     serde_json::from_str(&text).expect("it is JSON")
 }
 
-/// What takes IPOPT too long: minutes from each start.
+/// The scenarios that take IPOPT too long: minutes from each start.
 const TOO_LONG: &str = "kinova_dead_wrist_01";
 
 /// Each built-in scenario with passive joints but one has an effort that IPOPT found, on a mesh that is fine enough, and nothing else has.

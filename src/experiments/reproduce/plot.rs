@@ -68,7 +68,7 @@ fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
         chart
             .draw_series(bars)?
             .label(legend(series.quantity, series.power_law()))
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            .legend(move |at| dash(at, colour));
         let Some(coefficients) = series.polynomial() else {
             continue;
         };
@@ -82,14 +82,7 @@ fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
             .filter(|(_, t)| up.contains(t));
         chart.draw_series(LineSeries::new(curve, colour.stroke_width(1)))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .margin(14)
-        .label_font(("sans-serif", 13))
-        .background_style(WHITE)
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
+    draw_legend(&mut chart, SeriesLabelPosition::UpperLeft)?;
     root.present()?;
     drop(chart);
     drop(root);
@@ -135,20 +128,34 @@ fn draw_actions(scenario: &str, paths: &[ActionPath]) -> Result<String, Box<dyn 
         chart
             .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
             .label(path.variant)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+            .legend(move |at| dash(at, colour));
     }
+    draw_legend(&mut chart, SeriesLabelPosition::UpperRight)?;
+    root.present()?;
+    drop(chart);
+    drop(root);
+    Ok(text)
+}
+
+/// The names of the series in a frame.
+fn draw_legend<'a, X: Ranged, Y: Ranged>(
+    chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+    position: SeriesLabelPosition,
+) -> Result<(), Box<dyn Error>> {
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(position)
         .margin(14)
         .label_font(("sans-serif", 13))
         .background_style(WHITE)
         .border_style(BLACK.mix(0.3))
         .draw()?;
-    root.present()?;
-    drop(chart);
-    drop(root);
-    Ok(text)
+    Ok(())
+}
+
+/// The mark of a series before its name.
+fn dash((x, y): (i32, i32), colour: RGBColor) -> PathElement<(i32, i32)> {
+    PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
 }
 
 fn legend(quantity: Quantity, power: Option<(f64, f64)>) -> String {

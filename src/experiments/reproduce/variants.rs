@@ -35,7 +35,7 @@ const FAMILIES: [(&str, &[&str]); 9] = [
     ),
 ];
 
-/// What is compared.
+/// The settings of a comparison.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VariantSettings {
     /// The title of each family and the names of its scenarios, or paths of their files.

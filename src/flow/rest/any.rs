@@ -3,7 +3,7 @@
 use super::euler::{Euler, Progress, Stretch};
 use super::{RestMetric, RestRecord};
 use crate::curve::{Basis, Curve};
-use crate::error::{Error, Result, check_length};
+use crate::error::{Error, Result, check_positive};
 use crate::flow::weak::{Action, PointLagrangian, StateGrid};
 use crate::motion::{Interrupt, Stopped, Watch};
 use std::time::Duration;
@@ -86,13 +86,7 @@ pub fn any_to_rest<L: PointLagrangian<f64>>(
         metric: options.metric,
     };
     let mut look = |progress: &Progress| {
-        observe(&RestRecord {
-            s: progress.s,
-            action: progress.action,
-            gradient_norm: progress.gradient_norm,
-            segments: grid.segments(),
-            degree: grid.degree(),
-        });
+        observe(&progress.record((grid.segments(), grid.degree())));
         Ok(true)
     };
     let at_rest =
@@ -110,25 +104,16 @@ pub fn any_to_rest<L: PointLagrangian<f64>>(
 
 /// Refuses what there is no flow for.
 fn check(grid: &StateGrid<f64>, curve: &Curve, options: &AnyRestOptions) -> Result<()> {
-    let refuse =
-        |file: &str, what: &str, condition: String| Err(Error::input(file, what, condition));
-    let tolerance = options.tolerance;
-    if !(tolerance.is_finite() && tolerance > 0.0) {
-        let condition = format!("it is {tolerance}, a positive number is needed");
-        return refuse("options", "tolerance", condition);
-    }
+    check_positive("options", "tolerance", options.tolerance)?;
+    let refuse = |what: &str, condition: String| Err(Error::input("grid", what, condition));
     let (own, horizon) = (grid.horizon(), curve.horizon());
     if (own - horizon).abs() > ROUNDING * horizon {
         let condition = format!("it is {own} s, that of the curve {horizon} s");
-        return refuse("grid", "horizon", condition);
+        return refuse("horizon", condition);
     }
-    if grid.degree() < Basis::SMALLEST_DEGREE {
-        let (degree, least) = (grid.degree(), Basis::SMALLEST_DEGREE);
-        return refuse(
-            "grid",
-            "degree",
-            format!("it is {degree}, the least is {least}"),
-        );
+    let (degree, least) = (grid.degree(), Basis::SMALLEST_DEGREE);
+    if degree < least {
+        return refuse("degree", format!("it is {degree}, the least is {least}"));
     }
-    check_length("state", 2 * curve.dof(), curve.x().nrows())
+    Ok(())
 }

@@ -1,10 +1,11 @@
 //! The flow of an action by the implicit Euler method, with steps that grow.
 
+use super::RestRecord;
 use crate::error::Result;
 use crate::flow::weak::{Action, ActionDerivatives, PointLagrangian};
-use crate::linalg::{BlockTridiagonal, Region, Step};
+use crate::linalg::{BlockTridiagonal, Region, Step, add_step};
 use crate::motion::Watch;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// The smallest action that gradients are measured against: below it all is rounding.
 const SMALLEST_ACTION: f64 = f64::EPSILON;
@@ -31,7 +32,7 @@ pub enum RestMetric("metric") {
 }
 }
 
-/// What one stretch of the flow is to do.
+/// The demands on one stretch of the flow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     /// The relative gradient norm at which the flow is at rest.
@@ -74,6 +75,17 @@ impl Progress {
             gradient_norm: f64::INFINITY,
             factorisations: 0,
             steps: 0,
+        }
+    }
+
+    /// The progress as it is told, in this number of segments of this degree.
+    pub fn record(&self, (segments, degree): (usize, usize)) -> RestRecord {
+        RestRecord {
+            s: self.s,
+            action: self.action,
+            gradient_norm: self.gradient_norm,
+            segments,
+            degree,
         }
     }
 
@@ -178,7 +190,9 @@ impl Euler {
                     if cut > 0 {
                         share *= CUT;
                     }
-                    move_by(&progress.coefficients, &step, share, &mut trial);
+                    // The first function is not free, nor the last.
+                    let from = &progress.coefficients;
+                    add_step(from, from.nrows(), &step, share, &mut trial);
                     value = action.value(&trial)?;
                     let promised = -share * (slope + 0.5 * share * bend);
                     let gained = progress.action - value;
@@ -227,15 +241,5 @@ impl Euler {
             self.convex.factorise();
         }
         Ok(())
-    }
-}
-
-/// `from` and a `share` of a step added in the unknown coefficients, those of all functions but the first and the last.
-fn move_by(from: &DMatrix<f64>, step: &DVector<f64>, share: f64, to: &mut DMatrix<f64>) {
-    to.copy_from(from);
-    let first = to.nrows();
-    let unknowns = &mut to.as_mut_slice()[first..first + step.len()];
-    for (to, step) in unknowns.iter_mut().zip(step.iter()) {
-        *to += share * step;
     }
 }

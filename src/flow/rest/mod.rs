@@ -25,7 +25,7 @@ pub use euler::RestMetric;
 use super::weak::AnalyticLagrangian;
 use crate::constraint::{Constraint, Constraints};
 use crate::curve::{Basis, Curve};
-use crate::error::{Error, Result, check_count};
+use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
 use stage::Demands;
 use std::time::Duration;
@@ -33,8 +33,6 @@ use walk::WalkOf;
 
 /// The lowest degree without and with rows.
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
-/// The degrees on the way, as those of the relaxation.
-const DEGREES: [usize; 6] = [6, 9, 16, 24, 32, 48];
 /// The amplitude of bent guesses without and with rows, rad or m; with passive joints the first, since there are many minima.
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The most guesses while none leads to a motion within the constraints.
@@ -51,14 +49,14 @@ pub struct RestSettings {
     pub segments: usize,
     /// The metric in which the flow goes down.
     pub metric: RestMetric,
-    /// Whether duals do what penalties alone cannot: $v = \dot q$ and rows of constraints then hold to their tolerances and not up to the
+    /// True if duals do what penalties alone cannot: $v = \dot q$ and rows of constraints then hold to their tolerances and not up to the
     /// inverse of a penalty.
     pub duals: bool,
-    /// Whether a first phase looks for a motion within the constraints.
+    /// True if a first phase looks for a motion within the constraints.
     pub two_phases: bool,
     /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
     pub tolerance: f64,
-    /// What a row of the constraints may be violated by, in rad, rad/s, m, N m or N.
+    /// The largest violation of a row of the constraints, in rad, rad/s, m, N m or N.
     pub feasible: f64,
     /// The most steps between two updates of the duals.
     pub steps: usize,
@@ -118,10 +116,7 @@ impl RestSettings {
         check_count("steps", self.steps, 1..=Self::MOST_STEPS)?;
         check_count("rounds", self.rounds, 1..=Self::MOST_STEPS)?;
         for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
-            if !(value.is_finite() && value > 0.0) {
-                let condition = format!("it is {value}, a positive number is needed");
-                return Err(Error::input("settings", what, condition));
-            }
+            check_positive("settings", what, value)?;
         }
         let Some(start) = &self.start else {
             return Ok(());
@@ -164,13 +159,9 @@ impl RestSettings {
             dense: false,
             ..last
         };
-        let lowest = LOWEST_DEGREE[usize::from(rows)].min(self.degree);
-        let on_the_way = |degree: &usize| *degree > lowest && *degree < self.degree;
-        let degrees = std::iter::once(lowest).chain(DEGREES.into_iter().filter(on_the_way));
+        let degrees = Basis::degrees_below(self.degree, LOWEST_DEGREE[usize::from(rows)]);
         let mut bases: Vec<_> = degrees.map(|degree| (1, degree)).collect();
-        let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
-        let segments: Vec<_> = std::iter::successors(fewer(&self.segments), fewer).collect();
-        bases.extend(segments.into_iter().rev().map(|n| (n, self.degree)));
+        bases.extend(Basis::fewer_segments(self.segments).map(|n| (n, self.degree)));
         if !rows {
             bases.push(last.basis);
         }
@@ -277,12 +268,11 @@ pub fn flow_to_rest<K: Constraint>(
     let watch = Watch::start(settings.time_limit, &settings.interrupt);
     let kind = usize::from(constraints.dim() > 0);
     let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
-    let torque = &constraints.torque;
-    let passive = (0..torque.dim()).any(|row| torque.is_equality(row));
+    let passive = constraints.torque.has_passive();
     let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
-    let mut best: Option<RestSolution> = None;
-    let mut work = [0; 3];
-    for number in 0..settings.guesses.max(MOST_GUESSES) {
+    let (mut best, mut work): (Option<RestSolution>, _) = (None, [0; 3]);
+    let mut number = 0;
+    loop {
         let guess = match &settings.start {
             Some(start) => start.clone(),
             None => {
@@ -301,32 +291,34 @@ pub fn flow_to_rest<K: Constraint>(
             least: known.map_or(f64::INFINITY, |best| best.action),
             watch: &watch,
         };
-        let mut found = walk.from(number, guess, observe)?;
+        let found = walk.from(number, guess, observe)?;
         let own = [found.steps, found.factorisations, found.rounds];
         for (sum, own) in work.iter_mut().zip(own) {
             *sum += own;
         }
         let mut now = match best {
             Some(best) if !is_better(&found, &best) => best,
-            _ => {
-                found.guess = number;
-                found
-            }
+            _ => found,
         };
         now.guesses = number + 1;
         [now.steps, now.factorisations, now.rounds] = work;
         let enough = kind == 0 || now.at_rest;
         let over = watch.stopped().is_some() || settings.start.is_some();
-        if over || (enough && now.guesses >= settings.guesses) {
+        let most = if enough {
+            settings.guesses
+        } else {
+            settings.guesses.max(MOST_GUESSES)
+        };
+        if over || now.guesses >= most {
             return Ok(now);
         }
+        number = now.guesses;
         best = Some(now);
     }
-    best.ok_or_else(|| Error::input("settings", "guesses", "there is none"))
 }
 
 impl RestSolution {
-    /// How far it is from a motion.
+    /// The distance from a motion.
     fn excess(&self) -> f64 {
         self.violation.max(self.slip).max(self.passive_share)
     }

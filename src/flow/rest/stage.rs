@@ -2,13 +2,13 @@
 
 use super::euler::{Euler, Progress, Stretch};
 use super::{RestRecord, RestSettings};
-use crate::constraint::{Constraint, Constraints, TorqueLimits};
+use crate::constraint::{Constraint, Constraints};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::flow::weak::{
     Action, AnalyticLagrangian, AugmentedLagrangian, RowDuals, RowTerms, StateGrid,
 };
-use crate::motion::{Problem, Watch, violations};
+use crate::motion::{Problem, Watch, largest_torques, violations};
 use nalgebra::DMatrix;
 
 /// The number of steps between two looks at the quadrature.
@@ -53,7 +53,7 @@ pub(super) struct Demands {
     pub dense: bool,
 }
 
-/// What a stage did.
+/// The end of a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     pub action: f64,
@@ -66,7 +66,7 @@ pub(super) struct Outcome {
     pub at_rest: bool,
 }
 
-/// Where the flow is, from stage to stage.
+/// The state of the flow from stage to stage.
 pub(super) struct Walk<'w> {
     pub curve: Curve,
     pub s: f64,
@@ -101,7 +101,6 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         constraints: &'s Constraints<K>,
         mut plain: AnalyticLagrangian<'s>,
         demands: Demands,
-        points: usize,
         grid: &'g StateGrid<f64>,
     ) -> Result<Self> {
         for weights in &mut plain.weights {
@@ -113,6 +112,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             .collect();
         let augmented = AugmentedLagrangian::new(held, constraints, grid)?;
         let (segments, degree) = demands.basis;
+        let points = grid.quadrature_points();
         Ok(Self {
             problem,
             settings,
@@ -166,29 +166,33 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
                     break;
                 }
             }
-            if self.settings.duals && reached {
-                self.terms().update_duals();
-            }
             if reached {
+                if self.settings.duals {
+                    self.terms().update_duals();
+                }
                 self.raise_penalties(&largest, &before, density);
             }
             before = largest;
             asked *= TIGHTER;
             euler.refresh();
         }
-        outcome.quadrature_error = self.quadrature_error(&progress.coefficients)?;
-        walk.curve = self
-            .grid
-            .curve(&progress.coefficients, self.problem.horizon())?;
+        outcome.quadrature_error =
+            quadrature_error(&self.own, &self.finer, &self.plain, &progress.coefficients)?;
+        walk.curve = self.curve(&progress)?;
         if demands.dense {
-            let curve = grid.curve(&progress.coefficients, self.problem.horizon())?;
-            outcome.passive_share = self.passive_share(&curve)?;
+            outcome.passive_share = self.passive_share(&walk.curve)?;
         }
         walk.duals = Some(self.terms().over_time(grid.times()));
         walk.s = progress.s;
         walk.steps += progress.steps;
         walk.factorisations += progress.factorisations;
         Ok(outcome)
+    }
+
+    /// The curve as far as it has come.
+    fn curve(&self, progress: &Progress) -> Result<Curve> {
+        self.grid
+            .curve(&progress.coefficients, self.problem.horizon())
     }
 
     /// The terms of the rows.
@@ -199,9 +203,8 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
     /// The penalties of rows that nothing is known of. A passive joint begins as a motor, since nothing is as simple as that.
     fn first_penalties(&mut self, density: f64) {
         let constraints = self.constraints;
-        let states = constraints.state.dim();
         for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
-            let passive = row >= states && constraints.is_equality(row);
+            let passive = constraints.is_passive(row);
             *penalty = if passive {
                 MOTOR
             } else {
@@ -213,9 +216,8 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
     /// Larger penalties for rows that are still violated, and have not become much less so since the round before.
     fn raise_penalties(&mut self, largest: &[f64], before: &[f64], density: f64) {
         let (constraints, feasible) = (self.constraints, self.demands.feasible);
-        let states = constraints.state.dim();
         for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
-            let passive = row >= states && constraints.is_equality(row);
+            let passive = constraints.is_passive(row);
             let most = if passive {
                 LARGEST_MOTOR
             } else {
@@ -251,13 +253,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         let (mut coarse, mut looks) = (false, 0);
         let (watch, observe) = (walk.watch, &mut walk.observe);
         let mut look = |progress: &Progress| {
-            observe(RestRecord {
-                s: progress.s,
-                action: progress.action,
-                gradient_norm: progress.gradient_norm,
-                segments: basis.0,
-                degree: basis.1,
-            });
+            observe(progress.record(basis));
             looks += 1;
             if looks % LOOK == 0 {
                 let error = quadrature_error(grid, finer, plain, &progress.coefficients)?;
@@ -275,9 +271,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         if self.constraints.dim() == 0 {
             return Ok(0.0);
         }
-        let curve = self
-            .grid
-            .curve(&progress.coefficients, self.problem.horizon())?;
+        let curve = self.curve(progress)?;
         let times = TIMES.div_ceil(self.grid.segments());
         let mut largest = 0.0_f64;
         for violation in violations(self.problem.model(), &curve, self.constraints, times)? {
@@ -297,23 +291,15 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
     /// The largest torque of a passive joint at any time, relative to the largest torque.
     fn passive_share(&self, curve: &Curve) -> Result<f64> {
         let limits = &self.constraints.torque;
-        let is_passive = |joint: usize| limits.0.get(joint) == Some(&Some(0.0));
-        let n = curve.dof();
-        if !(0..n).any(is_passive) {
+        if !limits.has_passive() {
             return Ok(0.0);
         }
-        // As equalities the rows are the torques of all joints.
-        let all = Constraints {
-            state: (),
-            torque: TorqueLimits(vec![Some(0.0); n]),
-        };
         let times = TIMES.div_ceil(self.grid.segments());
-        let torques = violations(self.problem.model(), curve, &all, times)?;
-        let largest = torques
-            .iter()
-            .fold(f64::MIN_POSITIVE, |most, u| most.max(u.by));
-        let passive = torques.iter().filter(|u| is_passive(u.row));
-        Ok(passive.fold(0.0_f64, |most, u| most.max(u.by)) / largest)
+        let torques = largest_torques(self.problem.model(), curve, times)?;
+        let largest = torques.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let joints = torques.iter().enumerate();
+        let passive = joints.filter(|(joint, _)| limits.is_passive(*joint));
+        Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
     }
 
     /// The largest slip at the points; with `duals` they become those that the slip asks for, $\lambda + 2 k e$.
@@ -336,10 +322,6 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             }
         }
         largest
-    }
-
-    fn quadrature_error(&self, coefficients: &DMatrix<f64>) -> Result<f64> {
-        quadrature_error(&self.own, &self.finer, &self.plain, coefficients)
     }
 }
 

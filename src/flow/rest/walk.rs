@@ -18,7 +18,7 @@ const PASSIVE_SHARE: f64 = 5e-4;
 const SEGMENTS: usize = 16;
 const DEGREE: usize = 16;
 
-/// What the walks from all guesses have in common.
+/// The common part of the walks from all guesses.
 pub(super) struct WalkOf<'w, 'a, K> {
     pub problem: &'w Problem<'a>,
     pub settings: &'w RestSettings,
@@ -74,15 +74,7 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             loop {
                 let grid = StateGrid::collocated(segments, degree, points, collocated, horizon);
                 let plain = lagrangian.clone();
-                let stage = Stage::new(
-                    problem,
-                    settings,
-                    constraints,
-                    plain,
-                    demands,
-                    points,
-                    &grid,
-                )?;
+                let stage = Stage::new(problem, settings, constraints, plain, demands, &grid)?;
                 outcome = stage.run(&mut walk)?;
                 let coarse = outcome.quadrature_error > demands.quadrature;
                 if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {

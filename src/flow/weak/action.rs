@@ -129,7 +129,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
                     own += column;
                 }
             }
-            multiply(&at_points.hessians, &grid.products, &mut self.sums);
+            multiply(&at_points.hessians, grid.products(), &mut self.sums);
             add_blocks(grid, &self.sums, size, e, &mut out.hessian);
         }
         Ok(sum)
@@ -150,7 +150,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
             self.lagrangian.derivatives(here, &mut self.at_points)?;
-            multiply(&self.at_points.hessians, &grid.products, &mut self.sums);
+            multiply(&self.at_points.hessians, grid.products(), &mut self.sums);
             add_blocks(grid, &self.sums, self.size, e, out);
         }
         Ok(())
@@ -166,7 +166,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         out: &mut BlockTridiagonal<S>,
     ) -> Result<()> {
         let grid = self.grid;
-        let products = grid.products.rows(0, grid.points()).into_owned();
+        let products = grid.products().rows(0, grid.points()).into_owned();
         for e in 0..grid.segments {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
@@ -183,7 +183,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         let (grid, n) = (self.grid, self.size / 2);
         let segments = S::from_f64(grid.segments as f64 / std::f64::consts::PI.powi(2));
         let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * segments;
-        let values = grid.products.rows(0, grid.points());
+        let values = grid.products().rows(0, grid.points());
         let mut gram = ActionDerivatives::new(grid, n).hessian;
         let mut sums = DMatrix::zeros(self.size * self.size, grid.pairs.len());
         for (pair, column) in values.column_iter().enumerate() {
@@ -213,7 +213,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     }
 }
 
-/// What a Lagrangian reads at the points of segment `e`.
+/// The input of a Lagrangian at the points of segment `e`.
 fn points<'a, S: Scalar>(
     grid: &'a StateGrid<S>,
     states: &'a DMatrix<S>,

@@ -16,8 +16,8 @@ type Moving<S> = Jet<Jet<S, WIDTH>, 1>;
 /// Any [`Lagrangian`] with the [`Metric`] in which its flow goes down, the paper's (11) unless another is given. Gradient and Hessian come
 /// from nested dual numbers, `2 N (N + 1)` evaluations per point: slow, and right for whatever `L` is.
 ///
-/// Where [Gauss and Newton's second derivatives](LagrangianDerivatives::convex) are asked for, those of a Lagrangian of which nothing is
-/// known are its Hessian with the negative eigenvalues taken for zero. A field has no order and so none of these: over any scalar there are
+/// [Gauss and Newton's second derivatives](LagrangianDerivatives::convex) of a Lagrangian of which nothing is known are its Hessian with the
+/// negative eigenvalues taken for zero. A field has no order and so none of these: over any scalar there are
 /// [`values_over`](Self::values_over), [`derivatives_over`](Self::derivatives_over) and [`metrics_over`](Self::metrics_over).
 #[derive(Clone, Debug)]
 pub struct DualLagrangian<'m, L, C: Scalar = f64, M = ActuationMetric<C>> {

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// The functions of a curve $x(t)$, continuous and a polynomial of one degree on each of several equal segments, at Gauss-Legendre
 /// points, as many on each segment.
@@ -26,7 +27,7 @@ pub struct StateGrid<S: Scalar> {
     pub(super) pairs: Vec<(usize, usize)>,
     /// Weighted products of a value or slope of the first and one of the second function of each pair: `4 M` by pairs, value and
     /// value, value and slope, slope and value, slope and slope.
-    pub(super) products: DMatrix<S>,
+    products: OnceLock<DMatrix<S>>,
 }
 
 impl StateGrid<f64> {
@@ -75,7 +76,7 @@ impl StateGrid<f64> {
     /// The end of the last segment, s.
     #[must_use]
     pub fn horizon(&self) -> f64 {
-        let quadrature = &self.weights[..self.points() - self.collocated];
+        let quadrature = &self.weights[..self.quadrature_points()];
         quadrature.iter().sum::<f64>() * self.segments as f64
     }
 
@@ -140,12 +141,6 @@ impl<S: Scalar> StateGrid<S> {
         let pairs: Vec<_> = (0..functions)
             .flat_map(|b| (b..functions).map(move |a| (a, b)))
             .collect();
-        let points = weights.len();
-        let products = DMatrix::from_fn(4 * points, pairs.len(), |row, pair| {
-            let (kind, g, (a, b)) = (row / points, row % points, pairs[pair]);
-            let first = table[(a, kind / 2 * points + g)];
-            weights[g] * first * table[(b, kind % 2 * points + g)]
-        });
         Self {
             segments,
             collocated: 0,
@@ -153,8 +148,20 @@ impl<S: Scalar> StateGrid<S> {
             weights,
             table,
             pairs,
-            products,
+            products: OnceLock::new(),
         }
+    }
+
+    /// The weighted products of functions; only derivatives need them.
+    pub(super) fn products(&self) -> &DMatrix<S> {
+        let (points, table, pairs) = (self.points(), &self.table, &self.pairs);
+        self.products.get_or_init(|| {
+            DMatrix::from_fn(4 * points, pairs.len(), |row, pair| {
+                let (kind, g, (a, b)) = (row / points, row % points, pairs[pair]);
+                let first = table[(a, kind / 2 * points + g)];
+                self.weights[g] * first * table[(b, kind % 2 * points + g)]
+            })
+        })
     }
 
     /// The number of segments.
@@ -195,10 +202,16 @@ impl<S: Scalar> StateGrid<S> {
         self.weights.len()
     }
 
+    /// The number of points of each segment that the quadrature has.
+    #[must_use]
+    pub fn quadrature_points(&self) -> usize {
+        self.points() - self.collocated
+    }
+
     /// Tells whether a point, counted along time, is one where there is nothing but equalities.
     #[must_use]
     pub fn is_collocated(&self, point: usize) -> bool {
-        point % self.points() >= self.points() - self.collocated
+        point % self.points() >= self.quadrature_points()
     }
 
     /// The number of functions, those of the boundary conditions included.

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::Lanes;
 
-/// What is asked of a row at a point.
+/// The demand on a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// $h \le 0$.
@@ -72,29 +72,23 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         if constraints.torque.dim() > 0 {
             constraints.torque.check(model)?;
         }
-        let mut scales = constraints.row_scales();
-        let mut units = vec![1.0; scales.len()];
-        for (row, (_, limit, _)) in (states..).zip(constraints.torque.rows()) {
-            if limit > 0.0 {
-                (scales[row], units[row]) = (limit, limit);
-            }
-        }
+        let [scales, units] = constraints.factors_and_units();
         let count = scales.len();
-        let kind = |at: usize| {
-            let in_control = constraints.is_equality(at % count) && at % count >= states;
-            match (in_control, grid.is_collocated(at / count)) {
-                (true, true) => Kind::Equality,
-                (true, false) | (false, true) => Kind::Idle,
-                (false, false) if constraints.is_equality(at % count) => Kind::Equality,
-                (false, false) => Kind::Inequality,
-            }
+        let kind = |at: usize| match (
+            constraints.is_passive(at % count),
+            grid.is_collocated(at / count),
+        ) {
+            (true, true) => Kind::Equality,
+            (true, false) | (false, true) => Kind::Idle,
+            (false, false) if constraints.is_equality(at % count) => Kind::Equality,
+            (false, false) => Kind::Inequality,
         };
         let all = count * grid.times.len();
         let zero = Wide::splat(0.0);
         Ok(Self {
             constraints,
             kinds: (0..all).map(kind).collect(),
-            scales: scales.into_iter().map(f64::recip).collect(),
+            scales,
             units,
             margins: vec![0.0; count],
             penalties: vec![1.0; count],

@@ -3,7 +3,7 @@
 use super::barrier_cost::BarrierCost;
 use crate::constraint::Constraint;
 use crate::error::Result;
-use crate::linalg::{BlockTridiagonal, Region, Step};
+use crate::linalg::{BlockTridiagonal, Region, Step, add_step};
 use crate::relax::tuning::{CUT, CUTS, REFUSALS, ROUNDING, SMALLEST_COST, SUFFICIENT};
 use crate::relax::{CostWithControl, Derivatives, Iteration, Objective};
 use nalgebra::{DMatrix, DVector};
@@ -190,10 +190,6 @@ pub(super) fn move_by<K: Constraint, P: CostWithControl>(
     share: f64,
     to: &mut DMatrix<f64>,
 ) {
-    to.copy_from(from);
     let first = objective.grid().free.start * objective.dof();
-    let unknowns = &mut to.as_mut_slice()[first..first + step.len()];
-    for (to, step) in unknowns.iter_mut().zip(step.iter()) {
-        *to += share * step;
-    }
+    add_step(from, first, step, share, to);
 }

@@ -51,16 +51,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             torque.check(model)?;
         }
         let n = model.dof();
-        let mut scales = constraints.row_scales();
-        let mut units = vec![1.0; scales.len()];
-        // A torque counts relative to its limit; that of a passive joint in its own unit.
-        let limits = torque.rows().map(|(_, limit, _)| limit);
-        for (row, limit) in (state.dim()..)
-            .zip(limits)
-            .filter(|(_, limit)| *limit > 0.0)
-        {
-            (scales[row], units[row]) = (limit, limit);
-        }
+        let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         Ok(Self {
             constraints,
@@ -71,7 +62,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             wide: vec![Wide::splat(0.0); state.dim()],
             units,
             equalities: equalities.collect(),
-            scales: scales.into_iter().map(f64::recip).collect(),
+            scales,
         })
     }
 

@@ -16,15 +16,15 @@ use nalgebra::{DMatrix, DVector};
 
 /// A flow of one's own, to be held against the definition of the flow.
 pub struct FlowUnderTest<'a, L, M> {
-    /// What stands before the names of the quantities.
+    /// The words before the names of the quantities.
     pub name: &'a str,
     /// The Lagrangian.
     pub lagrangian: &'a L,
     /// The metric.
     pub metric: &'a M,
-    /// What should be their $\Omega$.
+    /// Their supposed $\Omega$.
     pub right_hand_side: &'a mut dyn RightHandSide<f64, f64>,
-    /// What should be the Jacobian of that.
+    /// Its supposed Jacobian.
     pub jacobian: &'a mut dyn NodeJacobian,
 }
 
@@ -33,7 +33,7 @@ pub struct FlowUnderTest<'a, L, M> {
 /// $\Omega_{P2}$ apart. Cost: third derivatives, `3 N^2` evaluations of the Lagrangian per state and penalty.
 ///
 /// # Errors
-/// What the flow, the Lagrangian or the metric returns.
+/// Those of the flow, the Lagrangian or the metric.
 pub fn check_flow<L: Lagrangian, M: Metric>(
     model: &Model,
     flow: FlowUnderTest<'_, L, M>,

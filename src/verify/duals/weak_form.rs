@@ -136,7 +136,7 @@ fn looked_at(
 }
 
 impl Found {
-    /// What there is of point `g`: rows that have the penalty apart from those that do not.
+    /// The quantities of point `g`: rows that have the penalty apart from those that do not.
     fn of(&self, g: usize) -> Vec<(String, DMatrix<f64>)> {
         let (all, count) = (&self.derivatives, self.values.len());
         let size = all.gradients.nrows();
