@@ -12,6 +12,7 @@ pub mod error;
 pub mod experiments;
 #[cfg(feature = "solvers")]
 pub mod flow;
+pub mod geometry;
 #[cfg(feature = "output")]
 pub mod guide;
 mod input;

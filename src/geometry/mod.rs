@@ -1,0 +1,5 @@
+//! Shapes in space.
+
+mod shape;
+
+pub use shape::{Shape, Solid};
