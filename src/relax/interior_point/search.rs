@@ -4,6 +4,7 @@ use super::barrier::Barrier;
 use super::barrier_cost::BarrierCost;
 use super::iterate::Iterate;
 use super::newton::{Merit, Newton, move_by};
+use super::row::Kind;
 use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
 use crate::error::Result;
@@ -63,7 +64,11 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     } = context;
     let (n, horizon, points) = (problem.model().dof(), problem.horizon(), candidate.points);
     let basis = candidate.path.basis.clone();
-    let grid = grids.get(&basis, points, horizon);
+    let grid = if rows.equalities.contains(&true) {
+        grids.collocated(&basis, points, horizon)
+    } else {
+        grids.get(&basis, points, horizon)
+    };
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7, horizon);
     let looks = SCAN * points;
@@ -262,6 +267,10 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
     /// they may be; returns false if neither is possible.
     fn mend(&mut self, peaks: &[Peak]) -> bool {
+        if self.objective.cost_mut().largest_equality() > self.stage.feasible {
+            self.update_duals();
+            return true;
+        }
         // What is broken because that is cheap says nothing of what is between the points.
         if self.is_priced() {
             return self.raise_price();
@@ -284,9 +293,14 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             mu: mu * density,
             nu: nu * density,
         };
+        cost.equalities.start(density);
+        if let Some(known) = &candidate.penalties {
+            cost.equalities.penalties.clone_from(known);
+        }
         let known = candidate.multipliers.at(times, rows);
         let warm = known.is_some();
         if let Some(known) = known {
+            cost.equalities.take(&known, &cost.kinds);
             cost.multipliers = known;
         }
         cost.relax();
@@ -326,7 +340,15 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         }
         let mu = (BARRIER_FACTOR * mu).max(least);
         cost.set_barrier(Barrier { mu, nu });
+        self.update_duals();
         true
+    }
+
+    /// The duals of equalities that where the search stands asks for.
+    fn update_duals(&mut self) {
+        let (horizon, feasible) = (self.horizon, self.stage.feasible);
+        let cost = self.objective.cost_mut();
+        cost.update_duals(feasible, cost.cost.max(SMALLEST_COST) / horizon);
     }
 
     /// A higher price of an excess, unless it is the highest already.
@@ -360,7 +382,8 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     fn is_priced(&mut self) -> bool {
         let cost = self.objective.cost_mut();
         let most = AT_THE_PRICE * cost.barrier.nu;
-        cost.multipliers.iter().any(|z| z.abs() > most)
+        let mut rows = cost.multipliers.iter().zip(&cost.kinds);
+        rows.any(|(z, kind)| *kind == Kind::Inequality && *z > most)
     }
 
     /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
@@ -388,10 +411,8 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             let cost = self.objective.cost_mut();
             let density = cost.cost.max(SMALLEST_COST) / horizon;
             candidate.barrier = Some([cost.barrier.mu / density, cost.barrier.nu / density]);
-            candidate.multipliers = Multipliers {
-                times: times.clone(),
-                values: cost.multipliers.clone(),
-            };
+            candidate.penalties = Some(cost.equalities.penalties.clone());
+            candidate.multipliers = Multipliers::new(times, &cost.multipliers, &cost.kinds);
         }
         candidate.path.coefficients = now.coefficients;
         candidate.gradient_norm = now.iteration.gradient_norm;
