@@ -24,6 +24,7 @@ mod iterate;
 mod margins;
 mod newton;
 mod row;
+mod schedule;
 mod search;
 
 pub use barrier::Barrier;

@@ -4,16 +4,14 @@ use super::barrier::Barrier;
 use super::barrier_cost::BarrierCost;
 use super::iterate::Iterate;
 use super::newton::{Merit, Newton, move_by};
-use super::row::Kind;
 use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, CONSTRAINED_STEPS, FINE, FIRST_BARRIER,
-    FIRST_PRICE, FLOOR, LARGEST_PRICE, LATE, LEAVE, LEAVE_FACTOR, LEAVE_TRIES, LOOK, MOST_POINTS,
-    NEARLY, ON_THE_WAY, PRICE_FACTOR, SCAN, SMALLEST_COST,
+    CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, LATE, LEAVE, LEAVE_FACTOR,
+    LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
@@ -29,18 +27,18 @@ pub(super) enum End {
 }
 
 /// A search in progress.
-struct Search<'g, 'a, K, P> {
-    grid: &'g Grid<f64>,
+pub(super) struct Search<'g, 'a, K, P> {
+    pub(super) grid: &'g Grid<f64>,
     /// Looks between the points now and at the end.
     scans: [&'g Scan; 2],
     /// The cost alone, by a finer quadrature.
     finer: Objective<'g, f64, P>,
-    objective: Merit<'g, 'a, K, P>,
+    pub(super) objective: Merit<'g, 'a, K, P>,
     newton: Newton,
-    stage: Stage,
+    pub(super) stage: Stage,
     /// True if there may be more points.
     refinable: bool,
-    horizon: f64,
+    pub(super) horizon: f64,
     /// The rates of the coefficients with the horizon, where that is asked for.
     rates: Option<DMatrix<f64>>,
     constrained: bool,
@@ -264,21 +262,6 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(peaks)
     }
 
-    /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
-    /// they may be; returns false if neither is possible.
-    fn mend(&mut self, peaks: &[Peak]) -> bool {
-        if self.objective.cost_mut().largest_equality() > self.stage.feasible {
-            self.update_duals();
-            return true;
-        }
-        // What is broken because that is cheap says nothing of what is between the points.
-        if self.is_priced() {
-            return self.raise_price();
-        }
-        self.set_margins(peaks, true);
-        true
-    }
-
     /// The first barrier, margins and multipliers.
     fn start(&mut self, candidate: &Candidate) -> Result<()> {
         self.objective.value(&candidate.path.coefficients)?;
@@ -312,78 +295,10 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(())
     }
 
-    /// The weight of the barriers of all rows over the whole horizon.
-    fn total_barrier(&mut self) -> f64 {
-        let cost = self.objective.cost_mut();
-        cost.barrier.mu * cost.rows.count() as f64 * self.horizon
-    }
-
-    /// Tells whether the barriers of all rows together are as weak as they have to be in the end.
-    fn is_last_barrier(&mut self, cost: f64) -> bool {
-        let weak =
-            self.total_barrier() <= NEARLY * self.stage.last_barrier * cost.max(SMALLEST_COST);
-        weak && self.objective.cost_mut().largest_relaxation() == 0.0
-    }
-
-    /// A weaker barrier if a step that promised so much leaves little to gain by the next; says whether it is.
-    fn reduce_barrier(&mut self, promised: f64) -> bool {
-        let (horizon, last) = (self.horizon, self.stage.last_barrier);
-        let cost = self.objective.cost_mut();
-        let all = cost.rows.count() as f64 * horizon;
-        let Barrier { mu, nu } = cost.barrier;
-        if promised > BARRIER_DONE * mu * all {
-            return false;
-        }
-        let least = last * cost.cost.max(SMALLEST_COST) / all;
-        if mu <= NEARLY * least {
-            return false;
-        }
-        let mu = (BARRIER_FACTOR * mu).max(least);
-        cost.set_barrier(Barrier { mu, nu });
-        self.update_duals();
-        true
-    }
-
-    /// The duals of equalities that where the search stands asks for.
-    fn update_duals(&mut self) {
-        let (horizon, feasible) = (self.horizon, self.stage.feasible);
-        let cost = self.objective.cost_mut();
-        cost.update_duals(feasible, cost.cost.max(SMALLEST_COST) / horizon);
-    }
-
-    /// A higher price of an excess, unless it is the highest already.
-    fn raise_price(&mut self) -> bool {
-        let horizon = self.horizon;
-        let cost = self.objective.cost_mut();
-        let Barrier { mu, nu } = cost.barrier;
-        let density = cost.cost.max(SMALLEST_COST) / horizon;
-        let higher = (nu * PRICE_FACTOR).min(LARGEST_PRICE * density);
-        if higher <= nu {
-            return false;
-        }
-        cost.set_barrier(Barrier { mu, nu: higher });
-        true
-    }
-
     /// The local maxima of rows near their bounds, between the points too.
     fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
         let cost = self.objective.cost_mut();
         self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
-    }
-
-    /// Margins from a look between the points.
-    fn set_margins(&mut self, peaks: &[Peak], end: bool) {
-        let cost = self.objective.cost_mut();
-        cost.set_margins(self.grid, peaks, end);
-        cost.set_barrier(cost.barrier);
-    }
-
-    /// Tells whether a row may be broken because its multiplier is at the price.
-    fn is_priced(&mut self) -> bool {
-        let cost = self.objective.cost_mut();
-        let most = AT_THE_PRICE * cost.barrier.nu;
-        let mut rows = cost.multipliers.iter().zip(&cost.kinds);
-        rows.any(|(z, kind)| *kind == Kind::Inequality && *z > most)
     }
 
     /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
