@@ -186,17 +186,13 @@ impl SolveOptions {
         } else {
             RelaxSettings::constrained()
         };
-        let passive = !scenario.file.passive.is_empty();
-        if passive {
+        if !scenario.file.passive.is_empty() {
             (default.degree, default.segments) = PASSIVE_BASIS;
-            default.start_amplitude = RelaxSettings::default().start_amplitude;
-        }
-        // Limits leave little to choose between; without them there are many minima.
-        if !scenario.limits_are_enforced() {
-            default.num_starts = starts_of(scenario.model.dof());
-        }
-        if passive {
             default.num_starts = PASSIVE_GUESSES;
+            default.start_amplitude = RelaxSettings::default().start_amplitude;
+        } else if !scenario.limits_are_enforced() {
+            // Limits leave little to choose between; without them there are many minima.
+            default.num_starts = starts_of(scenario.model.dof());
         }
         RelaxSettings {
             degree: self.degree.unwrap_or(default.degree),
