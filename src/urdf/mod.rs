@@ -6,8 +6,10 @@ mod load;
 mod options;
 mod read;
 mod regularity;
+mod shapes;
 mod tree;
 mod write;
+mod write_shapes;
 
 pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
