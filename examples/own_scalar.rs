@@ -32,6 +32,8 @@ impl_scalar_operators! {
 impl Scalar for Counted {
     fn from_f64(x: f64) -> Self { Self(x) }
     fn sin_cos(self) -> (Self, Self) { (Self(self.0.sin()), Self(self.0.cos())) }
+    fn sqrt(self) -> Self { Self(self.0.sqrt()) }
+    fn if_negative(self, then: Self, otherwise: Self) -> Self { if self.0 < 0.0 { then } else { otherwise } }
 }
 
 /// The constants of a robot stay plain numbers.

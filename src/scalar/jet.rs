@@ -80,6 +80,23 @@ impl<S: Scalar, const N: usize> Scalar for Jet<S, N> {
         let (sin, cos) = self.re.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
+
+    #[inline]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, S::one() / (root + root))
+    }
+
+    #[inline]
+    fn if_negative(self, then: Self, otherwise: Self) -> Self {
+        let eps = std::array::from_fn(|i| self.re.if_negative(then.eps[i], otherwise.eps[i]));
+        Self::new(self.re.if_negative(then.re, otherwise.re), eps)
+    }
+
+    #[inline]
+    fn vanishes(&self) -> bool {
+        self.re.vanishes() && self.eps.iter().all(S::vanishes)
+    }
 }
 
 impl<S: Tanh, const N: usize> Tanh for Jet<S, N> {

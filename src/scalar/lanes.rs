@@ -96,6 +96,25 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
         }
         (sin, cos)
     }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        lanewise(self, self, |x, _| *x = x.sqrt())
+    }
+
+    #[inline(always)]
+    fn if_negative(self, then: Self, otherwise: Self) -> Self {
+        let mut chosen = otherwise;
+        for i in 0..W {
+            chosen.0[i] = self.0[i].if_negative(then.0[i], otherwise.0[i]);
+        }
+        chosen
+    }
+
+    #[inline(always)]
+    fn vanishes(&self) -> bool {
+        self.0.iter().all(S::vanishes)
+    }
 }
 
 impl<S: Tanh, const W: usize> Tanh for Lanes<S, W> {

@@ -1,9 +1,10 @@
 //! What the rest of the library asks of a number.
 //!
 //! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational functions
-//! once a mass matrix is inverted. So [`Scalar`] asks for field operations and `sin_cos` and for nothing else: no
-//! order, no square root, no absolute value. The hyperbolic tangent that penalties need beside is in [`Tanh`]. `f32`, `f64`,
-//! every `Copy` type of `num-dual` and nests of them qualify; a prime field and SIMD lanes can, because neither needs an order.
+//! once a mass matrix is inverted: [`Scalar`] asks for field operations and `sin_cos`. Distances from shapes need a square root and a
+//! choice between two numbers by a sign beside, and no comparison that a program could branch on. The hyperbolic tangent that penalties
+//! need is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify; so do SIMD lanes, which choose each for
+//! itself, and a prime field, where the root and the sign are formal.
 //!
 //! The constants of a model have a type of their own. [`AlgebraOver<C>`] says that a scalar can be multiplied by a constant of
 //! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
@@ -45,6 +46,21 @@ pub trait Scalar:
 
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
+
+    /// The square root. At zero its derivatives are not finite, so code that may come there chooses another number by
+    /// [`if_negative`](Self::if_negative).
+    fn sqrt(self) -> Self;
+
+    /// `then` where the real part of the number is negative, `otherwise` where it is zero, positive or not a number. Each lane chooses
+    /// for itself. What is not chosen leaves no trace, whether or not it is finite.
+    fn if_negative(self, then: Self, otherwise: Self) -> Self;
+
+    /// Tells whether the number and all its derivatives are known to be zero, so that products with it can be left out. `false` is always
+    /// right, and what it is unless overridden.
+    #[inline]
+    fn vanishes(&self) -> bool {
+        false
+    }
 }
 
 /// A scalar with a hyperbolic tangent, which the penalties of constraints are made of. Lagrangians and costs of the control, which

@@ -2,7 +2,7 @@
 
 use super::{AlgebraOver, Scalar, Tanh};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
-use num_traits::{Float, NumCast};
+use num_traits::{Float, NumCast, Zero};
 
 /// Rounds a constant to the floating-point type below a dual number; both types there are (`f32`, `f64`) take any `f64`.
 fn primitive<F: DualNumFloat>(x: f64) -> F {
@@ -18,6 +18,26 @@ impl<D: DualNum + Copy> Scalar for D {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         DualNum::sin_cos(&self)
+    }
+
+    #[inline]
+    fn sqrt(self) -> Self {
+        DualNum::sqrt(&self)
+    }
+
+    #[inline]
+    fn if_negative(self, then: Self, otherwise: Self) -> Self {
+        if self.re() < D::Primitive::zero() {
+            then
+        } else {
+            otherwise
+        }
+    }
+
+    /// `num-dual` tells of the real part alone, so only numbers without derivatives can be known to vanish.
+    #[inline]
+    fn vanishes(&self) -> bool {
+        D::NDERIV == 0 && self.is_zero()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The operators of a number by a few functions.
 
 /// Implements the operators of a type of numbers: `+`, `-`, `*`, `/`, the negative, those that assign, zero and one. They are what
-/// [`Scalar`](crate::scalar::Scalar) asks for beside `from_f64` and `sin_cos`.
+/// [`Scalar`](crate::scalar::Scalar) asks for beside `from_f64`, `sin_cos`, `sqrt` and `if_negative`.
 ///
 /// Attributes such as `#[inline]` go to every function. Parameters of the type stand in the brackets, `[]` where there are none.
 /// The [guide](crate::guide::scalar) makes a scalar with it.

@@ -105,6 +105,27 @@ impl Scalar for PrimeField {
         let inverse = (Self::one() + square).inverse();
         ((self + self) * inverse, (Self::one() - square) * inverse)
     }
+
+    /// A formal function, as half of the elements have no root: any value will do that is zero at zero alone, as long as its derivative is
+    /// $1 / (2 \sqrt x)$, which [`Jet`](super::Jet) sees to. $x + x^3$ here, since $x^2 = -1$ has no solution.
+    fn sqrt(self) -> Self {
+        self + self * self * self
+    }
+
+    /// The residues above half of the order are the negative ones, as $-1, -2, \dots$ are: a random element is as often as not.
+    #[inline]
+    fn if_negative(self, then: Self, otherwise: Self) -> Self {
+        if self.0 > Self::ORDER / 2 {
+            then
+        } else {
+            otherwise
+        }
+    }
+
+    #[inline]
+    fn vanishes(&self) -> bool {
+        self.0 == 0
+    }
 }
 
 impl Tanh for PrimeField {

@@ -12,7 +12,10 @@ mod vector;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
 pub use placement::Placement;
-pub(crate) use product::{apply, apply_to_constant, apply_transpose, cross, dot, matrix, multiply};
+pub(crate) use product::{
+    apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross,
+    dot, matrix, multiply,
+};
 pub use vector::{Force, Motion};
 
 use crate::scalar::Scalar;

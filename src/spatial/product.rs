@@ -48,6 +48,26 @@ pub(crate) fn multiply<S: Scalar>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> 
     matrix(|i, j| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)])
 }
 
+/// $M x$ for constants `M`, which are not promoted.
+#[inline(always)]
+pub(crate) fn apply_constant<C: Copy, S: AlgebraOver<C>>(
+    m: &Matrix3<C>,
+    x: &Vector3<S>,
+) -> Vector3<S> {
+    let row = |i| x.x.scale(m[(i, 0)]) + x.y.scale(m[(i, 1)]) + x.z.scale(m[(i, 2)]);
+    Vector3::new(row(0), row(1), row(2))
+}
+
+/// $M^T x$ for constants `M`, which are not promoted.
+#[inline(always)]
+pub(crate) fn apply_constant_transpose<C: Copy, S: AlgebraOver<C>>(
+    m: &Matrix3<C>,
+    x: &Vector3<S>,
+) -> Vector3<S> {
+    let row = |i| x.x.scale(m[(0, i)]) + x.y.scale(m[(1, i)]) + x.z.scale(m[(2, i)]);
+    Vector3::new(row(0), row(1), row(2))
+}
+
 /// $M x$ for constants `x`, which are not promoted.
 #[inline(always)]
 pub(crate) fn apply_to_constant<C: Copy, S: AlgebraOver<C>>(

@@ -3,6 +3,8 @@
 mod builtin;
 mod elements;
 mod load;
+#[cfg(feature = "output")]
+mod mesh;
 mod options;
 mod read;
 mod regularity;
@@ -15,6 +17,8 @@ pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 #[cfg(feature = "output")]
 pub(crate) use load::RobotSource;
+#[cfg(feature = "output")]
+pub use mesh::load_mesh;
 pub use load::{load_robot, load_robot_with};
 pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions, summarised};
 pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};

@@ -1,0 +1,235 @@
+//! Signed distances of points from shapes.
+
+use super::{Shape, Solid};
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::{apply_constant, apply_constant_transpose, matrix};
+use nalgebra::{Matrix3, Vector3};
+
+/// The length in m below which distances are those from a plane: far below what matters, and far above where $1 / d^3$ overflows.
+pub const FLAT: f64 = 1e-12;
+
+/// The signed distance of a point from a surface, and its derivatives in the point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance<S: Scalar> {
+    /// The distance in m, negative inside.
+    pub value: S,
+    /// The gradient: the unit normal of the surface, away from the shape.
+    pub normal: Vector3<S>,
+    /// The Hessian in 1/m: the curvature of the surface at that distance.
+    pub curvature: Matrix3<S>,
+}
+
+impl<C: Scalar> Shape<C> {
+    /// The signed distance of the point `p` of the frame of the shape from its surface, in m, negative inside.
+    #[inline]
+    #[must_use]
+    pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
+        match self {
+            Self::Sphere { radius } => length([p.x, p.y, p.z]) - S::lift(*radius),
+            Self::Cuboid { half_extents: h } => {
+                corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
+            }
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let off = length([p.x, p.y]) - S::lift(*radius);
+                corner([off, beyond(p.z, *half_length)])
+            }
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let along = excess(beyond(p.z, *half_length));
+                length([p.x, p.y, along]) - S::lift(*radius)
+            }
+        }
+    }
+
+    /// As [`distance`](Self::distance), with its gradient and its Hessian in `p`.
+    #[inline]
+    #[must_use]
+    pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
+        let (one, zero) = (S::one(), S::zero());
+        let sign = p.map(|x| x.if_negative(-one, one));
+        match self {
+            Self::Sphere { radius } => Bent::length([p.x, p.y, p.z], [one; 3])
+                .distance(S::lift(*radius), &sign.map(|_| one)),
+            Self::Cuboid { half_extents: h } => {
+                Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
+                    .distance(zero, &sign)
+            }
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let off = Bent::length([p.x, p.y], [one; 2]);
+                let q = [off.value - S::lift(*radius), beyond(p.z, *half_length)];
+                let outer = Bent::corner(q);
+                let n = [off.gradient[0], off.gradient[1], sign.z];
+                let part = |i: usize| usize::from(i == 2);
+                Distance {
+                    value: outer.value,
+                    normal: Vector3::from_fn(|i, _| outer.gradient[part(i)] * n[i]),
+                    curvature: matrix(|i, j| {
+                        let bent = outer.hessian[part(i)][part(j)] * n[i] * n[j];
+                        if i < 2 && j < 2 {
+                            bent + outer.gradient[0] * off.hessian[i][j]
+                        } else {
+                            bent
+                        }
+                    }),
+                }
+            }
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let along = beyond(p.z, *half_length);
+                let moves = [one, one, along.if_negative(zero, one)];
+                let sign = Vector3::new(one, one, sign.z);
+                Bent::length([p.x, p.y, excess(along)], moves).distance(S::lift(*radius), &sign)
+            }
+        }
+    }
+}
+
+impl<C: Scalar> Solid<C> {
+    /// The signed distance of the point `p` from the surface, in m, negative inside.
+    #[inline]
+    #[must_use]
+    pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
+        self.shape.distance(&self.in_shape(p))
+    }
+
+    /// As [`distance`](Self::distance), with its gradient and its Hessian in `p`.
+    #[inline]
+    #[must_use]
+    pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
+        let local = self.shape.distance_derivatives(&self.in_shape(p));
+        let rotation = &self.placement.rotation;
+        // R H R^T, where H is symmetric: R times the rows of R H.
+        let turned = |m: &Matrix3<S>| {
+            let column = |j| apply_constant(rotation, &m.column(j).into_owned());
+            let columns = [column(0), column(1), column(2)];
+            matrix(|i, j| columns[i][j])
+        };
+        Distance {
+            value: local.value,
+            normal: apply_constant(rotation, &local.normal),
+            curvature: turned(&turned(&local.curvature)),
+        }
+    }
+
+    /// The point `p` in the frame of the shape.
+    #[inline]
+    fn in_shape<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Vector3<S> {
+        let from = p - self.placement.translation.map(S::lift);
+        apply_constant_transpose(&self.placement.rotation, &from)
+    }
+}
+
+/// $|x| - h$.
+#[inline]
+fn beyond<C: Scalar, S: AlgebraOver<C>>(x: S, half: C) -> S {
+    x.if_negative(-x, x) - S::lift(half)
+}
+
+/// The number where it is not negative.
+#[inline]
+fn excess<S: Scalar>(q: S) -> S {
+    q.if_negative(S::zero(), q)
+}
+
+#[inline]
+fn sum_of_squares<S: Scalar, const K: usize>(v: &[S; K]) -> S {
+    v.iter().fold(S::zero(), |sum, v| sum + *v * *v)
+}
+
+/// Negative where the length with that square is below [`FLAT`].
+#[inline]
+fn short<S: Scalar>(square: S) -> S {
+    square - S::from_f64(FLAT * FLAT)
+}
+
+/// $|v|$, which is taken for the first entry where it is [`FLAT`].
+#[inline]
+fn length<S: Scalar, const K: usize>(v: [S; K]) -> S {
+    let square = sum_of_squares(&v);
+    short(square).if_negative(v[0], square.sqrt())
+}
+
+/// The distance from the corner of $q \le 0$: from the nearest of the sides inside, from all that `q` is beyond outside.
+#[inline]
+fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
+    let mut most = q[0];
+    for q in &q[1..] {
+        most = (most - *q).if_negative(*q, most);
+    }
+    let outside = sum_of_squares(&q.map(excess)).sqrt();
+    (most - S::from_f64(FLAT)).if_negative(most, outside)
+}
+
+/// A function of `K` numbers that is a plane in some places and a length in others, with its derivatives.
+struct Bent<S: Scalar, const K: usize> {
+    value: S,
+    gradient: [S; K],
+    hessian: [[S; K]; K],
+}
+
+impl<S: Scalar, const K: usize> Bent<S, K> {
+    /// $|v|$ where `v` are numbers whose derivatives are `moves`, one or zero; the plane with that value and gradient where `flat` is
+    /// negative.
+    #[inline]
+    fn new(v: [S; K], moves: [S; K], flat: S, (value, gradient): (S, [S; K])) -> Self {
+        let length = sum_of_squares(&v).sqrt();
+        let inverse = S::one() / length;
+        let n = v.map(|v| v * inverse);
+        let hessian = |i: usize, j: usize| {
+            let own = if i == j { moves[i] } else { S::zero() };
+            flat.if_negative(S::zero(), (own - n[i] * n[j]) * inverse)
+        };
+        Self {
+            value: flat.if_negative(value, length),
+            gradient: std::array::from_fn(|i| flat.if_negative(gradient[i], n[i])),
+            hessian: std::array::from_fn(|i| std::array::from_fn(|j| hessian(i, j))),
+        }
+    }
+
+    /// [`length`] of numbers whose derivatives are `moves`.
+    #[inline]
+    fn length(v: [S; K], moves: [S; K]) -> Self {
+        let first = std::array::from_fn(|i| if i == 0 { S::one() } else { S::zero() });
+        Self::new(v, moves, short(sum_of_squares(&v)), (v[0], first))
+    }
+
+    /// [`corner`].
+    #[inline]
+    fn corner(q: [S; K]) -> Self {
+        let (zero, one) = (S::zero(), S::one());
+        let mut most = q[0];
+        let mut nearest = std::array::from_fn(|i| if i == 0 { one } else { zero });
+        for i in 1..K {
+            let less = most - q[i];
+            most = less.if_negative(q[i], most);
+            for (j, side) in nearest.iter_mut().enumerate() {
+                *side = less.if_negative(if i == j { one } else { zero }, *side);
+            }
+        }
+        let moves = q.map(|q| q.if_negative(zero, one));
+        let inside = most - S::from_f64(FLAT);
+        Self::new(q.map(excess), moves, inside, (most, nearest))
+    }
+}
+
+impl<S: Scalar> Bent<S, 3> {
+    /// The distance from what is `radius` around, in the coordinates of which those here are the ones with `sign`.
+    #[inline]
+    fn distance(self, radius: S, sign: &Vector3<S>) -> Distance<S> {
+        Distance {
+            value: self.value - radius,
+            normal: Vector3::from_fn(|i, _| self.gradient[i] * sign[i]),
+            curvature: matrix(|i, j| self.hessian[i][j] * sign[i] * sign[j]),
+        }
+    }
+}
