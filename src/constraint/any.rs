@@ -1,8 +1,8 @@
 //! The constraints that a scenario can ask for, and any other.
 
 use super::{
-    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, RowLabel, SphereClearance,
-    WeightedDerivatives, Weights,
+    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, RowLabel, SelfClearance,
+    SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::model::Model;
@@ -16,6 +16,10 @@ pub enum AnyConstraint<C: Scalar = f64> {
     Spheres(SphereClearance<C>),
     /// Balls in a half-space.
     HalfSpace(HalfSpaceClearance<C>),
+    /// Balls outside boxes, cylinders and other solids.
+    Solids(SolidClearance<C>),
+    /// Balls of the robot outside each other.
+    Own(SelfClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
     /// Any other one, evaluated over fewer scalars than those above: see [`DynConstraint`].
@@ -28,6 +32,8 @@ macro_rules! each {
         match $of {
             AnyConstraint::Spheres($it) => $what,
             AnyConstraint::HalfSpace($it) => $what,
+            AnyConstraint::Solids($it) => $what,
+            AnyConstraint::Own($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Other($it) => $what,
         }

@@ -207,7 +207,7 @@ impl<C: Scalar> Constraint<C> for HalfSpaceClearance<C> {
 }
 
 /// The label of a distance.
-fn clearance(name: String) -> RowLabel {
+pub(super) fn clearance(name: String) -> RowLabel {
     RowLabel {
         name,
         unit: "m",

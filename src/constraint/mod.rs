@@ -19,6 +19,9 @@ mod composition;
 mod dynamic;
 mod evaluator;
 mod label;
+mod pair_loads;
+mod self_clearance;
+mod solid_clearance;
 mod torque_limits;
 mod weighted_derivatives;
 
@@ -29,6 +32,8 @@ pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, Sphe
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use label::{RowKind, RowLabel};
+pub use self_clearance::SelfClearance;
+pub use solid_clearance::SolidClearance;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
 
@@ -157,6 +162,15 @@ impl<'a, S> Weights<'a, S> {
             gauss_newton: c,
         };
         (first, rest)
+    }
+
+    /// Tells whether nothing depends on row `row`.
+    #[inline]
+    fn vanish(&self, row: usize) -> bool
+    where
+        S: Scalar,
+    {
+        self.first_order[row].vanishes() && self.gauss_newton.is_none_or(|c| c[row].vanishes())
     }
 
     /// Checks that there are as many as rows.

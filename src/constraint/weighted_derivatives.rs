@@ -1,6 +1,7 @@
 //! Where constraints leave their derivatives.
 
 use super::autodiff::Scratch;
+use super::pair_loads::PairLoads;
 use crate::dynamics::path_to_base;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -21,12 +22,16 @@ use num_traits::Zero;
 ///
 /// with $F_j$ the force on the subtree of `j`. The sums over points are the stiffness of the subtree, 6 by 6, and
 /// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\, Q)\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
+///
+/// What depends on the distance of two points of different bodies is said with [`add_pair`](Self::add_pair), and adds up to a force and a
+/// coupling, 6 by 6, for each pair of bodies.
 #[derive(Clone, Debug)]
 pub struct WeightedDerivatives<S: Scalar> {
     pub(super) gradient: DVector<S>,
     pub(super) hessian: DMatrix<S>,
     pub(super) scratch: Scratch<S>,
     loads: Vec<Load<S>>,
+    pairs: PairLoads<S>,
     second: bool,
 }
 
@@ -57,6 +62,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
             hessian: DMatrix::zeros(2 * n, 2 * n),
             scratch: Scratch::new(),
             loads: vec![Load::zero(); n],
+            pairs: PairLoads::new(),
             second: true,
         }
     }
@@ -95,12 +101,8 @@ impl<S: Scalar> WeightedDerivatives<S> {
         stiffness: &Matrix3<S>,
     ) -> Result<()> {
         let Some(body) = body else { return Ok(()) };
-        let bodies = self.loads.len();
-        let load = self.loads.get_mut(body).ok_or(Error::Length {
-            what: "bodies of the robot of a constraint",
-            expected: body + 1,
-            found: bodies,
-        })?;
+        self.check_body(body)?;
+        let load = &mut self.loads[body];
         load.force += Force::new(p.cross(force), *force);
         if self.second {
             let cross = cross_matrix(p);
@@ -113,16 +115,53 @@ impl<S: Scalar> WeightedDerivatives<S> {
         Ok(())
     }
 
+    /// Adds what depends on the distance of two points `p`, in the base frame, of two bodies: the weighted derivatives in
+    /// $s = |p_1 - p_2|^2 / 2$, `slope` the first one and `curvature` the second one with the squares of slopes. Points without a body do
+    /// not move. Nothing depends on joints that carry both bodies, nor on those of two points of one body.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    #[inline]
+    pub fn add_pair(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        p: [&Vector3<S>; 2],
+        slope: S,
+        curvature: S,
+    ) -> Result<()> {
+        for body in bodies.into_iter().flatten() {
+            self.check_body(body)?;
+        }
+        self.pairs.add(bodies, p, slope, curvature, self.second);
+        Ok(())
+    }
+
+    /// Checks that the robot has the body.
+    #[inline]
+    fn check_body(&self, body: usize) -> Result<()> {
+        if body < self.loads.len() {
+            return Ok(());
+        }
+        Err(Error::Length {
+            what: "bodies of the robot of a constraint",
+            expected: body + 1,
+            found: self.loads.len(),
+        })
+    }
+
     /// Starts anew, for gradients alone or Hessians as well.
     pub(super) fn reset(&mut self, second: bool) {
         self.gradient.fill(S::zero());
         self.hessian.fill(S::zero());
         self.loads.fill(Load::zero());
+        self.pairs.clear();
         self.second = second;
     }
 
     /// Hands what is on the points to the joints.
     pub(super) fn collect<C: Scalar>(&mut self, model: &Model<C>, axes: &[Motion<S>]) {
+        let hessian = self.second.then_some(&mut self.hessian);
+        self.pairs.collect(model, axes, &mut self.gradient, hessian);
         for (j, joint) in model.joints().iter().enumerate().rev() {
             let load = self.loads[j];
             let axis = &axes[j];

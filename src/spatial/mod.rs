@@ -14,7 +14,7 @@ pub use inertia::Inertia;
 pub use placement::Placement;
 pub(crate) use product::{
     apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross,
-    dot, matrix, multiply,
+    dot, matrix, multiply, outer,
 };
 pub use vector::{Force, Motion};
 

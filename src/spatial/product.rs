@@ -20,6 +20,12 @@ pub(crate) fn dot<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> S {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
+/// $a b^T$.
+#[inline(always)]
+pub(crate) fn outer<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Matrix3<S> {
+    matrix(|i, j| a[i] * b[j])
+}
+
 /// The matrix with these entries.
 #[inline(always)]
 pub(crate) fn matrix<S: Scalar>(f: impl Fn(usize, usize) -> S) -> Matrix3<S> {

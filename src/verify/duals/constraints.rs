@@ -5,15 +5,18 @@ use super::{
 };
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Constraints, Evaluator,
-    HalfSpace, HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits, Weights,
+    HalfSpace, HalfSpaceClearance, SelfClearance, Side, SolidClearance, Sphere, SphereClearance,
+    TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::flow::{Penalised, Penalty, PenaltyWeights};
+use crate::geometry::{Shape, Solid};
 use crate::model::Model;
+use crate::spatial::Placement;
 use crate::verify::reference::{gradient, jacobian};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Rotation3, Vector3};
 use num_dual::Dual64;
 
 /// Compares the weighted derivatives of every kind of constraint with duals, and the analytic Jacobians of the constrained
@@ -28,10 +31,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     let mut findings = Findings::default();
     for (sample, state) in states.iter().enumerate() {
         let at = At::new(model, sample, state)?;
-        for (name, constraint) in ["spheres", "half-space", "bounds"]
-            .iter()
-            .zip(&made_up.constraints.state)
-        {
+        for (name, constraint) in KINDS.iter().zip(&made_up.constraints.state) {
             contractions(model, name, constraint, at, &mut findings)?;
         }
     }
@@ -77,6 +77,46 @@ const TOLERANCE: Tolerance = Tolerance {
     floor: VANISHING,
 };
 
+/// The kinds of constraints on the state, in the order in which they are made up.
+const KINDS: [&str; 5] = ["spheres", "half-space", "solids", "own", "bounds"];
+
+/// A box, a cylinder, a capsule and a ball about `mean`, turned, of sizes that go with `reach`.
+fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
+    let size = |part: f64| part * reach;
+    let shapes = [
+        Shape::Cuboid {
+            half_extents: Vector3::new(size(0.3), size(0.15), size(0.2)),
+        },
+        Shape::Cylinder {
+            radius: size(0.25),
+            half_length: size(0.2),
+        },
+        Shape::Capsule {
+            radius: size(0.15),
+            half_length: size(0.3),
+        },
+        Shape::Sphere { radius: size(0.3) },
+    ];
+    let place = |(i, shape): (usize, Shape)| {
+        let wave = |f: f64| (f * (i as f64 + 1.0)).sin();
+        let axis = Vector3::new(wave(0.7), wave(1.3), wave(2.1));
+        let off = Vector3::new(wave(2.9), wave(1.7), wave(0.5)) * size(0.4);
+        Solid {
+            placement: Placement::new(Rotation3::new(axis).into_inner(), mean + off),
+            shape,
+        }
+    };
+    shapes.into_iter().enumerate().map(place).collect()
+}
+
+/// Some pairs of balls of different bodies, neighbours in the tree and others.
+fn pairs(balls: &[CollisionSphere]) -> Vec<[usize; 2]> {
+    let count = balls.len();
+    let partners = |i: usize| [1, 2, count / 2].map(|step| [i, (i + step) % count]);
+    let differ = |[i, j]: &[usize; 2]| balls[*i].body != balls[*j].body;
+    (0..count).flat_map(partners).filter(differ).collect()
+}
+
 /// Constraints of every kind on any robot.
 fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>> {
     let n = model.dof();
@@ -86,6 +126,11 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         let length = (capsule.ends[1] - capsule.ends[0]).norm();
         balls.extend(capsule.balls(length.max(0.1))?);
     }
+    balls.push(CollisionSphere {
+        body: None,
+        centre: Vector3::new(0.1, -0.2, 0.3),
+        radius: 0.1,
+    });
     let mut evaluator = Evaluator::new(model);
     let here = evaluator.at(node.x)?;
     let (mut mean, mut reach) = (Vector3::zeros(), 0.1_f64);
@@ -126,7 +171,19 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                     balls: balls.clone(),
                     spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
                 }),
-                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::HalfSpace(HalfSpaceClearance {
+                    balls: balls.clone(),
+                    half_space,
+                }),
+                AnyConstraint::Solids(SolidClearance {
+                    balls: balls.clone(),
+                    solids: solids(&mean, reach),
+                    names: Vec::new(),
+                }),
+                AnyConstraint::Own(SelfClearance {
+                    pairs: pairs(&balls),
+                    balls,
+                }),
                 AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
             ],
             torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),

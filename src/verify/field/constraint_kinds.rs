@@ -119,7 +119,10 @@ impl<K: Constraint<Gf>> Constraint<Gf> for ValueAlone<K> {
 }
 
 /// The contractions of a constraint with arbitrary weights against nested duals of its rows.
-fn contractions(p: &RandomInstance, constraint: &impl Constraint<Gf>) -> Result<Vec<Equality>> {
+pub(super) fn contractions(
+    p: &RandomInstance,
+    constraint: &impl Constraint<Gf>,
+) -> Result<Vec<Equality>> {
     let x = p.x.as_slice();
     let weight = |from: &DVector<Gf>, j: usize| from[j % from.len()] * Gf::new(j as u64 + 1);
     let count = constraint.dim();
@@ -168,7 +171,7 @@ fn kind(p: &RandomInstance, which: usize, values: Vec<Gf>) -> Result<Vec<Equalit
 }
 
 /// The centre of a ball in the base frame.
-fn centre(p: &RandomInstance, ball: &CollisionSphere<Gf>) -> Result<Vector3<Gf>> {
+pub(super) fn centre(p: &RandomInstance, ball: &CollisionSphere<Gf>) -> Result<Vector3<Gf>> {
     let mut placements = vec![Placement::identity(); p.dof()];
     forward_kinematics(&p.model, p.node().x_p1(), &mut placements)?;
     let moved = |b: usize| placements[b].rotation * ball.centre + placements[b].translation;

@@ -14,6 +14,7 @@ mod discretisation;
 mod dynamics;
 mod dynamics_derivatives;
 mod general_flow;
+mod geometry;
 mod instance;
 mod reference;
 mod relaxation;
@@ -155,6 +156,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(dynamics_derivatives::identities());
     all.extend(constraints::identities());
     all.extend(constraint_kinds::identities());
+    all.extend(geometry::identities());
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());
     all.extend(theorem_b4::identities());

@@ -1,0 +1,100 @@
+//! Balls of a robot that stay out of each other.
+
+use super::clearance::clearance;
+use super::label::name_of;
+use super::{CollisionSphere, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::dot;
+
+/// The two balls of every pair stay out of each other: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, a row for each pair. The squares keep
+/// it smooth everywhere. Pairs of the same two bodies that follow each other share their work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SelfClearance<C: Scalar = f64> {
+    /// The balls that the robot carries, some of them perhaps on its base.
+    pub balls: Vec<CollisionSphere<C>>,
+    /// The indices of the two balls of each pair.
+    pub pairs: Vec<[usize; 2]>,
+}
+
+impl<C: Scalar> SelfClearance<C> {
+    /// The balls of a pair.
+    fn pair(&self, [i, j]: [usize; 2]) -> Result<[&CollisionSphere<C>; 2]> {
+        let ball = |i: usize| {
+            self.balls.get(i).ok_or(Error::Length {
+                what: "balls of the pairs of a constraint",
+                expected: i + 1,
+                found: self.balls.len(),
+            })
+        };
+        Ok([ball(i)?, ball(j)?])
+    }
+}
+
+impl<C: Scalar> Constraint<C> for SelfClearance<C> {
+    fn dim(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Every ball is placed once.
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let mut places = Vec::with_capacity(self.balls.len());
+        for ball in &self.balls {
+            places.push(at.point(ball.body, &ball.centre)?);
+        }
+        for (pair, g) in self.pairs.iter().zip(g) {
+            let [first, second] = self.pair(*pair)?;
+            let reach = first.radius + second.radius;
+            let d = places[pair[0]] - places[pair[1]];
+            *g = S::lift(reach * reach) - dot(&d, &d);
+        }
+        Ok(())
+    }
+
+    /// $2 (r_1 + r_2)$, as $g$ is about that times the depth.
+    fn row_scales(&self, scales: &mut [C]) {
+        for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
+            // A pair without balls is an error of the value.
+            if let Ok([first, second]) = self.pair(*pair) {
+                let reach = first.radius + second.radius;
+                *scale = reach + reach;
+            }
+        }
+    }
+
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        let Some(Ok(pair)) = self.pairs.get(row).map(|pair| self.pair(*pair)) else {
+            return RowLabel::numbered(row);
+        };
+        let [first, second] = pair.map(|ball| name_of(ball.body, model));
+        clearance(format!("distance of {first} from {second}"))
+    }
+
+    /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear, with the slope $-2$. Pairs whose weights vanish cost nothing.
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut WeightedDerivatives<S>,
+    ) -> Result<()> {
+        let (slope, square) = (S::from_f64(-2.0), S::from_f64(4.0));
+        for (row, pair) in self.pairs.iter().enumerate() {
+            if weights.vanish(row) {
+                continue;
+            }
+            let [first, second] = self.pair(*pair)?;
+            let p = at.point(first.body, &first.centre)?;
+            let q = at.point(second.body, &second.centre)?;
+            let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
+            let bodies = [first.body, second.body];
+            out.add_pair(
+                bodies,
+                [&p, &q],
+                weights.first_order[row] * slope,
+                c * square,
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,103 @@
+//! Balls that stay out of boxes, cylinders, capsules and spheres.
+
+use super::clearance::clearance;
+use super::label::name_of;
+use super::{CollisionSphere, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use crate::error::Result;
+use crate::geometry::{Shape, Solid};
+use crate::model::Model;
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::outer;
+use nalgebra::{Matrix3, Vector3};
+
+/// Every ball stays out of every solid: $g = \rho - d(p)$ in m, with $\rho$ and `p` of the ball and the
+/// [signed distance](Solid::distance) `d` of the solid. Row `i m + j` is that of ball `i` and solid `j` of `m`.
+///
+/// A ball with a positive radius touches a solid where the distance is smooth enough; [`geometry`](crate::geometry) says what happens at
+/// edges and inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidClearance<C: Scalar = f64> {
+    /// The balls that the robot carries.
+    pub balls: Vec<CollisionSphere<C>>,
+    /// The solids in its way, placed in the base frame.
+    pub solids: Vec<Solid<C>>,
+    /// The names of the solids, for reports; those without one are called by shape and number.
+    pub names: Vec<String>,
+}
+
+impl<C: Scalar> SolidClearance<C> {
+    /// The name of a solid.
+    fn name(&self, solid: usize) -> String {
+        if let Some(name) = self.names.get(solid) {
+            return format!("'{name}'");
+        }
+        let shape = match self.solids[solid].shape {
+            Shape::Sphere { .. } => "sphere",
+            Shape::Cuboid { .. } => "box",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Capsule { .. } => "capsule",
+        };
+        format!("{shape} {solid}")
+    }
+}
+
+impl<C: Scalar> Constraint<C> for SolidClearance<C> {
+    fn dim(&self) -> usize {
+        self.balls.len() * self.solids.len()
+    }
+
+    fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
+        let mut rows = g.iter_mut();
+        for ball in &self.balls {
+            let p = at.point(ball.body, &ball.centre)?;
+            let radius = S::lift(ball.radius);
+            for (solid, g) in self.solids.iter().zip(&mut rows) {
+                *g = radius - solid.distance(&p);
+            }
+        }
+        Ok(())
+    }
+
+    /// Solids are counted from zero.
+    fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
+        // There is no row without a solid.
+        let solids = self.solids.len().max(1);
+        let Some(ball) = self.balls.get(row / solids) else {
+            return RowLabel::numbered(row);
+        };
+        let (body, solid) = (name_of(ball.body, model), self.name(row % solids));
+        clearance(format!("distance of {body} from {solid}"))
+    }
+
+    /// The gradient in `p` is $-n$ and the Hessian minus the curvature. Balls and rows whose weights vanish cost nothing.
+    fn add_weighted_derivatives<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        weights: Weights<'_, S>,
+        out: &mut WeightedDerivatives<S>,
+    ) -> Result<()> {
+        let m = self.solids.len();
+        for (i, ball) in self.balls.iter().enumerate() {
+            let rows = i * m..(i + 1) * m;
+            if rows.clone().all(|row| weights.vanish(row)) {
+                continue;
+            }
+            let p = at.point(ball.body, &ball.centre)?;
+            let (mut force, mut stiffness) = (Vector3::zeros(), Matrix3::zeros());
+            for (solid, row) in self.solids.iter().zip(rows) {
+                if weights.vanish(row) {
+                    continue;
+                }
+                let near = solid.distance_derivatives(&p);
+                let w = weights.first_order[row];
+                force -= near.normal * w;
+                if let Some(c) = weights.gauss_newton {
+                    let scaled = near.normal * c[row];
+                    stiffness += outer(&scaled, &near.normal) - near.curvature * w;
+                }
+            }
+            out.add_point(ball.body, &p, &force, &stiffness)?;
+        }
+        Ok(())
+    }
+}
