@@ -182,6 +182,8 @@ pub(super) fn check_number(balls: f64, spacing: f64) -> Result<()> {
         return Ok(());
     }
     let [spacing, balls, most] = [spacing, balls, MOST_BALLS].map(plain);
-    let condition = format!("it is {spacing}, which takes {balls} balls for one shape, at most {most} are allowed");
+    let condition = format!(
+        "it is {spacing}, which takes {balls} balls for one shape, at most {most} are allowed"
+    );
     Err(Error::input("cover by balls", "spacing", condition))
 }

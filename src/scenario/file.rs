@@ -4,13 +4,12 @@ use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use super::passive::check_passive;
 use super::obstacles::{
     BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
     SphereObstacle,
 };
+use super::passive::check_passive;
 use super::provenance::is_summary;
-use super::robot_shape::Body;
 use super::self_collision::in_full;
 use super::{EnforcedLimits, Environment, SolveOptions, Solved};
 use crate::curve::Chebyshev;
@@ -218,7 +217,7 @@ impl Scenario {
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
+    pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
@@ -226,7 +225,12 @@ impl Scenario {
         let (robot, load_notes) = source.parse(options).map_err(of_robot)?;
         let robot_place = source.absolute().map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
-        let environment = Environment::new(&robot, &file, path)?;
+        if let Some(given) = file.self_collision.take() {
+            let read = in_full(given, folder);
+            let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
+            file.self_collision = Some(read);
+        }
+        let environment = Environment::new(&robot, &file, source.folder(), path)?;
         let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
         let states = [
             ("q_start", &file.q_start),

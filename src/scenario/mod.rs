@@ -9,6 +9,7 @@ mod file;
 mod generate;
 mod json;
 mod limits;
+mod moveit;
 mod objective;
 mod obstacles;
 mod options;
@@ -27,6 +28,7 @@ pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{FlowParameters, Scenario, ScenarioFile};
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
+pub use moveit::{MoveIt, MoveItHorizon};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use obstacles::{
     BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
@@ -37,5 +39,6 @@ pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, solve};
+pub use robot_shape::LinkBall;
 pub use self_collision::{IgnoredPair, IgnoredPairs};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

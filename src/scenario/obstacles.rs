@@ -6,6 +6,7 @@ use crate::geometry::{Shape, Solid};
 use crate::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The largest length, m: far beyond any robot. Squares of distances must not overflow, nor swallow its own size.
 pub(super) const LARGEST_LENGTH: f64 = 1e6;
@@ -140,16 +141,44 @@ pub(super) trait Obstacle {
     fn placed(&self) -> Checked<Self::Placed>;
 }
 
-/// The obstacles of a list, each with its name in reports: its key and number, and the name it was given.
-pub(super) fn placed<O: Obstacle>(list: &[O], path: &str) -> Result<Vec<(String, O::Placed)>> {
+/// An obstacle in space, and where it is in the file.
+#[derive(Clone, Debug)]
+pub(super) struct Named<T> {
+    /// Its key and number, such as `sphere_obstacles[2]`.
+    pub key: String,
+    /// The name it was given.
+    pub name: Option<String>,
+    /// What it is in space.
+    pub placed: T,
+}
+
+impl<T> Named<T> {
+    /// The name it was given, or else its key and number.
+    pub fn name(&self) -> &str {
+        self.name.as_ref().unwrap_or(&self.key)
+    }
+}
+
+impl<T> fmt::Display for Named<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.key)?;
+        match &self.name {
+            Some(name) => write!(f, " '{name}'"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The obstacles of a list; `path` names the scenario in errors.
+pub(super) fn placed<O: Obstacle>(list: &[O], path: &str) -> Result<Vec<Named<O::Placed>>> {
     let named = |(i, obstacle): (usize, &O)| {
         let key = format!("{}[{i}]", O::KEY);
-        let placed = (obstacle.placed()).map_err(|condition| Error::input(path, &key, condition))?;
-        let name = match obstacle.name() {
-            Some(name) => format!("{key} '{name}'"),
-            None => key,
-        };
-        Ok((name, placed))
+        let placed = obstacle.placed();
+        Ok(Named {
+            placed: placed.map_err(|condition| Error::input(path, &key, condition))?,
+            name: obstacle.name().cloned(),
+            key,
+        })
     };
     list.iter().enumerate().map(named).collect()
 }

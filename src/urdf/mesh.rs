@@ -33,7 +33,7 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
     let scene = match extension.as_str() {
         "stl" => stl::from_slice(&bytes),
         // Materials have no shape.
-        _ => obj::from_slice(&bytes, &path, |_| -> io::Result<Vec<u8>> {
+        _ => obj::from_slice(&bytes, Some(&path), |_| -> io::Result<Vec<u8>> {
             Ok(Vec::new())
         }),
     };
