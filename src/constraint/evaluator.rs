@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement};
 
-/// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state.
+/// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state unless a constraint does so.
 #[derive(Clone, Debug)]
 pub struct Evaluator<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,

@@ -37,7 +37,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         self.pairs.len()
     }
 
-    /// Every ball is placed once.
+    /// Every ball is placed once, in memory that is allocated for it.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let mut places = Vec::with_capacity(self.balls.len());
         for ball in &self.balls {

@@ -1,6 +1,6 @@
 //! How every derivative, every formula and the dynamics below them are checked.
 //!
-//! Three witnesses check this library, and no claim rests on one of them alone. None of them uses the formulas that it is a
+//! Three kinds of witnesses check this library, and no claim rests on one of them alone. None of them uses the formulas that it is a
 //! witness of: each differentiates, or computes in another way, what the fast code has in closed form.
 //!
 //! # Dual numbers: [`duals`]
@@ -21,15 +21,16 @@
 //! probability below $2 \cdot 10^{-40}$. The pages in `proofs/` state the equations, and a test ties pages, code and identities together.
 //!
 //! - **Sees** every error in a formula, however small the term, for trees of joints with all kinds of branching.
-//! - **Does not see** rounding, overflow and cancellation; code that only `f64` takes, namely products of large matrices by `faer`
+//! - **Does not see** what distances are, whose roots and signs are formal there, but that their derivatives are those of their values;
+//!   rounding, overflow and cancellation; code that only `f64` takes, namely products of large matrices by `faer`
 //!   ([`linalg`](crate::linalg)) and sines of four numbers at once by `wide` ([`Lanes`](crate::scalar::Lanes)), which the property
 //!   tests `the_fast_paths_agree_with_the_generic_code` hold to the generic code; inequalities, comparisons and anything that is about
 //!   order, such as whether a search ends or what it ends at; and a law that is wrong consistently.
 //!
-//! # Pinocchio: `tests/oracle`
+//! # Pinocchio and Parry: `tests/oracle`
 //!
 //! The dynamics, their first and second derivatives, Jacobians of frames, constraints, $\Omega$ and its Jacobians are compared with
-//! Pinocchio on random robots and on the URDF files of two public collections.
+//! Pinocchio on random robots and on the URDF files of two public collections, distances of balls from obstacles with Parry.
 //!
 //! - **Sees** what the other two cannot, because both are consistent with themselves: gravity with the wrong sign, a frame convention,
 //!   a URDF that is misread.
@@ -49,6 +50,8 @@
 //! | weighted derivatives of constraints, the constrained flow | all three | [`check_constraints`](duals::check_constraints), [`prove`], oracle |
 //! | gradient and Hessian of the relaxation | field; gradient also against the flow | [`prove`], [`check_relaxation`](duals::check_relaxation) |
 //! | the dynamics are those of the robot in the URDF | Pinocchio | oracle |
+//! | distances from boxes, cylinders, capsules and balls | Parry | oracle |
+//! | their derivatives, and those of clearances | field, duals | [`check_constraints`](duals::check_constraints), [`prove`] |
 //!
 //! On the command line `aghf check ROBOT` is [`check_all`] and `aghf prove` is [`prove`]; `tests/run --test oracle` runs the oracle.
 //! What both built-in witnesses hold the library against is written once, in [`reference`](mod@reference), over any number.

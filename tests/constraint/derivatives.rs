@@ -1,16 +1,19 @@
 //! Constraints: contractions against dual numbers of the value, swept links, and the constrained flow.
 
 use crate::common::{any_model, assert_refused, assert_right, config, numbers, robot, wave};
+use crate::solids::sizes;
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, Weights,
+    HalfSpaceClearance, PlacedState, SelfClearance, Side, SolidClearance, Sphere, SphereClearance,
+    Weights,
 };
 use aghf::dynamics::forward_kinematics;
+use aghf::geometry::Solid;
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use aghf::verify::duals::{CheckOptions, check_constraints};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use proptest::prelude::*;
 
 /// Every kind that is built in: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
@@ -34,6 +37,15 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
         centre: Vector3::new(x, y, z),
         radius,
     };
+    let solids = sizes([0.3, 0.2, 0.5, 0.4]).map(|shape| Solid {
+        placement: Placement::new(
+            Rotation3::new(Vector3::new(0.4, -0.9, 0.3)).into_inner(),
+            Vector3::new(0.3, -0.4, 0.2),
+        ),
+        shape,
+    });
+    let count = balls.len();
+    let pairs = (0..count).flat_map(|i| [[i, (i + 1) % count], [i, (i * i + 2) % count]]);
     let bound = |entry, side, value| Bound { entry, side, value };
     let m = 2 * model.dof();
     vec![
@@ -42,11 +54,20 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
             spheres: vec![sphere(0.4, 0.1, -0.7, 0.3), sphere(-1.0, 0.8, 0.5, 1.1)],
         }),
         AnyConstraint::HalfSpace(HalfSpaceClearance {
-            balls,
+            balls: balls.clone(),
             half_space: HalfSpace {
                 normal: Vector3::new(2.0, -1.0, 2.0) / 3.0,
                 offset: -0.4,
             },
+        }),
+        AnyConstraint::Solids(SolidClearance {
+            balls: balls.clone(),
+            solids: solids.into(),
+            names: Vec::new(),
+        }),
+        AnyConstraint::Own(SelfClearance {
+            pairs: pairs.collect(),
+            balls,
         }),
         AnyConstraint::Bounds(Bounds(vec![
             bound(0, Side::Upper, 0.7),
@@ -60,7 +81,7 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
 }
 
 /// A constraint without its analytic contractions.
-struct ValueAlone<K>(K);
+pub struct ValueAlone<K>(pub K);
 
 impl<K: Constraint> Constraint for ValueAlone<K> {
     fn dim(&self) -> usize {
@@ -77,7 +98,7 @@ impl<K: Constraint> Constraint for ValueAlone<K> {
 }
 
 /// Gradient and Hessian with some weights.
-fn contracted(
+pub fn contracted(
     model: &Model,
     constraint: &impl Constraint,
     x: &[f64],

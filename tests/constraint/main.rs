@@ -6,4 +6,6 @@ mod common;
 
 mod composition;
 mod derivatives;
+mod self_clearance;
+mod solids;
 mod violations;

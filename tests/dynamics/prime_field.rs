@@ -73,6 +73,21 @@ proptest! {
         prop_assert_eq!(tanh.eps[0], (F::one() - tanh.re * tanh.re) * F::new(3));
     }
 
+    /// The root is formal, and zero at zero alone; half of the elements are negative, as the negative integers are.
+    #[test]
+    fn roots_are_formal_and_signs_those_of_integers(a in elements(), b in elements(), n in 1..1_000_000_u64) {
+        prop_assert_eq!(Scalar::sqrt(a).is_zero(), a.is_zero());
+        let root = Scalar::sqrt(Jet::new(a, [b]));
+        if !a.is_zero() {
+            prop_assert_eq!(root.eps[0] * (root.re + root.re), b);
+        }
+        prop_assert_eq!((-F::new(n)).if_negative(a, b), a);
+        prop_assert_eq!(F::new(n).if_negative(a, b), b);
+        prop_assert_eq!(F::zero().if_negative(a, b), b);
+        let chosen = Jet::new(-F::new(n), [a]).if_negative(Jet::new(a, [b]), Jet::new(b, [a]));
+        prop_assert_eq!(chosen, Jet::new(a, [b]));
+    }
+
     /// The quotient and product rules, over a number with two tangents.
     #[test]
     fn jets_obey_the_rules(a in elements(), b in elements(), da in elements(), db in elements()) {

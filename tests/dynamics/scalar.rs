@@ -4,7 +4,7 @@ use crate::common::{config, numbers, wave};
 use aghf::dynamics::{Data, rnea};
 use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
-use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
+use aghf::scalar::{AlgebraOver, Jet, Lanes, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, SVector};
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
 use proptest::prelude::*;
@@ -110,6 +110,65 @@ proptest! {
         let slope = DVector::from_iterator(n, solution.iter().map(|s| s.eps));
         assert_close!(&(h * slope), &(DVector::from_column_slice(&b[5..5 + n]) - rate * value), 1e-9);
     }
+}
+
+/// `sqrt x` for positive `x` and `x sin x` for the others, with its first two derivatives by hand.
+fn chosen<S: Scalar>(x: S) -> S {
+    x.if_negative(x * x.sin_cos().0, Scalar::sqrt(x))
+}
+
+fn chosen_by_hand(x: f64) -> [f64; 3] {
+    let (sin, cos) = x.sin_cos();
+    if x < 0.0 {
+        [x * sin, sin + x * cos, 2.0 * cos - x * sin]
+    } else {
+        [x.sqrt(), 0.5 / x.sqrt(), -0.25 / (x * x.sqrt())]
+    }
+}
+
+/// Roots and choices differentiate over every type of number; what is not chosen, here roots of negative numbers, leaves no trace.
+#[test]
+fn roots_and_choices() {
+    for x in [-2.5, -0.3, 0.2, 1.7, 9.0] {
+        let [value, first, second] = chosen_by_hand(x);
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "at {x}: {a} {b}");
+        near(chosen(x), value);
+        assert!((f64::from(chosen(x as f32)) - value).abs() < 1e-6);
+        near(chosen(Dual64::new(x, 3.0)).eps, 3.0 * first);
+        near(chosen(Dual2_64::new(x, 1.0, 0.0)).v2, second);
+        near(chosen(HyperDual64::new(x, 1.0, 1.0, 0.0)).eps1eps2, second);
+        let nested = chosen(Jet::new(
+            Jet::new(x, [1.0]),
+            [Jet::constant(1.0), Jet::constant(0.0)],
+        ));
+        near(nested.re.re, value);
+        near(nested.eps[0].re, first);
+        near(nested.eps[0].eps[0], second);
+        near(nested.eps[1].eps[0], 0.0);
+        let lanes = chosen(Jet::new(
+            Lanes([x, -x, x, 1.0]),
+            [Lanes([1.0, 1.0, 2.0, 0.0])],
+        ));
+        let [_, other, _] = chosen_by_hand(-x);
+        for (lane, slope) in [first, other, 2.0 * first, 0.0].into_iter().enumerate() {
+            near(lanes.eps[0].0[lane], slope);
+        }
+    }
+    let choose = |x: f64| x.if_negative(1.0, 2.0);
+    assert_eq!(
+        [-1e-300, -0.0, 0.0, 1e-300, f64::NAN].map(choose),
+        [1.0, 2.0, 2.0, 2.0, 2.0]
+    );
+}
+
+/// Only what has no derivatives is known to vanish: `num-dual` does not tell of them.
+#[test]
+fn what_vanishes() {
+    assert!(0.0_f64.vanishes() && (-0.0_f32).vanishes() && !1e-300_f64.vanishes());
+    assert!(!Dual64::from(0.0).vanishes());
+    assert!(Lanes([0.0; 4]).vanishes() && !Lanes([0.0, 0.0, 1.0, 0.0]).vanishes());
+    assert!(Jet::new(0.0, [0.0; 2]).vanishes() && !Jet::new(0.0, [0.0, 1.0]).vanishes());
+    assert!(!Jet::new(1.0, [0.0]).vanishes());
 }
 
 /// Far from zero the hyperbolic tangent is one, and its dual numbers are numbers.

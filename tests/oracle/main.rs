@@ -1,10 +1,12 @@
-//! The third witness: Pinocchio 4.1, other people's library, asked through Python. `tests/run` prepares it.
+//! The third witness: other people's libraries. Pinocchio 4.1 for the dynamics, asked through Python, which `tests/run` prepares, and Parry
+//! for distances.
 
 #[path = "../common/mod.rs"]
 mod common;
 mod compare;
 mod constraints;
 mod corpus;
+mod distances;
 mod flow;
 mod limits;
 

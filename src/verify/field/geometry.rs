@@ -8,7 +8,7 @@ use crate::geometry::{Shape, Solid};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Points for each shape: enough that every branch is met, the rarest one of sixteen.
+/// Points for each shape. A sign falls either way at every second one, so all choices of a shape are met many times.
 const POINTS: u64 = 128;
 
 /// The identities of this file.
