@@ -2,7 +2,7 @@
 
 use super::cover::{check, check_number};
 use super::{Ball, Cover};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -11,13 +11,18 @@ pub type Triangle = [Vector3<f64>; 3];
 
 /// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than `spacing`, those with
 /// their middles in one cell of a grid of that width share a ball about the box around them. Each ball has corners of triangles in it, so no point of it
-/// is further from the surface than its radius and the distance from its centre to the nearest of them: the excess, which is at most four times `spacing`. Cost
+/// is further from the surface than its radius and the distance from its centre to the nearest of them: the excess, which is less than 4.1 times `spacing`. Cost
 /// O(area / spacing^2).
 ///
 /// # Errors
-/// `spacing` is not positive and finite, or more than 1e5 balls are needed.
+/// `spacing` is not positive and finite, a coordinate is not finite, or more than 1e5 balls are needed.
 pub fn cover_triangles(triangles: &[Triangle], spacing: f64) -> Result<Cover> {
     check(spacing, &[])?;
+    let points = triangles.iter().flatten();
+    if !points.flat_map(|p| p.iter()).all(|x| x.is_finite()) {
+        let condition = "a coordinate is not a finite number";
+        return Err(Error::input("cover by balls", "triangles", condition));
+    }
     let mut cells: BTreeMap<[i64; 3], Vec<Vector3<f64>>> = BTreeMap::new();
     let mut pending = triangles.to_vec();
     while let Some([a, b, c]) = pending.pop() {
