@@ -50,7 +50,7 @@ impl<S: Scalar> PairLoad<S> {
     }
 
     /// $K S$.
-    fn from_second(&self, axis: &Motion<S>) -> Force<S> {
+    fn times(&self, axis: &Motion<S>) -> Force<S> {
         let [[aa, al], [la, ll]] = &self.coupling;
         Force::new(
             apply(aa, &axis.angular) + apply(al, &axis.linear),
@@ -59,7 +59,7 @@ impl<S: Scalar> PairLoad<S> {
     }
 
     /// $K^T S$.
-    fn from_first(&self, axis: &Motion<S>) -> Force<S> {
+    fn transpose_times(&self, axis: &Motion<S>) -> Force<S> {
         let [[aa, al], [la, ll]] = &self.coupling;
         Force::new(
             apply_transpose(aa, &axis.angular) + apply_transpose(la, &axis.linear),
@@ -150,20 +150,20 @@ impl<S: Scalar> PairLoads<S> {
             };
             for (at, j) in first.iter().enumerate() {
                 let axis = &axes[*j];
-                let felt = load.from_second(axis) + axis.cross_force(&load.force);
+                let felt = load.times(axis) + axis.cross_force(&load.force);
                 for i in &first[at..] {
                     add(*i, *j, axes[*i].dot(&felt));
                 }
             }
             for (at, l) in second.iter().enumerate() {
                 let axis = &axes[*l];
-                let felt = load.from_first(axis) - axis.cross_force(&load.force);
+                let felt = load.transpose_times(axis) - axis.cross_force(&load.force);
                 for k in &second[at..] {
                     add(*k, *l, axes[*k].dot(&felt));
                 }
             }
             self.felt.clear();
-            let felt = second.iter().map(|l| load.from_second(&axes[*l]));
+            let felt = second.iter().map(|l| load.times(&axes[*l]));
             self.felt.extend(felt);
             for i in first {
                 for (l, felt) in second.iter().zip(&self.felt) {

@@ -332,7 +332,7 @@ fn only_weights_that_vanish_are_left_out() {
     let slopes: Vec<f64> = sums.gradient().iter().map(|g| g.eps).collect();
     assert_close!(&slopes, &gradient, 1e-14);
 
-    let jets = x.map(|x| Jet::<f64, 1>::constant(x));
+    let jets = x.map(Jet::<f64, 1>::constant);
     let mut evaluator = Evaluator::<f64, Jet<f64, 1>>::new(&model);
     let mut here = evaluator.at(&jets).expect("3 joints");
     let w: Vec<Jet<f64, 1>> = duals[..8].iter().map(|w| Jet::new(w.re, [w.eps])).collect();
