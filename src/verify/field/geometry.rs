@@ -131,7 +131,8 @@ fn solids(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
-/// All pairs of balls and of two more on the bodies of the fourth joint, beside the third, and of the second, which carries both.
+/// All pairs of balls and of two more on the bodies of the fourth joint, beside the third, and of the second, which
+/// carries both.
 fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut balls = balls(p);
     for (i, body) in [3, 1].into_iter().enumerate() {
