@@ -1,7 +1,8 @@
-//! Clearances at four points side by side: an arm with 59 balls, the pairs of those on links that are not neighbours, and 12 boxes.
+//! Clearances at four points side by side: an arm with 59 balls, the pairs of those on links that are not neighbours,
+//! and 12 boxes.
 //!
-//! `cargo bench --bench clearance` measures and prints the medians in microseconds at the end, for the four points together, by the
-//! number of rows. "One in twenty": the weights of the other rows vanish.
+//! `cargo bench --bench clearance` measures and prints the medians in microseconds at the end, for the four points
+//! together, by the number of rows. "One in twenty": the weights of the other rows vanish.
 
 mod common;
 

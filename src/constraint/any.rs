@@ -19,7 +19,7 @@ pub enum AnyConstraint<C: Scalar = f64> {
     /// Balls outside boxes, cylinders and other solids.
     Solids(SolidClearance<C>),
     /// Balls of the robot outside each other.
-    Own(SelfClearance<C>),
+    SelfCollision(SelfClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
     /// Any other one, evaluated over fewer scalars than those above: see [`DynConstraint`].
@@ -33,7 +33,7 @@ macro_rules! each {
             AnyConstraint::Spheres($it) => $what,
             AnyConstraint::HalfSpace($it) => $what,
             AnyConstraint::Solids($it) => $what,
-            AnyConstraint::Own($it) => $what,
+            AnyConstraint::SelfCollision($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Other($it) => $what,
         }

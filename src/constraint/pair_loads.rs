@@ -7,22 +7,24 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// The sums over all pairs of points, by the two bodies that carry them.
 ///
-/// With $d = p_1 - p_2$ and $s = |d|^2 / 2$ a function of `s` pulls at the first point with $f = \varphi^{\prime} d$ and at the second
-/// one with $-f$. As spatial forces at the origin these are opposite, $\pm F$, since $p_1 \times d = p_2 \times d =: m$ is the moment of
-/// their line. With $L = (m, d)$ the stiffness between the two bodies is
+/// With $d = p_1 - p_2$ and $s = |d|^2 / 2$ a function of `s` pulls at the first point with $f = \varphi^{\prime} d$
+/// and at the second one with $-f$. As spatial forces at the origin these are opposite, $\pm F$, since
+/// $p_1 \times d = p_2 \times d =: m$ is the moment of their line. With $L = (m, d)$ the stiffness between the two
+/// bodies is
 ///
 /// $$ F = \varphi^{\prime} L, \qquad
 ///    K = [-p_{1 \times}, I]^T (\varphi^{\prime} I + \varphi^{\prime\prime} d d^T) [-p_{2 \times}, I]
 ///      = \varphi^{\prime} [-p_{1 \times}, I]^T [-p_{2 \times}, I] + \varphi^{\prime\prime} L L^T . $$
 ///
-/// Joints that carry both bodies change no distance. Of those that carry one alone, `i` before `j` on the first side and `k` before `l`
-/// on the second,
+/// Joints that carry both bodies change no distance. Of those that carry one alone, `i` before `j` on the first side
+/// and `k` before `l` on the second,
 ///
 /// $$ \frac{\partial^2}{\partial q_i \partial q_j} = S_i \cdot (K S_j + S_j \times^* F), \qquad
 ///    \frac{\partial^2}{\partial q_k \partial q_l} = S_k \cdot (K^T S_l - S_l \times^* F), \qquad
 ///    \frac{\partial^2}{\partial q_i \partial q_l} = -S_i \cdot K S_l . $$
 ///
-/// `proofs/geometry.md` derives it. O(1) for each pair of points, O(d^2) for each pair of bodies.
+/// `proofs/geometry.md` derives it. O(1) for each pair of points, the square of the depth of the tree for each pair of
+/// bodies.
 #[derive(Clone, Debug)]
 pub(super) struct PairLoads<S: Scalar> {
     loads: Vec<([Option<usize>; 2], PairLoad<S>)>,
@@ -50,7 +52,7 @@ impl<S: Scalar> PairLoad<S> {
     }
 
     /// $K S$.
-    fn from_second(&self, axis: &Motion<S>) -> Force<S> {
+    fn times(&self, axis: &Motion<S>) -> Force<S> {
         let [[aa, al], [la, ll]] = &self.coupling;
         Force::new(
             apply(aa, &axis.angular) + apply(al, &axis.linear),
@@ -59,7 +61,7 @@ impl<S: Scalar> PairLoad<S> {
     }
 
     /// $K^T S$.
-    fn from_first(&self, axis: &Motion<S>) -> Force<S> {
+    fn transpose_times(&self, axis: &Motion<S>) -> Force<S> {
         let [[aa, al], [la, ll]] = &self.coupling;
         Force::new(
             apply_transpose(aa, &axis.angular) + apply_transpose(la, &axis.linear),
@@ -150,20 +152,20 @@ impl<S: Scalar> PairLoads<S> {
             };
             for (at, j) in first.iter().enumerate() {
                 let axis = &axes[*j];
-                let felt = load.from_second(axis) + axis.cross_force(&load.force);
+                let felt = load.times(axis) + axis.cross_force(&load.force);
                 for i in &first[at..] {
                     add(*i, *j, axes[*i].dot(&felt));
                 }
             }
             for (at, l) in second.iter().enumerate() {
                 let axis = &axes[*l];
-                let felt = load.from_first(axis) - axis.cross_force(&load.force);
+                let felt = load.transpose_times(axis) - axis.cross_force(&load.force);
                 for k in &second[at..] {
                     add(*k, *l, axes[*k].dot(&felt));
                 }
             }
             self.felt.clear();
-            let felt = second.iter().map(|l| load.from_second(&axes[*l]));
+            let felt = second.iter().map(|l| load.times(&axes[*l]));
             self.felt.extend(felt);
             for i in first {
                 for (l, felt) in second.iter().zip(&self.felt) {
@@ -174,8 +176,8 @@ impl<S: Scalar> PairLoads<S> {
     }
 }
 
-/// The joints that carry one of two bodies and not the other, from the body to the base. Parents come before children, so the later one
-/// of two that are not the same carries one body alone.
+/// The joints that carry one of two bodies and not the other, from the body to the base. Parents come before children,
+/// so the later one of two that are not the same carries one body alone.
 fn alone<C: Scalar>(model: &Model<C>, bodies: [Option<usize>; 2], sides: &mut [Vec<usize>; 2]) {
     let [first, second] = sides;
     first.clear();

@@ -8,8 +8,8 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
 
-/// The two balls of every pair stay out of each other: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, a row for each pair. The squares keep
-/// it smooth everywhere. Pairs of the same two bodies that follow each other share their work.
+/// The two balls of every pair stay out of each other: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, a row for each pair.
+/// The squares keep it smooth everywhere. Pairs of the same two bodies that follow each other share their work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfClearance<C: Scalar = f64> {
     /// The balls that the robot carries, some of them perhaps on its base.
@@ -52,14 +52,14 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    /// $2 (r_1 + r_2)$, as $g$ is about that times the depth.
+    /// $2 (r_1 + r_2)$, as $g$ is about that times the depth; one for a pair without balls, which is an error of the
+    /// value.
     fn row_scales(&self, scales: &mut [C]) {
         for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
-            // A pair without balls is an error of the value.
-            if let Ok([first, second]) = self.pair(*pair) {
+            *scale = self.pair(*pair).map_or(C::one(), |[first, second]| {
                 let reach = first.radius + second.radius;
-                *scale = reach + reach;
-            }
+                reach + reach
+            });
         }
     }
 
@@ -71,7 +71,8 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         clearance(format!("distance of {first} from {second}"))
     }
 
-    /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear, with the slope $-2$. Pairs whose weights vanish cost nothing.
+    /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear, with the slope $-2$. Pairs whose weights vanish cost
+    /// nothing.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,

@@ -13,8 +13,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Every ball stays out of every solid: $g = \rho - d(p)$ in m, with $\rho$ and `p` of the ball and the
 /// [signed distance](Solid::distance) `d` of the solid. Row `i m + j` is that of ball `i` and solid `j` of `m`.
 ///
-/// A ball with a positive radius touches a solid where the distance is smooth enough; [`geometry`](crate::geometry) says what happens at
-/// edges and inside.
+/// A ball with a positive radius touches a solid where the distance is smooth enough; [`geometry`](crate::geometry)
+/// says what happens at edges and inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidClearance<C: Scalar = f64> {
     /// The balls that the robot carries.
@@ -69,7 +69,8 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         clearance(format!("distance of {body} from {solid}"))
     }
 
-    /// The gradient in `p` is $-n$ and the Hessian minus the curvature. Balls and rows whose weights vanish cost nothing.
+    /// The gradient in `p` is $-n$ and the Hessian minus the curvature. Balls and rows whose weights vanish cost
+    /// nothing.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,

@@ -5,7 +5,8 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{apply_constant, apply_constant_transpose, matrix};
 use nalgebra::{Matrix3, Vector3};
 
-/// The length in m below which distances are those from a plane: far below what matters, and far above where $1 / d^3$ overflows.
+/// The length in m below which distances are those from a plane: far below what matters, and far above where $1 / d^3$
+/// overflows.
 pub const FLAT: f64 = 1e-12;
 
 /// The signed distance of a point from a surface, and its derivatives in the point.
@@ -159,7 +160,8 @@ fn length<S: Scalar, const K: usize>(v: [S; K]) -> S {
     short(square).if_negative(v[0], square.sqrt())
 }
 
-/// The distance from the corner of $q \le 0$: from the nearest of the sides inside, from all that `q` is beyond outside.
+/// The distance from the corner of $q \le 0$: from the nearest of the sides inside, from all that `q` is beyond
+/// outside.
 #[inline]
 fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
     let mut most = q[0];
@@ -178,8 +180,8 @@ struct Bent<S: Scalar, const K: usize> {
 }
 
 impl<S: Scalar, const K: usize> Bent<S, K> {
-    /// $|v|$ where `v` are numbers whose derivatives are `moves`, one or zero; the plane with that value and gradient where `flat` is
-    /// negative.
+    /// $|v|$ where `v` are numbers whose derivatives are `moves`, one or zero; the plane with that value and gradient
+    /// where `flat` is negative.
     #[inline]
     fn new(v: [S; K], moves: [S; K], flat: S, (value, gradient): (S, [S; K])) -> Self {
         let length = sum_of_squares(&v).sqrt();

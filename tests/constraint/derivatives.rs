@@ -65,7 +65,7 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
             solids: solids.into(),
             names: Vec::new(),
         }),
-        AnyConstraint::Own(SelfClearance {
+        AnyConstraint::SelfCollision(SelfClearance {
             pairs: pairs.collect(),
             balls,
         }),

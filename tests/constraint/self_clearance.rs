@@ -24,7 +24,8 @@ fn carriers(model: &Model, body: Option<usize>) -> BTreeSet<usize> {
 proptest! {
     #![proptest_config(config(64))]
 
-    /// Two balls anywhere: joints that carry both have no part in it, to the last bit, and the others have that of dual numbers.
+    /// Two balls anywhere: joints that carry both have no part in it, to the last bit, and the others have that of dual
+    /// numbers.
     #[test]
     fn common_joints_drop_out((model, x, bodies) in any_model().prop_flat_map(|model| {
         let n = model.dof();

@@ -31,7 +31,8 @@ pub fn sizes([a, b, c, r]: [f64; 4]) -> [Shape; 4] {
     ]
 }
 
-/// How far a point is from fulfilling the inequalities of a shape, zero on the surface and positive outside; not a distance.
+/// How far a point is from fulfilling the inequalities of a shape, zero on the surface and positive outside; not a
+/// distance.
 fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
     match shape {
         Shape::Sphere { radius } => p.norm() - radius,
@@ -71,7 +72,8 @@ fn point(reach: f64) -> impl Strategy<Value = Vector3<f64>> {
 proptest! {
     #![proptest_config(config(256))]
 
-    /// The nearest point is on the surface, and no other one is nearer: that is the distance, and its sign says on which side.
+    /// The nearest point is on the surface, and no other one is nearer: that is the distance, and its sign says on
+    /// which side.
     #[test]
     fn distances_are_attained_and_least(
         size in prop::array::uniform4(0.1..1.0_f64),
@@ -127,8 +129,8 @@ fn by_duals(
     }
 }
 
-/// At centres, on axes, surfaces, edges and corners, and where several faces are equally near, there are numbers, and of all kinds of
-/// numbers; the gradient has the length one, so that a way leads out.
+/// At centres, on axes, surfaces, edges and corners, and where several faces are equally near, there are numbers, and
+/// of all kinds of numbers; the gradient has the length one, so that a way leads out.
 #[test]
 fn nothing_is_undefined() {
     let size = [0.3, 0.3, 0.3, 0.3];
@@ -332,7 +334,7 @@ fn only_weights_that_vanish_are_left_out() {
     let slopes: Vec<f64> = sums.gradient().iter().map(|g| g.eps).collect();
     assert_close!(&slopes, &gradient, 1e-14);
 
-    let jets = x.map(|x| Jet::<f64, 1>::constant(x));
+    let jets = x.map(Jet::<f64, 1>::constant);
     let mut evaluator = Evaluator::<f64, Jet<f64, 1>>::new(&model);
     let mut here = evaluator.at(&jets).expect("3 joints");
     let w: Vec<Jet<f64, 1>> = duals[..8].iter().map(|w| Jet::new(w.re, [w.eps])).collect();

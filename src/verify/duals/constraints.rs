@@ -78,7 +78,13 @@ const TOLERANCE: Tolerance = Tolerance {
 };
 
 /// The kinds of constraints on the state, in the order in which they are made up.
-const KINDS: [&str; 5] = ["spheres", "half-space", "solids", "own", "bounds"];
+const KINDS: [&str; 5] = [
+    "spheres",
+    "half-space",
+    "solids",
+    "self-collision",
+    "bounds",
+];
 
 /// A box, a cylinder, a capsule and a ball about `mean`, turned, of sizes that go with `reach`.
 fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
@@ -180,7 +186,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                     solids: solids(&mean, reach),
                     names: Vec::new(),
                 }),
-                AnyConstraint::Own(SelfClearance {
+                AnyConstraint::SelfCollision(SelfClearance {
                     pairs: pairs(&balls),
                     balls,
                 }),

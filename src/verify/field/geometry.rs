@@ -22,7 +22,7 @@ pub(super) fn identities() -> Vec<Identity> {
     vec![
         identity("distance", "gradient, Hessian and placement", distance),
         identity("solids", "value and contractions", solids),
-        identity("own", "value and contractions", own),
+        identity("self-collision", "value and contractions", self_collision),
     ]
 }
 
@@ -131,8 +131,9 @@ fn solids(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
-/// All pairs of balls and of two more on the bodies of the fourth joint, beside the third, and of the second, which carries both.
-fn own(p: &RandomInstance) -> Result<Vec<Equality>> {
+/// All pairs of balls and of two more on the bodies of the fourth joint, beside the third, and of the second, which
+/// carries both.
+fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut balls = balls(p);
     for (i, body) in [3, 1].into_iter().enumerate() {
         balls.push(CollisionSphere {
