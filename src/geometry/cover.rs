@@ -1,7 +1,7 @@
 //! Balls that cover a shape.
 //!
-//! A shape is cut into cells about as long as the spacing, and each cell gets a ball about its middle that holds it: whoever keeps out of
-//! the balls keeps out of the shape.
+//! A shape is cut into cells about as long as the spacing, and each cell gets a ball about its middle that holds it:
+//! whoever keeps out of the balls keeps out of the shape.
 
 use super::{Shape, Solid};
 use crate::error::{Error, Result, plain};
@@ -25,7 +25,8 @@ pub struct Ball {
 pub struct Cover {
     /// The balls.
     pub balls: Vec<Ball>,
-    /// The largest distance of a point of a ball from the shape, m. For shapes of a few numbers it is exact, for meshes a bound.
+    /// The largest distance of a point of a ball from the shape, m. For shapes of a few numbers it is exact, for meshes
+    /// a bound.
     pub excess: f64,
 }
 
@@ -110,7 +111,8 @@ impl Shape<f64> {
             } => {
                 let slices = pieces(2.0 * half_length, spacing);
                 let rings = pieces(radius, spacing);
-                // The sectors of a ring of mean radius `r` are about `2 pi r / spacing`; over all rings their number is this.
+                // The sectors of a ring of mean radius `r` are about `2 pi r / spacing`; over all rings their number is
+                // this.
                 check_number(slices * (1.0 + PI * radius / spacing * rings), spacing)?;
                 let (half, cells) = (half_length / slices, disc(radius, rings, spacing));
                 for z in middles(half_length, slices) {
@@ -126,8 +128,8 @@ impl Shape<f64> {
 }
 
 impl Cover {
-    /// Adds a ball about a point of the shape that is `depth` inside. A convex shape that holds a ball of that radius about the centre is
-    /// nowhere further than the difference of the radii from the larger ball.
+    /// Adds a ball about a point of the shape that is `depth` inside. A convex shape that holds a ball of that radius
+    /// about the centre is nowhere further than the difference of the radii from the larger ball.
     fn add(&mut self, centre: Vector3<f64>, radius: f64, depth: f64) {
         self.balls.push(Ball { centre, radius });
         self.excess = self.excess.max(radius - depth);

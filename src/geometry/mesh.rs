@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 /// A triangle by its corners, in m.
 pub type Triangle = [Vector3<f64>; 3];
 
-/// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than `spacing`, those with
-/// their middles in one cell of a grid of that width share a ball about the box around them. Each ball has corners of triangles in it, so no point of it
-/// is further from the surface than its radius and the distance from its centre to the nearest of them: the excess, which is less than 4.1 times `spacing`. Cost
-/// O(area / spacing^2).
+/// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than
+/// `spacing`, those with their middles in one cell of a grid of that width share a ball about the box around them. Each
+/// ball has corners of triangles in it, so no point of it is further from the surface than its radius and the distance
+/// from its centre to the nearest of them: the excess, which is less than 4.1 times `spacing`. Cost O(area /
+/// spacing^2).
 ///
 /// # Errors
 /// `spacing` is not positive and finite, a coordinate is not finite, or more than 1e5 balls are needed.

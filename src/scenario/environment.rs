@@ -16,7 +16,8 @@ use crate::spatial::Placement;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at degree 16.
+/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at
+/// degree 16.
 const MOST_DISTANCES: f64 = 5e4;
 
 /// The shape of a robot among obstacles.
@@ -101,7 +102,8 @@ impl Environment {
         Ok(environment)
     }
 
-    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is in that.
+    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is
+    /// in that.
     pub(super) fn reduced(mut self, bodies: &[(Option<usize>, Placement<f64>)]) -> Self {
         self.body.reduced(bodies);
         self
@@ -124,7 +126,8 @@ impl Environment {
         self.body.balls()
     }
 
-    /// The pairs of [balls](Self::balls) that keep clear of each other: of different bodies, and of links that may not overlap.
+    /// The pairs of [balls](Self::balls) that keep clear of each other: of different bodies, and of links that may not
+    /// overlap.
     #[must_use]
     pub fn self_pairs(&self) -> Vec<[usize; 2]> {
         match (&self.body, &self.ignored_pairs) {
@@ -148,7 +151,8 @@ impl Environment {
         self.half_spaces.iter().map(|named| &named.placed)
     }
 
-    /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count for the latter alone: nothing moves them.
+    /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count for the
+    /// latter alone: nothing moves them.
     ///
     /// # Errors
     /// As [`balls`](Self::balls).
@@ -179,13 +183,16 @@ impl Environment {
         }
         let pairs = self.self_pairs();
         if !pairs.is_empty() {
-            constraints.push(AnyConstraint::Own(SelfClearance { balls: all, pairs }));
+            constraints.push(AnyConstraint::SelfCollision(SelfClearance {
+                balls: all,
+                pairs,
+            }));
         }
         Ok(constraints)
     }
 
-    /// The deepest overlap of a ball of the constraints and an obstacle, or another such ball, with the bodies at `placements`; a negative
-    /// one is the smallest distance. `None` where there is nothing to keep clear of.
+    /// The deepest overlap of a ball of the constraints and an obstacle, or another such ball, with the bodies at
+    /// `placements`; a negative one is the smallest distance. `None` where there is nothing to keep clear of.
     pub(super) fn deepest(&self, placements: &[Placement<f64>]) -> Result<Option<Overlap>> {
         let balls = self.balls()?;
         let link = |i: usize| match &self.body {
@@ -231,9 +238,10 @@ impl Environment {
         Ok(deepest)
     }
 
-    /// The distance from the robot to the nearest obstacle, or between two of its links that keep clear of each other, with its bodies at
-    /// `placements`, in m; negative when it collides, infinite where there is nothing to keep clear of. That from spheres and half-spaces is
-    /// the exact one of swept links; all others are those of the balls that cover the shape.
+    /// The distance from the robot to the nearest obstacle, or between two of its links that keep clear of each other,
+    /// with its bodies at `placements`, in m; negative when it collides, infinite where there is nothing to keep clear
+    /// of. That from spheres and half-spaces is the exact one of swept links; all others are those of the balls that
+    /// cover the shape.
     ///
     /// # Errors
     /// The placements are those of another robot.

@@ -120,7 +120,8 @@ fn default_spacing() -> f64 {
 pub enum SelfCollision {
     /// Pairs of links.
     IgnoredPairs(Vec<[String; 2]>),
-    /// The path of a file with such pairs, as [`IgnoredPairs`](super::IgnoredPairs) writes it, relative to the scenario.
+    /// The path of a file with such pairs, as [`IgnoredPairs`](super::IgnoredPairs) writes it, relative to the
+    /// scenario.
     IgnoredPairsFile(String),
 }
 

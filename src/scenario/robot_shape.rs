@@ -24,8 +24,9 @@ pub struct LinkBall {
 }
 
 impl LinkBall {
-    /// The balls of a robot by the shapes of its links: spheres as they are, others [covered](crate::geometry::Shape::cover) with this
-    /// spacing, m. Meshes are looked for from `folder`, that of the URDF, and covered by [`cover_triangles`].
+    /// The balls of a robot by the shapes of its links: spheres as they are, others
+    /// [covered](crate::geometry::Shape::cover) with this spacing, m. Meshes are looked for from `folder`, that of the
+    /// URDF, and covered by [`cover_triangles`].
     ///
     /// # Errors
     /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
@@ -144,7 +145,8 @@ impl Body {
         }
     }
 
-    /// The same in a robot whose bodies are part of others: of each the one that it is part of, and where it is in that.
+    /// The same in a robot whose bodies are part of others: of each the one that it is part of, and where it is in
+    /// that.
     pub fn reduced(&mut self, bodies: &[(Option<usize>, Placement<f64>)]) {
         let within = |body: &mut Option<usize>, points: &mut [&mut Vector3<f64>]| {
             if let Some((reduced, placement)) = body.map(|b| bodies[b]) {

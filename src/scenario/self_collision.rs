@@ -61,8 +61,9 @@ impl IgnoredPairs {
         }
     }
 
-    /// Neighbours, links with nothing between them but one joint that moves, and links that overlap at each of 10 000 random
-    /// configurations within the limits of the joints, the same in every run. Pairs of one body are none: they never move against each other.
+    /// Neighbours, links with nothing between them but one joint that moves, and links that overlap at each of 10 000
+    /// random configurations within the limits of the joints, the same in every run. Pairs of one body are none: they
+    /// never move against each other.
     ///
     /// # Errors
     /// A ball is of another robot.
@@ -144,7 +145,8 @@ impl IgnoredPairs {
     }
 }
 
-/// The same with the pairs of a file in its place, so that it depends on no other file. `folder` is that of the scenario.
+/// The same with the pairs of a file in its place, so that it depends on no other file. `folder` is that of the
+/// scenario.
 pub(super) fn in_full(given: SelfCollision, folder: &Path) -> Result<SelfCollision> {
     let SelfCollision::IgnoredPairsFile(name) = given else {
         return Ok(given);
@@ -168,7 +170,8 @@ pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> R
     Ok(())
 }
 
-/// The pairs of balls of different bodies and of links that are in none of the `ignored` pairs, those of two bodies together.
+/// The pairs of balls of different bodies and of links that are in none of the `ignored` pairs, those of two bodies
+/// together.
 pub(super) fn self_pairs(balls: &[LinkBall], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
     let same = |pair: &[String; 2], a: &String, b: &String| {
         (&pair[0] == a && &pair[1] == b) || (&pair[0] == b && &pair[1] == a)

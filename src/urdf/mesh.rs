@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The triangles of the mesh that a URDF in `folder` names `file`, their axes stretched by `scale`, in m. STL, binary or not, and OBJ can be
-/// read; a coordinate has about seven digits there.
+/// The triangles of the mesh that a URDF in `folder` names `file`, their axes stretched by `scale`, in m. STL, binary
+/// or not, and OBJ can be read; a coordinate has about seven digits there.
 ///
 /// # Errors
 /// There is no such file, it has another format, or no triangles, or numbers that are not finite.
@@ -67,8 +67,8 @@ fn triangles(scene: &Scene, scale: &Vector3<f64>) -> Option<Vec<Triangle>> {
     Some(all)
 }
 
-/// The path of the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above it, or `PATH` in one
-/// that is called `NAME`; any other name is that of a path from `folder`.
+/// The path of the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above
+/// it, or `PATH` in one that is called `NAME`; any other name is that of a path from `folder`.
 fn find(file: &str, folder: &Path) -> Option<PathBuf> {
     if let Some(in_package) = file.strip_prefix("package://") {
         let folder = std::path::absolute(folder).ok()?;

@@ -16,7 +16,8 @@ pub(super) struct CollisionElement {
     pub shape: CollisionShape,
 }
 
-/// The collision elements of a link, in their order. What is wrong names the element by its name, or by its place, from 1 on.
+/// The collision elements of a link, in their order. What is wrong names the element by its name, or by its place, from
+/// 1 on.
 pub(super) fn read_collisions(link: Node<'_, '_>) -> Read<Vec<CollisionElement>> {
     let found = link.children().filter(|c| c.has_tag_name("collision"));
     let read = |(i, node): (usize, Node<'_, '_>)| {

@@ -15,7 +15,8 @@ use std::path::Path;
 pub struct Srdf {
     /// The pairs of links that are not checked against each other.
     pub disabled: Vec<DisabledPair>,
-    /// Links with the spheres that stand for their shapes, each in the frame of its link; none for a link that nothing can touch.
+    /// Links with the spheres that stand for their shapes, each in the frame of its link; none for a link that nothing
+    /// can touch.
     pub spheres: Vec<(String, Vec<Ball>)>,
 }
 
@@ -37,7 +38,8 @@ impl Srdf {
         Self::parse(&read_text(path)?, &path.display().to_string(), model)
     }
 
-    /// The SRDF that `text` holds, for the robot `model`; `file` names it in errors. Groups, states and end effectors are not looked at.
+    /// The SRDF that `text` holds, for the robot `model`; `file` names it in errors. Groups, states and end effectors
+    /// are not looked at.
     ///
     /// # Errors
     /// Names the file and the element: text that is no SRDF, a link that is missing or that the robot does not have, a number that is none, a

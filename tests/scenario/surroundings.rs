@@ -148,7 +148,9 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
     assert_eq!(pairs.len(), expected);
     assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
     let rows = scenario.environment.constraints().expect("good balls");
-    assert!(matches!(rows.last(), Some(AnyConstraint::Own(own)) if own.dim() == expected));
+    assert!(
+        matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected)
+    );
     // Neighbours overlap, as not all of them are ignored.
     let error = scenario
         .check_feasible()

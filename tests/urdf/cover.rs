@@ -59,7 +59,8 @@ fn shapes() -> [Shape; 6] {
     ]
 }
 
-/// The largest distance of points of the balls from a shape: that of a point of a ball farthest from the centre of the shape is among them.
+/// The largest distance of points of the balls from a shape: that of a point of a ball farthest from the centre of the
+/// shape is among them.
 fn sticks_out(cover: &Cover, shape: &Shape, rng: &mut ChaCha8Rng) -> f64 {
     let mut largest = 0.0_f64;
     for ball in &cover.balls {

@@ -23,7 +23,8 @@ use yaml::read_yaml;
 /// The shortest horizon that is chosen where none is given, s.
 const SHORTEST: f64 = 0.1;
 
-/// The horizon with which a search begins where none is given, and the longest, as multiples of the least that the velocity limits allow.
+/// The horizon with which a search begins where none is given, and the longest, as multiples of the least that the
+/// velocity limits allow.
 const FIRST: f64 = 2.0;
 const LONGEST: f64 = 5.0;
 
@@ -38,7 +39,8 @@ pub struct MoveIt {
     pub urdf: String,
     /// The treatment of its mimic joints.
     pub mimic: Mimic,
-    /// The SRDF, whose disabled pairs of links are not checked; without one these are found by [sampling](IgnoredPairs::by_sampling).
+    /// The SRDF, whose disabled pairs of links are not checked; without one these are found by
+    /// [sampling](IgnoredPairs::by_sampling).
     pub srdf: Option<PathBuf>,
     /// The spacing of the balls that cover shapes other than spheres, m.
     pub spacing: f64,
@@ -58,10 +60,11 @@ pub enum MoveItHorizon {
 }
 
 impl MoveIt {
-    /// The scenario of a problem: from the joint state of the request to its goal in joint space, at rest at both ends, within all limits of the
-    /// robot, with the boxes, cylinders and spheres of the scene as obstacles, the collision shapes of the robot, and the pairs of links that may
-    /// overlap. Joints that are not in the goal are locked where the request has them, or else the scene. `path` is that of the scenario
-    /// to be, which is loaded once to see that it is one.
+    /// The scenario of a problem: from the joint state of the request to its goal in joint space, at rest at both ends,
+    /// within all limits of the robot, with the boxes, cylinders and spheres of the scene as obstacles, the collision
+    /// shapes of the robot, and the pairs of links that may overlap. Joints that are not in the goal are locked where
+    /// the request has them, or else the scene. `path` is that of the scenario to be, which is loaded once to see that
+    /// it is one.
     ///
     /// # Errors
     /// Names the file, the element and what is wrong with it: among others goals, obstacles and frames that no scenario has.
@@ -179,7 +182,8 @@ impl MoveIt {
 struct Positions(BTreeMap<String, f64>);
 
 impl Positions {
-    /// Those of a state, whose joints have to be some of the robot, fixed ones included. `key` is where it is in `file`.
+    /// Those of a state, whose joints have to be some of the robot, fixed ones included. `key` is where it is in
+    /// `file`.
     fn of(state: &RobotState, model: &Model, file: &str, key: &str) -> Result<Self> {
         let refuse = |what: &str, condition: String| {
             Err(Error::input(file, format!("{key}.{what}"), condition))

@@ -8,7 +8,8 @@ use serde_json::{Map, Value};
 /// The most lists and mappings in each other. Messages of MoveIt have ten.
 const DEEPEST: usize = 64;
 
-/// Reads a value from the only document of a YAML text; an error names the key that is wrong. `what` is in the file, such as a scene.
+/// Reads a value from the only document of a YAML text; an error names the key that is wrong. `what` is in the file,
+/// such as a scene.
 pub(super) fn read_yaml<T: DeserializeOwned>(text: &str, file: &str, what: &str) -> Result<T> {
     let refuse = |key: &str, condition: String| Err(Error::input(file, key, condition));
     let value = match value_of(text) {
@@ -32,8 +33,8 @@ enum Open {
 
 /// The value of the only document of a text, in the model of JSON, or what is wrong.
 ///
-/// The events of the parser come one by one and are put together here: deep nesting and references, which can stand for more than any
-/// memory holds, are refused.
+/// The events of the parser come one by one and are put together here: deep nesting and references, which can stand for
+/// more than any memory holds, are refused.
 fn value_of(text: &str) -> std::result::Result<Value, String> {
     let mut open: Vec<Open> = Vec::new();
     let mut whole = None;
