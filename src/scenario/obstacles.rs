@@ -18,35 +18,32 @@ const NOT_UNIT: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereObstacle {
-    /// Its name in reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
     /// Its centre in the base frame, m.
     pub center_m: [f64; 3],
     /// Its radius, m.
     pub radius_m: f64,
+    /// Its name in reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// A half-space to stay in, such as what is above a floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalfSpaceObstacle {
-    /// Its name in reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
     /// A vector in the base frame, of any length, pointing to where the robot may be.
     pub normal: [f64; 3],
     /// The position of the boundary along the unit normal, m.
     pub offset_m: f64,
+    /// Its name in reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// A box to keep clear of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoxObstacle {
-    /// Its name in reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
     /// Its centre in the base frame, m.
     pub center_m: [f64; 3],
     /// Its lengths along its own axes, m.
@@ -54,15 +51,15 @@ pub struct BoxObstacle {
     /// The unit quaternion that turns the axes of the base into its own; both are the same where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
+    /// Its name in reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// A cylinder to keep clear of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderObstacle {
-    /// Its name in reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
     /// Its centre in the base frame, m.
     pub center_m: [f64; 3],
     /// Its radius, m.
@@ -72,19 +69,22 @@ pub struct CylinderObstacle {
     /// The unit quaternion that turns the axes of the base into its own; both are the same where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
+    /// Its name in reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// A capsule to keep clear of: all points within a radius of a segment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleObstacle {
-    /// Its name in reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
     /// The ends of the segment in the base frame, m.
     pub ends_m: [[f64; 3]; 2],
     /// The radius, m.
     pub radius_m: f64,
+    /// Its name in reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 /// The parts of the robot that keep clear of obstacles.
