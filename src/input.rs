@@ -56,13 +56,29 @@ pub(crate) fn name_of(path: &str) -> String {
     stem.to_string_lossy().into_owned()
 }
 
-fn read_whole(source: impl Read) -> io::Result<String> {
+/// The bytes of a file.
+///
+/// # Errors
+/// The file cannot be read, or is larger than 64 MiB.
+#[cfg(feature = "output")]
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let bytes = std::fs::File::open(path).and_then(read_some);
+    bytes.map_err(|e| Error::io(path, e))
+}
+
+fn read_some(source: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     source.take(LARGEST_TEXT + 1).read_to_end(&mut bytes)?;
-    let refuse = |condition: &str| Err(io::Error::new(ErrorKind::InvalidData, condition));
     if bytes.len() as u64 > LARGEST_TEXT {
-        return refuse("it has more than 64 MiB, which no robot, scenario or sweep has");
+        let condition = "it has more than 64 MiB, which no robot, scenario or sweep has";
+        return Err(io::Error::new(ErrorKind::InvalidData, condition));
     }
+    Ok(bytes)
+}
+
+fn read_whole(source: impl Read) -> io::Result<String> {
+    let bytes = read_some(source)?;
+    let refuse = |condition: &str| Err(io::Error::new(ErrorKind::InvalidData, condition));
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return refuse("it is text in UTF-16, and UTF-8 is needed");
     }

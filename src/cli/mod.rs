@@ -4,7 +4,9 @@ mod check;
 mod choice;
 mod degrees;
 mod eval;
+mod import;
 mod output;
+mod pairs;
 mod prove;
 mod reproduce;
 mod robots;
@@ -56,6 +58,8 @@ enum Command {
     Degrees(degrees::Degrees),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
+    Import(import::Import),
+    Pairs(pairs::Pairs),
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
@@ -80,8 +84,12 @@ impl UrdfArgs {
 
     /// The same with all that was noticed.
     fn load_silently(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
-        let options = UrdfOptions { mimic: self.mimic };
-        load_robot_with(robot, Path::new(""), options)
+        load_robot_with(robot, Path::new(""), self.options())
+    }
+
+    /// The options of reading it.
+    fn options(&self) -> UrdfOptions {
+        UrdfOptions { mimic: self.mimic }
     }
 }
 
@@ -147,6 +155,8 @@ pub fn main() -> ExitCode {
         Command::Degrees(degrees) => degrees.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
+        Command::Import(import) => import.run(),
+        Command::Pairs(pairs) => pairs.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),

@@ -4,7 +4,7 @@ use super::{UrdfArgs, print, print_json};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::{refuse_existing, robot_table, short, write_text};
-use crate::urdf::{LoadReport, builtin_robots};
+use crate::urdf::{LoadReport, Srdf, builtin_robots};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -17,9 +17,12 @@ pub(super) struct Robots {
     robot: Option<String>,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// Write the robot to this file as a URDF of what the dynamics read, fixed joints merged.
+    /// Write the robot to this file as a URDF of what is read, shapes included, fixed joints merged.
     #[arg(long, requires = "robot")]
     urdf: Option<PathBuf>,
+    /// An SRDF, whose spheres take the place of the shapes of the links that have some.
+    #[arg(long, requires = "robot")]
+    srdf: Option<PathBuf>,
     /// Replace that file if it is there already.
     #[arg(long, requires = "urdf")]
     force: bool,
@@ -39,7 +42,10 @@ impl Robots {
         }
         let mut all = Vec::new();
         for name in names {
-            let (model, report) = self.reading.load_silently(name)?;
+            let (mut model, report) = self.reading.load_silently(name)?;
+            if let Some(path) = &self.srdf {
+                model = Srdf::load(path, &model)?.with_spheres(model)?;
+            }
             if let Some(path) = &self.urdf {
                 write_text(&model.to_urdf()?, path)?;
             }

@@ -14,11 +14,17 @@
 //! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. So there
 //! is a way out everywhere.
 //!
+//! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, with the largest excess.
+//!
 //! Nothing is undefined anywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is that from
 //! the tangent plane of a face, which differs by at most twice `FLAT`.
 
+mod cover;
 mod distance;
+mod mesh;
 mod shape;
 
+pub use cover::{Ball, Cover};
 pub use distance::{Distance, FLAT};
+pub use mesh::{Triangle, cover_triangles};
 pub use shape::{Shape, Solid};

@@ -44,6 +44,7 @@ impl<C: Scalar> Model<C> {
             joints: Vec::with_capacity(specs.len()),
             inertias: Vec::with_capacity(specs.len()),
             frames: Vec::with_capacity(specs.len()),
+            collisions: Vec::new(),
             gravity: Vector3::new(C::zero(), C::zero(), C::from_f64(-STANDARD_GRAVITY)),
         };
         if specs.is_empty() {

@@ -1,6 +1,6 @@
 //! Models with fewer joints.
 
-use super::{Frame, JointSpec, Model};
+use super::{Collision, Frame, JointSpec, Model};
 use crate::error::{Error, Result, plain};
 use crate::spatial::Placement;
 
@@ -90,9 +90,22 @@ impl Model<f64> {
             }
         };
         let frames = self.frames.iter().map(frame).collect();
+        let collision = |collision: &Collision| {
+            let (body, within) = match collision.body {
+                Some(body) => bodies[body],
+                None => (None, Placement::identity()),
+            };
+            Collision {
+                body,
+                placement: within.compose(&collision.placement),
+                ..collision.clone()
+            }
+        };
+        let collisions = self.collisions.iter().map(collision).collect();
         let model = Model::from_joints(&self.name, specs)?
             .with_gravity(self.gravity)
-            .with_frames(frames);
+            .with_frames(frames)
+            .with_collisions(collisions)?;
         Ok(Reduced { model, bodies })
     }
 }

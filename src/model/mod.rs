@@ -23,11 +23,13 @@
 //! | angular part first in spatial vectors, at the origin of the base | linear part first, at the frame that is asked for |
 
 mod build;
+mod collision;
 mod joint;
 mod lock;
 mod random;
 
 pub use build::{JointSpec, LARGEST_DOF, pendulum};
+pub use collision::{Collision, CollisionShape};
 pub use joint::{Joint, JointKind, Limits};
 pub(crate) use lock::Reduced;
 pub use random::{random_chain, random_tree};
@@ -79,6 +81,7 @@ pub struct Model<C: Scalar = f64> {
     joints: Vec<Joint<C>>,
     inertias: Vec<Inertia<C>>,
     frames: Vec<Frame<C>>,
+    collisions: Vec<Collision<C>>,
     gravity: Vector3<C>,
 }
 
@@ -164,6 +167,7 @@ impl Model<f64> {
                     carrier: f.carrier.clone(),
                 })
                 .collect(),
+            collisions: self.collisions.iter().map(Collision::cast).collect(),
             gravity: vector(&self.gravity),
         }
     }

@@ -299,6 +299,7 @@ pub fn scenario_table() -> Result<String> {
             _ if obstacles.is_empty() => String::new(),
             RobotShape::JointFrames => "joint frames".to_owned(),
             RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
+            RobotShape::Collision { .. } => "collision shapes".to_owned(),
         };
         let horizon = format!("{} s", file.horizon_s);
         table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);

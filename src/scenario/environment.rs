@@ -1,223 +1,278 @@
 //! What the robot of a scenario has to keep clear of, and with what shape.
 
-use super::{RobotShape, ScenarioFile};
+use super::obstacles::{Named, placed};
+use super::robot_shape::{Body, alone};
+use super::self_collision::{check_links, self_pairs};
+use super::{ScenarioFile, SelfCollision};
 use crate::constraint::{
-    AnyConstraint, Capsule, CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
+    AnyConstraint, CollisionSphere, HalfSpace, HalfSpaceClearance, SelfClearance, SolidClearance,
+    Sphere, SphereClearance,
 };
 use crate::dynamics::forward_kinematics;
-use crate::error::{Error, Result, plain};
+use crate::error::{Error, Result, check_length};
+use crate::geometry::Solid;
 use crate::model::Model;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+use std::path::Path;
 
-/// The largest length, m: far beyond any robot. Squares of distances must not overflow, nor swallow its own size.
-const LARGEST_LENGTH: f64 = 1e6;
-
-/// The most balls that cover a robot: among one sphere the search takes 130 MB at degree 16 then.
-const MOST_BALLS: f64 = 1e4;
-
-/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at degree 16.
+/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at
+/// degree 16.
 const MOST_DISTANCES: f64 = 5e4;
 
 /// The shape of a robot among obstacles.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    capsules: Vec<Capsule>,
-    spacing: f64,
-    spheres: Vec<Sphere>,
-    half_spaces: Vec<HalfSpace>,
+    body: Body,
+    spheres: Vec<Named<Sphere>>,
+    solids: Vec<Named<Solid>>,
+    half_spaces: Vec<Named<HalfSpace>>,
+    /// The pairs of links that may overlap; without any list of them the robot may overlap itself anywhere.
+    ignored_pairs: Option<Vec<[String; 2]>>,
 }
 
-/// A ball of the robot and an obstacle.
+/// A ball of the robot in what it has to keep clear of.
 pub(super) struct Overlap {
-    /// The obstacle, as in the file: `sphere_obstacles[2]`.
+    /// An obstacle, as in the file: `sphere_obstacles[2]`; or another link.
     pub(super) obstacle: String,
     /// The body that carries the ball.
     pub(super) body: Option<usize>,
+    /// The link of the ball, where it is that of one.
+    pub(super) link: Option<String>,
     /// The depth of the ball in the obstacle, m; negative when it is clear.
     pub(super) depth: f64,
 }
 
 impl Environment {
-    /// Those of a scenario; `path` names it in errors.
-    pub(super) fn new(model: &Model, file: &ScenarioFile, path: &str) -> Result<Self> {
-        let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
-        let bounded = |x: &[f64]| x.iter().all(|x| x.abs() <= LARGEST_LENGTH);
-        for (i, sphere) in file.sphere_obstacles.iter().enumerate() {
-            let radius = sphere.radius_m;
-            if !(bounded(&sphere.center_m) && bounded(&[radius]) && radius > 0.0) {
-                let condition = format!(
-                    "a finite centre and a positive radius are needed, no number above {LARGEST_LENGTH} m"
-                );
-                return refuse(format!("sphere_obstacles[{i}]"), condition);
-            }
-        }
-        let mut half_spaces = Vec::new();
-        for (i, half_space) in file.half_spaces.iter().enumerate() {
-            let normal = Vector3::from(half_space.normal);
-            let length = normal.norm();
-            if !(length.is_finite() && length > 0.0 && bounded(&[half_space.offset_m])) {
-                let condition = format!(
-                    "a finite normal that is not zero and a finite offset of at most {LARGEST_LENGTH} m are needed"
-                );
-                return refuse(format!("half_spaces[{i}]"), condition);
-            }
-            half_spaces.push(HalfSpace {
-                normal: normal / length,
-                offset: half_space.offset_m,
-            });
-        }
-        let (capsules, spacing) = match file.robot_shape {
-            RobotShape::JointFrames => (points(model), 1.0),
-            RobotShape::SweptLinks {
-                radius_m,
-                spacing_m,
-            } => {
-                if !(bounded(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
-                    let condition = format!(
-                        "a radius that is not negative and a positive spacing are needed, no number above {LARGEST_LENGTH} m"
-                    );
-                    return refuse("robot_shape".to_owned(), condition);
+    /// That of a scenario; `path` names it in errors. Meshes are looked for from `folder`.
+    pub(super) fn new(
+        model: &Model,
+        file: &ScenarioFile,
+        folder: &Path,
+        path: &str,
+    ) -> Result<Self> {
+        let mut solids = placed(&file.box_obstacles, path)?;
+        solids.extend(placed(&file.cylinder_obstacles, path)?);
+        solids.extend(placed(&file.capsule_obstacles, path)?);
+        let environment = Self {
+            spheres: placed(&file.sphere_obstacles, path)?,
+            solids,
+            half_spaces: placed(&file.half_spaces, path)?,
+            body: Body::new(model, file.robot_shape, folder, path)?,
+            ignored_pairs: match &file.self_collision {
+                None => None,
+                Some(SelfCollision::IgnoredPairs(pairs)) => Some(pairs.clone()),
+                Some(SelfCollision::IgnoredPairsFile(_)) => {
+                    let condition = "a file is read when a scenario is, and not here";
+                    return Err(Error::input(path, "self_collision", condition));
                 }
-                (Capsule::along_links(model, radius_m), spacing_m)
+            },
+        };
+        if let Some(pairs) = &environment.ignored_pairs {
+            check_links(pairs, model, path)?;
+            if matches!(environment.body, Body::Capsules { .. }) {
+                let condition = "links are told apart with the robot_shape 'collision' only";
+                return Err(Error::input(path, "self_collision", condition));
             }
-        };
-        let count: f64 = capsules.iter().map(|c| c.pieces(spacing) + 1.0).sum();
-        if let RobotShape::SweptLinks { spacing_m, .. } = file.robot_shape
-            && count > MOST_BALLS
-        {
-            let (spacing, count) = (plain(spacing_m), plain(count));
-            let condition = format!(
-                "it is {spacing}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
-            );
-            return refuse("robot_shape.swept-links.spacing_m".to_owned(), condition);
         }
-        let obstacles = file.sphere_obstacles.len() + file.half_spaces.len();
-        if count * obstacles as f64 > MOST_DISTANCES {
-            let condition = format!(
-                "{obstacles} obstacles and {count} balls of the robot have more than {MOST_DISTANCES} distances between them"
-            );
-            return refuse("sphere_obstacles".to_owned(), condition);
-        }
-        let sphere = |s: &super::SphereObstacle| Sphere {
-            centre: Vector3::from(s.center_m),
-            radius: s.radius_m,
-        };
-        Ok(Self {
-            capsules,
-            spacing,
-            spheres: file.sphere_obstacles.iter().map(sphere).collect(),
+        let Self {
+            spheres,
+            solids,
             half_spaces,
-        })
+            ..
+        } = &environment;
+        let obstacles = spheres.len() + solids.len() + half_spaces.len();
+        let (count, pairs) = (environment.body.count(), environment.self_pairs().len());
+        if count * obstacles as f64 + pairs as f64 > MOST_DISTANCES {
+            let key = [
+                (spheres.is_empty(), "sphere_obstacles"),
+                (solids.is_empty(), "box_obstacles"),
+            ];
+            let key = key.iter().find(|(empty, _)| !empty);
+            let key = key.map_or("robot_shape", |(_, key)| key);
+            let own = match pairs {
+                0 => String::new(),
+                pairs => format!(", {pairs} pairs of these included"),
+            };
+            let condition = format!(
+                "{obstacles} obstacles and {count} balls of the robot have more than {MOST_DISTANCES} distances between them{own}"
+            );
+            return Err(Error::input(path, key, condition));
+        }
+        Ok(environment)
     }
 
-    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is in that.
+    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is
+    /// in that.
     pub(super) fn reduced(mut self, bodies: &[(Option<usize>, Placement<f64>)]) -> Self {
-        for capsule in &mut self.capsules {
-            let Some((body, placement)) = capsule.body.map(|b| bodies[b]) else {
-                continue;
-            };
-            capsule.body = body;
-            capsule.ends =
-                (capsule.ends).map(|end| placement.rotation * end + placement.translation);
-        }
+        self.body.reduced(bodies);
         self
     }
 
     /// Tells whether there is nothing to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.spheres.is_empty() && self.half_spaces.is_empty()
+        self.spheres.is_empty()
+            && self.solids.is_empty()
+            && self.half_spaces.is_empty()
+            && self.self_pairs().is_empty()
     }
 
-    /// The balls that cover the capsules.
-    fn balls(&self) -> Result<Vec<CollisionSphere>> {
-        let mut balls: Vec<CollisionSphere> = Vec::new();
-        for capsule in &self.capsules {
-            // Capsules of one body share the ball at its joint.
-            for ball in capsule.balls(self.spacing)? {
-                let radius =
-                    |b: &&mut CollisionSphere| b.body == ball.body && b.centre == ball.centre;
-                match balls.iter_mut().find(radius) {
-                    Some(known) => known.radius = known.radius.max(ball.radius),
-                    None => balls.push(ball),
-                }
-            }
-        }
-        Ok(balls)
-    }
-
-    /// The constraints that keep the robot clear: each capsule is covered by balls. Those fixed to the base are none, nothing moves them.
+    /// The balls that stand for the robot, those on its base included.
     ///
     /// # Errors
-    /// As [`Capsule::balls`].
+    /// As [`Capsule::balls`](crate::constraint::Capsule::balls).
+    pub fn balls(&self) -> Result<Vec<CollisionSphere>> {
+        self.body.balls()
+    }
+
+    /// The pairs of [balls](Self::balls) that keep clear of each other: of different bodies, and of links that may not
+    /// overlap.
+    #[must_use]
+    pub fn self_pairs(&self) -> Vec<[usize; 2]> {
+        match (&self.body, &self.ignored_pairs) {
+            (Body::Balls(balls), Some(ignored)) => self_pairs(balls, ignored),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The spheres in the way, in the order of the scenario.
+    pub fn spheres(&self) -> impl Iterator<Item = &Sphere> {
+        self.spheres.iter().map(|named| &named.placed)
+    }
+
+    /// The boxes, cylinders and capsules in the way, in this order.
+    pub fn solids(&self) -> impl Iterator<Item = &Solid> {
+        self.solids.iter().map(|named| &named.placed)
+    }
+
+    /// The half-spaces to stay in.
+    pub fn half_spaces(&self) -> impl Iterator<Item = &HalfSpace> {
+        self.half_spaces.iter().map(|named| &named.placed)
+    }
+
+    /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count for the
+    /// latter alone: nothing moves them.
+    ///
+    /// # Errors
+    /// As [`balls`](Self::balls).
     pub fn constraints(&self) -> Result<Vec<AnyConstraint>> {
-        let mut balls = self.balls()?;
-        balls.retain(|ball| ball.body.is_some());
+        let all = self.balls()?;
+        let moving = all.iter().filter(|ball| ball.body.is_some());
+        let balls: Vec<CollisionSphere> = moving.copied().collect();
         let mut constraints = Vec::new();
         if !self.spheres.is_empty() {
             constraints.push(AnyConstraint::Spheres(SphereClearance {
                 balls: balls.clone(),
-                spheres: self.spheres.clone(),
+                spheres: self.spheres().copied().collect(),
             }));
         }
-        constraints.extend(self.half_spaces.iter().map(|half_space| {
+        constraints.extend(self.half_spaces().map(|half_space| {
             AnyConstraint::HalfSpace(HalfSpaceClearance {
                 balls: balls.clone(),
                 half_space: *half_space,
             })
         }));
+        if !self.solids.is_empty() {
+            let names = self.solids.iter().map(|solid| solid.name().to_owned());
+            constraints.push(AnyConstraint::Solids(SolidClearance {
+                balls,
+                solids: self.solids().copied().collect(),
+                names: names.collect(),
+            }));
+        }
+        let pairs = self.self_pairs();
+        if !pairs.is_empty() {
+            constraints.push(AnyConstraint::SelfCollision(SelfClearance {
+                balls: all,
+                pairs,
+            }));
+        }
         Ok(constraints)
     }
 
-    /// The deepest overlap of a ball of the constraints and an obstacle with the bodies at `placements`; a negative one is the
-    /// smallest distance. `None` without obstacles.
+    /// The deepest overlap of a ball of the constraints and an obstacle, or another such ball, with the bodies at
+    /// `placements`; a negative one is the smallest distance. `None` where there is nothing to keep clear of.
     pub(super) fn deepest(&self, placements: &[Placement<f64>]) -> Result<Option<Overlap>> {
-        if self.is_empty() {
-            return Ok(None);
-        }
+        let balls = self.balls()?;
+        let link = |i: usize| match &self.body {
+            Body::Balls(balls) => Some(balls[i].link.clone()),
+            Body::Capsules { .. } => None,
+        };
         let mut overlaps = Vec::new();
-        for ball in self.balls()?.into_iter().map(alone) {
+        for (i, ball) in balls.iter().enumerate() {
             let mut add = |obstacle: String, clearance: f64| {
                 overlaps.push(Overlap {
                     obstacle,
                     body: ball.body,
+                    link: link(i),
                     depth: -clearance,
                 });
             };
-            for (i, sphere) in self.spheres.iter().enumerate() {
-                let clearance = ball.clearance(placements, sphere)?;
-                add(format!("sphere_obstacles[{i}]"), clearance);
+            let capsule = alone(*ball);
+            for sphere in &self.spheres {
+                let clearance = capsule.clearance(placements, &sphere.placed)?;
+                add(sphere.to_string(), clearance);
             }
-            for (i, half_space) in self.half_spaces.iter().enumerate() {
-                let height = ball.height(placements, half_space)?;
-                add(format!("half_spaces[{i}]"), height);
+            for half_space in &self.half_spaces {
+                let height = capsule.height(placements, &half_space.placed)?;
+                add(half_space.to_string(), height);
+            }
+            let centre = centre(ball, placements)?;
+            for solid in &self.solids {
+                let clearance = solid.placed.distance(&centre) - ball.radius;
+                add(solid.to_string(), clearance);
             }
         }
-        Ok(overlaps
+        for [i, j] in self.self_pairs() {
+            overlaps.push(Overlap {
+                obstacle: format!("link '{}'", link(j).unwrap_or_default()),
+                body: balls[i].body,
+                link: link(i),
+                depth: -apart([&balls[i], &balls[j]], placements)?,
+            });
+        }
+        let deepest = overlaps
             .into_iter()
-            .max_by(|a, b| a.depth.total_cmp(&b.depth)))
+            .max_by(|a, b| a.depth.total_cmp(&b.depth));
+        Ok(deepest)
     }
 
-    /// The exact distance from the robot to the nearest obstacle with its bodies at `placements`, in m; negative when it
-    /// collides, infinite without obstacles.
+    /// The distance from the robot to the nearest obstacle, or between two of its links that keep clear of each other,
+    /// with its bodies at `placements`, in m; negative when it collides, infinite where there is nothing to keep clear
+    /// of. That from spheres and half-spaces is the exact one of swept links; all others are those of the balls that
+    /// cover the shape.
     ///
     /// # Errors
     /// The placements are those of another robot.
     pub fn clearance(&self, placements: &[Placement<f64>]) -> Result<f64> {
+        let balls = self.balls()?;
+        let exact = match &self.body {
+            Body::Capsules { capsules, .. } => capsules.clone(),
+            Body::Balls(_) => balls.iter().copied().map(alone).collect(),
+        };
         let mut smallest = f64::INFINITY;
-        for capsule in &self.capsules {
-            for sphere in &self.spheres {
+        for capsule in exact {
+            for sphere in self.spheres() {
                 smallest = smallest.min(capsule.clearance(placements, sphere)?);
             }
-            for half_space in &self.half_spaces {
+            for half_space in self.half_spaces() {
                 smallest = smallest.min(capsule.height(placements, half_space)?);
             }
+        }
+        for ball in &balls {
+            let centre = centre(ball, placements)?;
+            for solid in self.solids() {
+                smallest = smallest.min(solid.distance(&centre) - ball.radius);
+            }
+        }
+        for pair in self.self_pairs() {
+            smallest = smallest.min(apart(pair.map(|i| &balls[i]), placements)?);
         }
         Ok(smallest)
     }
 
-    /// The smallest clearance over configurations, in m; `None` without obstacles.
+    /// The smallest clearance over configurations, in m; `None` where there is nothing to keep clear of.
     ///
     /// # Errors
     /// A configuration is that of another robot.
@@ -239,17 +294,26 @@ impl Environment {
     }
 }
 
-/// The origins of all joint frames: the paper's measure.
-fn points(model: &Model) -> Vec<Capsule> {
-    let frames = CollisionSphere::joint_frames(model);
-    frames.into_iter().map(alone).collect()
+/// The centre of a ball in the base frame.
+pub(super) fn centre(
+    ball: &CollisionSphere,
+    placements: &[Placement<f64>],
+) -> Result<Vector3<f64>> {
+    let Some(body) = ball.body else {
+        return Ok(ball.centre);
+    };
+    check_length(
+        "placements",
+        placements.len().max(body + 1),
+        placements.len(),
+    )?;
+    let placement = &placements[body];
+    Ok(placement.rotation * ball.centre + placement.translation)
 }
 
-/// A ball as a capsule of length zero.
-fn alone(ball: CollisionSphere) -> Capsule {
-    Capsule {
-        body: ball.body,
-        ends: [ball.centre; 2],
-        radius: ball.radius,
-    }
+/// The distance between two balls, m; negative where they overlap.
+pub(super) fn apart(balls: [&CollisionSphere; 2], placements: &[Placement<f64>]) -> Result<f64> {
+    let [first, second] = balls;
+    let between = centre(first, placements)? - centre(second, placements)?;
+    Ok(between.norm() - first.radius - second.radius)
 }

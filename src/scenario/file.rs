@@ -4,8 +4,13 @@ use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
+use super::obstacles::{
+    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
+    SphereObstacle,
+};
 use super::passive::check_passive;
 use super::provenance::is_summary;
+use super::self_collision::in_full;
 use super::{EnforcedLimits, Environment, SolveOptions, Solved};
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result, plain};
@@ -16,47 +21,6 @@ use crate::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// A sphere to keep clear of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SphereObstacle {
-    /// Its centre in the base frame, m.
-    pub center_m: [f64; 3],
-    /// Its radius, m.
-    pub radius_m: f64,
-}
-
-/// A half-space to stay in, such as what is above a floor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HalfSpaceObstacle {
-    /// A vector in the base frame, of any length, pointing to where the robot may be.
-    pub normal: [f64; 3],
-    /// The position of the boundary along the unit normal, m.
-    pub offset_m: f64,
-}
-
-/// The points of the robot that keep clear of obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum RobotShape {
-    /// The origins of all joint frames: the paper's measure.
-    #[default]
-    JointFrames,
-    /// The whole arm: capsules along all links.
-    SweptLinks {
-        /// Their radius, m.
-        radius_m: f64,
-        /// The largest distance between the balls that cover them, m.
-        #[serde(default = "default_spacing")]
-        spacing_m: f64,
-    },
-}
-
-fn default_spacing() -> f64 {
-    0.05
-}
 
 /// The parameters of the flow that suit a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -131,12 +95,24 @@ pub struct ScenarioFile {
     /// The spheres to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sphere_obstacles: Vec<SphereObstacle>,
+    /// The boxes to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub box_obstacles: Vec<BoxObstacle>,
+    /// The cylinders to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cylinder_obstacles: Vec<CylinderObstacle>,
+    /// The capsules to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub capsule_obstacles: Vec<CapsuleObstacle>,
     /// The half-spaces to stay in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub half_spaces: Vec<HalfSpaceObstacle>,
     /// The parts of the robot that keep clear.
     #[serde(default)]
     pub robot_shape: RobotShape,
+    /// Which links keep clear of each other; none unless said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_collision: Option<SelfCollision>,
     /// The limits of the joints that are constraints; all unless said.
     #[serde(default)]
     pub enforced_limits: EnforcedLimits,
@@ -241,7 +217,7 @@ impl Scenario {
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn new(file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
+    pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
         let options = UrdfOptions { mimic: file.mimic };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
@@ -249,7 +225,12 @@ impl Scenario {
         let (robot, load_notes) = source.parse(options).map_err(of_robot)?;
         let robot_place = source.absolute().map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
-        let environment = Environment::new(&robot, &file, path)?;
+        if let Some(given) = file.self_collision.take() {
+            let read = in_full(given, folder);
+            let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
+            file.self_collision = Some(read);
+        }
+        let environment = Environment::new(&robot, &file, source.folder(), path)?;
         let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
         let states = [
             ("q_start", &file.q_start),

@@ -9,27 +9,36 @@ mod file;
 mod generate;
 mod json;
 mod limits;
+mod moveit;
 mod objective;
+mod obstacles;
 mod options;
 mod passive;
 mod preflight;
 mod provenance;
 mod report;
+mod robot_shape;
+mod self_collision;
 mod summary;
 
 pub use builtin::builtin_scenarios;
 pub use curve_file::CurveFile;
 pub use environment::Environment;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
-pub use file::{
-    FlowParameters, HalfSpaceObstacle, RobotShape, Scenario, ScenarioFile, SphereObstacle,
-};
+pub use file::{FlowParameters, Scenario, ScenarioFile};
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
+pub use moveit::{MoveIt, MoveItHorizon};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
+pub use obstacles::{
+    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
+    SphereObstacle,
+};
 pub use options::{FlowVariant, Method, SolveOptions};
 pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, solve};
+pub use robot_shape::LinkBall;
+pub use self_collision::{IgnoredPair, IgnoredPairs};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

@@ -146,6 +146,7 @@ impl Scenario {
         let Some(Overlap {
             obstacle,
             body,
+            link,
             depth,
         }) = deepest.filter(|overlap| overlap.depth > TOLERANCE)
         else {
@@ -153,10 +154,11 @@ impl Scenario {
         };
         // The first frame of a body is that of the link which its joint carries; to the base many may be locked.
         let mut frames = self.model.frames().iter();
-        let link = frames.find(|f| f.body == body && body.is_some());
+        let frame = frames.find(|f| f.body == body && body.is_some());
+        let link = link.or_else(|| frame.map(|f| f.name.clone()));
         let link = link.map_or_else(
             || "a link that is locked to the base".to_owned(),
-            |f| format!("link '{}'", f.name),
+            |link| format!("link '{link}'"),
         );
         let mut condition = format!("{link} is {depth:.3e} m inside {obstacle}");
         let clear = self.environment.clearance(&placements)?;

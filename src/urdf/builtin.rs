@@ -12,7 +12,7 @@ macro_rules! robots {
 }
 
 /// The robots, in the order in which they are listed.
-const ROBOTS: [(&str, &str); 14] = robots!(
+const ROBOTS: [(&str, &str); 15] = robots!(
     "pendulum_1",
     "pendulum_2",
     "pendulum_3",
@@ -26,7 +26,8 @@ const ROBOTS: [(&str, &str); 14] = robots!(
     "acrobot",
     "pendubot",
     "cart_pole",
-    "planar_rotorcraft"
+    "planar_rotorcraft",
+    "panda"
 );
 
 /// The names of the robots that are built in.

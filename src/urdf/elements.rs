@@ -1,7 +1,8 @@
-//! The elements of a URDF that the dynamics read, and what is wrong with them, said in their own words.
+//! The elements of a URDF that are read, and what is wrong with them, said in their own words.
 //!
-//! Meshes, materials, sensors and plugins are passed over, so none of them can make a file fail.
+//! Visual elements, materials, sensors and plugins are passed over, so none of them can make a file fail.
 
+use super::shapes::{CollisionElement, read_collisions};
 use crate::error::{Error, Result};
 use roxmltree::{Document, Error as XmlError, Node};
 
@@ -22,6 +23,8 @@ pub(super) struct Link {
     pub mass: f64,
     /// `ixx ixy ixz iyy iyz izz` about the centre of mass.
     pub inertia: [f64; 6],
+    /// Its shapes.
+    pub collisions: Vec<CollisionElement>,
 }
 
 /// A joint.
@@ -130,7 +133,7 @@ fn is_xacro(node: &Node<'_, '_>) -> bool {
 }
 
 /// What is read of an element, or what is wrong with it.
-type Read<T> = std::result::Result<T, String>;
+pub(super) type Read<T> = std::result::Result<T, String>;
 
 fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {
     let mut read = Link {
@@ -138,6 +141,7 @@ fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {
         origin: Pose::default(),
         mass: 0.0,
         inertia: [0.0; 6],
+        collisions: read_collisions(link)?,
     };
     if let Some(inertial) = child(link, "inertial")? {
         read.origin = read_origin(inertial)?;
@@ -213,7 +217,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
 }
 
 /// The origin of an element, which need not be there, nor have both parts.
-fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
+pub(super) fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
     let mut pose = Pose::default();
     if let Some(origin) = child(node, "origin")? {
         for (part, name) in [(&mut pose.xyz, "xyz"), (&mut pose.rpy, "rpy")] {
@@ -234,16 +238,19 @@ fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Option<Node<'a,
     Ok(first)
 }
 
-fn required<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Node<'a, 'input>> {
+pub(super) fn required<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Node<'a, 'input>> {
     child(node, name)?.ok_or(format!("it has no {name} element"))
 }
 
-fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
+pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
     numbers(node, attribute).map(|[number]| number)
 }
 
 /// The `COUNT` numbers, and nothing else, that an attribute holds.
-fn numbers<const COUNT: usize>(node: Node<'_, '_>, attribute: &str) -> Read<[f64; COUNT]> {
+pub(super) fn numbers<const COUNT: usize>(
+    node: Node<'_, '_>,
+    attribute: &str,
+) -> Read<[f64; COUNT]> {
     let element = node.tag_name().name();
     let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
     let words: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();

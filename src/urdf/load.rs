@@ -74,6 +74,15 @@ impl RobotSource {
         parse_urdf_with(&self.text, &name, options)
     }
 
+    /// The folder of its file, from which it names meshes; the current one for the standard input and for what is built in, which names none.
+    #[cfg(feature = "output")]
+    pub fn folder(&self) -> &Path {
+        match &self.place {
+            Place::BuiltIn(_) => Path::new(""),
+            Place::File(path) => path.parent().unwrap_or(Path::new("")),
+        }
+    }
+
     /// The name of a robot that is built in, or else the absolute path of its file.
     ///
     /// # Errors

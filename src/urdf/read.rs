@@ -5,7 +5,7 @@ use super::tree::Visit;
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions, tree};
 use crate::error::{Error, Result, plain};
 use crate::input::read_text;
-use crate::model::{Carrier, Frame, JointKind, JointSpec, Limits, Model};
+use crate::model::{Carrier, Collision, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::path::Path;
@@ -30,13 +30,13 @@ pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadR
 /// Reads a robot from the text of a URDF file; `file` names it in errors.
 ///
 /// Fixed joints are merged into the body before them. A velocity or effort limit of zero, and a limit element of zeros, stand for no
-/// limit, with a note. Meshes, materials, transmissions and whatever else is not about
-/// dynamics are not looked at.
+/// limit, with a note. Collision elements become [`Model::collisions`]; files of meshes are not read. Visual elements, materials,
+/// transmissions and whatever else is not about dynamics or shapes are not looked at.
 ///
 /// # Errors
 /// Says which element is wrong and why: text that is no URDF, negative or non-finite numbers, zero axes, repeated names,
-/// several roots, loops, unknown links, floating, planar, spherical and mimic joints, and joints that move nothing that
-/// has inertia about them.
+/// several roots, loops, unknown links, floating, planar, spherical and mimic joints, joints that move nothing that
+/// has inertia about them, and collision elements without a shape, with an unknown one or a size that is not positive.
 pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
     parse_urdf_with(text, file, UrdfOptions::default())
 }
@@ -57,6 +57,7 @@ pub fn parse_urdf_with(
         report: LoadReport::new(),
         specs: Vec::new(),
         frames: Vec::new(),
+        collisions: Vec::new(),
     };
     for visit in tree::walk(&robot, file)? {
         loader.visit(&visit)?;
@@ -68,7 +69,8 @@ pub fn parse_urdf_with(
             } => Error::input(file, element, condition),
             other => other,
         })?
-        .with_frames(loader.frames);
+        .with_frames(loader.frames)
+        .with_collisions(loader.collisions)?;
     model.check_regular(file)?;
     Ok((model, loader.report))
 }
@@ -80,6 +82,7 @@ struct Loader<'a> {
     report: LoadReport,
     specs: Vec<JointSpec<f64>>,
     frames: Vec<Frame<f64>>,
+    collisions: Vec<Collision>,
 }
 
 impl Loader<'_> {
@@ -135,6 +138,15 @@ impl Loader<'_> {
                 return Err(self.error(format!("link '{}'", link.name), condition));
             }
             self.specs[body].inertia += placed;
+        }
+        for shape in &link.collisions {
+            let element = format!("link '{}': {}", link.name, shape.name);
+            self.collisions.push(Collision {
+                link: link.name.clone(),
+                body,
+                placement: placement.compose(&self.pose(&shape.origin, element)?),
+                shape: shape.shape.clone(),
+            });
         }
         self.frames.push(Frame {
             name: link.name.clone(),

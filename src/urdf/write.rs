@@ -1,8 +1,9 @@
 //! Writing a model as a URDF file.
 
 use super::parse_urdf;
+use super::write_shapes::write_collision;
 use crate::error::{Error, Result};
-use crate::model::{Frame, Joint, JointKind, Limits, Model};
+use crate::model::{CollisionShape, Frame, Joint, JointKind, Limits, Model};
 use crate::spatial::{Inertia, Placement, cross_matrix};
 use nalgebra::{Matrix3, Vector3};
 use quick_xml::Writer;
@@ -10,6 +11,9 @@ use std::io;
 
 /// The part of the size of a number by which what is read back may differ, for the poses and inertias that are converted.
 const ROUNDING: f64 = 1e-9;
+
+/// A shape and its placement in the frame of its link.
+type PlacedShape<'a> = (Placement<f64>, &'a CollisionShape);
 
 /// What URDFs say where there are no limits: other readers want the element of joints that are not continuous.
 const PLACEHOLDER: Limits = Limits {
@@ -19,13 +23,13 @@ const PLACEHOLDER: Limits = Limits {
     effort: 0.0,
 };
 
-type Xml = Writer<Vec<u8>>;
+pub(super) type Xml = Writer<Vec<u8>>;
 
 impl Model<f64> {
     /// The model as the text of a URDF file, which [`parse_urdf`] reads as the same model.
     ///
     /// Every frame is written as a link, on the joint that carried it, so the names of links and joints and the order of
-    /// the joints are those of the file that was read. The inertia of a body is written in the link of its joint; links on
+    /// the joints are those of the file that was read, and so are its shapes. The inertia of a body is written in the link of its joint; links on
     /// fixed joints are massless, and so is what is fixed to the base, whose mass the model does not know. Numbers are
     /// the shortest that read back to the same bits. A velocity or effort without limit, and no limits at all, are written as
     /// zeros, which [`parse_urdf`] reads as none. A model made in code gets a link `base`; its joints come back in the order in
@@ -61,11 +65,12 @@ impl Model<f64> {
             base.push('_');
         }
         if self.frames().iter().all(|f| f.carrier.is_some()) {
-            write_link(xml, &base, &Inertia::zero())?;
+            write_link(xml, &base, &Inertia::zero(), &[])?;
         }
         for frame in self.frames() {
+            let shapes = self.shapes_of(frame);
             let Some(carrier) = &frame.carrier else {
-                write_link(xml, &frame.name, &Inertia::zero())?;
+                write_link(xml, &frame.name, &Inertia::zero(), &shapes)?;
                 continue;
             };
             let parent = carrier.parent.map(|p| &self.frames()[p]);
@@ -73,20 +78,28 @@ impl Model<f64> {
             let within_parent = |p: &Placement<f64>| parent.map_or(*p, |f| relative(p, f));
             match self.joints().iter().position(|j| j.name() == carrier.joint) {
                 Some(i) => {
-                    write_link(xml, &frame.name, &self.inertias()[i])?;
+                    write_link(xml, &frame.name, &self.inertias()[i], &shapes)?;
                     let joint = &self.joints()[i];
                     let kind = joint.kind().name();
                     let origin = within_parent(joint.origin());
                     write_joint(xml, (&carrier.joint, kind), ends, &origin, Some(joint))?;
                 }
                 None => {
-                    write_link(xml, &frame.name, &Inertia::zero())?;
+                    write_link(xml, &frame.name, &Inertia::zero(), &shapes)?;
                     let origin = within_parent(&frame.placement);
                     write_joint(xml, (&carrier.joint, "fixed"), ends, &origin, None)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// The shapes of the link of `frame`, each with its placement in that frame.
+    fn shapes_of(&self, frame: &Frame<f64>) -> Vec<PlacedShape<'_>> {
+        let all = self.collisions().iter();
+        all.filter(|collision| collision.link == frame.name)
+            .map(|collision| (relative(&collision.placement, frame), &collision.shape))
+            .collect()
     }
 
     /// What of this model is not in `read`, and of which element.
@@ -120,7 +133,18 @@ impl Model<f64> {
                 return differs("the inertia that it moves");
             }
         }
-        None
+        self.frames().iter().find_map(|frame| {
+            let same = read.frames().iter().find(|f| f.name == frame.name);
+            let read = same.map(|f| read.shapes_of(f)).unwrap_or_default();
+            let shapes = self.shapes_of(frame);
+            let differs = shapes.len() != read.len()
+                || shapes.iter().zip(&read).any(|((a, shape), (b, same))| {
+                    shape != same
+                        || !close(&a.rotation, &b.rotation)
+                        || !close(&a.translation, &b.translation)
+                });
+            differs.then(|| (format!("link '{}'", frame.name), "a shape of it"))
+        })
     }
 }
 
@@ -145,12 +169,28 @@ fn relative(p: &Placement<f64>, frame: &Frame<f64>) -> Placement<f64> {
     )
 }
 
-fn write_link(xml: &mut Xml, name: &str, inertia: &Inertia<f64>) -> io::Result<()> {
+fn write_link(
+    xml: &mut Xml,
+    name: &str,
+    inertia: &Inertia<f64>,
+    shapes: &[PlacedShape<'_>],
+) -> io::Result<()> {
     let link = xml.create_element("link").with_attribute(("name", name));
-    if *inertia == Inertia::zero() {
+    let massless = *inertia == Inertia::zero();
+    if massless && shapes.is_empty() {
         link.write_empty()?;
         return Ok(());
     }
+    link.write_inner_content(|xml| {
+        if !massless {
+            write_inertial(xml, inertia)?;
+        }
+        (shapes.iter()).try_for_each(|(origin, shape)| write_collision(xml, origin, shape))
+    })?;
+    Ok(())
+}
+
+fn write_inertial(xml: &mut Xml, inertia: &Inertia<f64>) -> io::Result<()> {
     let mass = inertia.mass;
     let com = if mass == 0.0 {
         Vector3::zeros()
@@ -159,25 +199,22 @@ fn write_link(xml: &mut Xml, name: &str, inertia: &Inertia<f64>) -> io::Result<(
     };
     let cross = cross_matrix(&com);
     let i = inertia.rotational + cross * cross * mass;
-    link.write_inner_content(|xml| {
-        xml.create_element("inertial").write_inner_content(|xml| {
-            empty(xml, "origin", &[("xyz", numbers(&com))])?;
-            empty(xml, "mass", &[("value", numbers([&mass]))])?;
-            let moments = [
-                ("ixx", i.m11),
-                ("ixy", i.m12),
-                ("ixz", i.m13),
-                ("iyy", i.m22),
-                ("iyz", i.m23),
-                ("izz", i.m33),
-            ];
-            empty(
-                xml,
-                "inertia",
-                &moments.map(|(key, moment)| (key, numbers([&moment]))),
-            )
-        })?;
-        Ok(())
+    xml.create_element("inertial").write_inner_content(|xml| {
+        empty(xml, "origin", &[("xyz", numbers(&com))])?;
+        empty(xml, "mass", &[("value", numbers([&mass]))])?;
+        let moments = [
+            ("ixx", i.m11),
+            ("ixy", i.m12),
+            ("ixz", i.m13),
+            ("iyy", i.m22),
+            ("iyz", i.m23),
+            ("izz", i.m33),
+        ];
+        empty(
+            xml,
+            "inertia",
+            &moments.map(|(key, moment)| (key, numbers([&moment]))),
+        )
     })?;
     Ok(())
 }
@@ -223,7 +260,7 @@ fn write_joint(
 }
 
 /// An element without content.
-fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
+pub(super) fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
     let attributes = attributes.iter().map(|(key, value)| (*key, value.as_str()));
     let element = xml.create_element(name).with_attributes(attributes);
     element.write_empty()?;
@@ -236,7 +273,7 @@ fn or_zero(limit: f64) -> f64 {
 }
 
 /// Numbers as they are read back to the same bits, zeros without a sign.
-fn numbers<'a>(x: impl IntoIterator<Item = &'a f64>) -> String {
+pub(super) fn numbers<'a>(x: impl IntoIterator<Item = &'a f64>) -> String {
     let words: Vec<_> = x.into_iter().map(|x| format!("{:?}", x + 0.0)).collect();
     words.join(" ")
 }
@@ -245,7 +282,7 @@ fn numbers<'a>(x: impl IntoIterator<Item = &'a f64>) -> String {
 ///
 /// Near a pitch of a quarter turn only the sum or the difference of the other two angles can be told. So roll is read off
 /// what is left of the rotation once yaw is undone: whatever error yaw has there, roll makes up for.
-fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
+pub(super) fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let yaw = r.m21.atan2(r.m11);
     let (sin, cos) = yaw.sin_cos();
     let pitch = (-r.m31).atan2(cos * r.m11 + sin * r.m21);

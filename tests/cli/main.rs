@@ -8,6 +8,8 @@ mod bounds;
 mod check;
 mod eval;
 mod files;
+mod import;
+mod import_refused;
 mod input;
 mod robots;
 mod signals;

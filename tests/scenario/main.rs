@@ -17,6 +17,7 @@ mod preflight;
 mod reproduce;
 mod reproduce_variants;
 mod solve;
+mod surroundings;
 mod sweep;
 mod sweep_files;
 mod sweep_refused;

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod cover;
 mod errors;
 mod large;
 mod limits;
@@ -11,5 +12,6 @@ mod model;
 mod notes;
 mod robots;
 mod several_arms;
+mod shapes;
 mod underactuated;
 mod write;

@@ -24,7 +24,7 @@ const FOUND: &str = r#"<?xml version="1.0" encoding="utf-8"?>
     <inertial><mass value=" 4 "/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <visual><geometry><mesh filename="package://nowhere/base.dae"/></geometry>
       <material name="grey"><texture/></material></visual>
-    <collision><geometry><capsule/></geometry></collision>
+    <visual><geometry><capsule/></geometry></visual>
     <contact><lateral_friction value="x"/></contact>
   </link>
   <link name="arm">

@@ -109,6 +109,7 @@ pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
     }
     let mut made = Candidate::new(paths.witness, LINK_RADIUS);
     made.half_spaces.push(HalfSpaceObstacle {
+        name: None,
         normal: [0.0, 0.0, 1.0],
         offset_m: height,
     });

@@ -260,6 +260,7 @@ impl Family {
 
     fn file(&self, robot: &str, mimic: Mimic, made: Candidate) -> ScenarioFile {
         let sphere = |(centre, radius): (Vector3<f64>, f64)| SphereObstacle {
+            name: None,
             center_m: centre.into(),
             radius_m: radius,
         };
@@ -282,8 +283,12 @@ impl Family {
             }),
             free_horizon: None,
             sphere_obstacles: made.spheres.into_iter().map(sphere).collect(),
+            box_obstacles: Vec::new(),
+            cylinder_obstacles: Vec::new(),
+            capsule_obstacles: Vec::new(),
             half_spaces: made.half_spaces,
             robot_shape: made.shape,
+            self_collision: None,
             enforced_limits: if self.within_limits {
                 EnforcedLimits::default()
             } else {

@@ -1,0 +1,63 @@
+//! Surfaces of triangles, and balls that cover them.
+
+use super::cover::{check, check_number};
+use super::{Ball, Cover};
+use crate::error::{Error, Result};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// A triangle by its corners, in m.
+pub type Triangle = [Vector3<f64>; 3];
+
+/// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than
+/// `spacing`, those with their middles in one cell of a grid of that width share a ball about the box around them. Each
+/// ball has corners of triangles in it, so no point of it is further from the surface than its radius and the distance
+/// from its centre to the nearest of them: the excess, which is less than 4.1 times `spacing`. Cost O(area /
+/// spacing^2).
+///
+/// # Errors
+/// `spacing` is not positive and finite, a coordinate is not finite, or more than 1e5 balls are needed.
+pub fn cover_triangles(triangles: &[Triangle], spacing: f64) -> Result<Cover> {
+    check(spacing, &[])?;
+    let points = triangles.iter().flatten();
+    if !points.flat_map(|p| p.iter()).all(|x| x.is_finite()) {
+        let condition = "a coordinate is not a finite number";
+        return Err(Error::input("cover by balls", "triangles", condition));
+    }
+    let mut cells: BTreeMap<[i64; 3], Vec<Vector3<f64>>> = BTreeMap::new();
+    let mut pending = triangles.to_vec();
+    while let Some([a, b, c]) = pending.pop() {
+        let (ab, bc, ca) = ((a - b).norm(), (b - c).norm(), (c - a).norm());
+        let longest = ab.max(bc).max(ca);
+        if longest > spacing {
+            // Turned so that the longest edge comes first.
+            let [a, b, c] = match () {
+                () if longest == ab => [a, b, c],
+                () if longest == bc => [b, c, a],
+                () => [c, a, b],
+            };
+            let middle = (a + b) * 0.5;
+            pending.extend([[a, middle, c], [middle, b, c]]);
+            continue;
+        }
+        // The cast saturates.
+        let cell = ((a + b + c) / (3.0 * spacing)).map(|x| x.floor() as i64);
+        cells.entry(cell.into()).or_default().extend([a, b, c]);
+        check_number(cells.len() as f64, spacing)?;
+    }
+    let mut cover = Cover {
+        balls: Vec::with_capacity(cells.len()),
+        excess: 0.0,
+    };
+    for corners in cells.values() {
+        let lower = corners.iter().fold(corners[0], |m, p| m.inf(p));
+        let upper = corners.iter().fold(corners[0], |m, p| m.sup(p));
+        let centre = (lower + upper) * 0.5;
+        let distances = || corners.iter().map(|p| (p - centre).norm());
+        let radius = distances().fold(0.0, f64::max);
+        let nearest = distances().fold(f64::INFINITY, f64::min);
+        cover.balls.push(Ball { centre, radius });
+        cover.excess = cover.excess.max(radius + nearest);
+    }
+    Ok(cover)
+}

@@ -1,0 +1,146 @@
+//! What of a robot can touch something.
+
+use super::Model;
+use crate::error::{Error, Result};
+use crate::geometry::{Shape, Solid};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+use nalgebra::Vector3;
+
+/// A shape that a link carries, from a `<collision>` element of its URDF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collision<C: Scalar = f64> {
+    /// The name of the link.
+    pub link: String,
+    /// The body that the link is part of; `None` is the base.
+    pub body: Option<usize>,
+    /// The placement of the shape in that body.
+    pub placement: Placement<C>,
+    /// The shape.
+    pub shape: CollisionShape<C>,
+}
+
+/// The shape of a [`Collision`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum CollisionShape<C: Scalar = f64> {
+    /// A shape of a few numbers.
+    Solid(Shape<C>),
+    /// A mesh in a file, which is not read with the robot.
+    Mesh {
+        /// The file as the URDF names it.
+        file: String,
+        /// The factors by which its axes are stretched.
+        scale: Vector3<C>,
+    },
+}
+
+impl<C: Scalar> Collision<C> {
+    /// A shape that a link carries, at `placement` in the frame of the link.
+    ///
+    /// # Errors
+    /// The model has no link of that name.
+    pub fn at_link(
+        model: &Model<C>,
+        link: &str,
+        placement: &Placement<C>,
+        shape: CollisionShape<C>,
+    ) -> Result<Self> {
+        let frame = model.frames().iter().find(|f| f.name == link);
+        let Some(frame) = frame else {
+            let element = format!("link '{link}'");
+            return Err(Error::input(model.name(), element, "there is no such link"));
+        };
+        Ok(Self {
+            link: link.to_owned(),
+            body: frame.body,
+            placement: frame.placement.compose(placement),
+            shape,
+        })
+    }
+
+    /// The shape with its place in the body, unless it is a mesh.
+    #[must_use]
+    pub fn solid(&self) -> Option<Solid<C>> {
+        match self.shape {
+            CollisionShape::Solid(shape) => Some(Solid {
+                placement: self.placement,
+                shape,
+            }),
+            CollisionShape::Mesh { .. } => None,
+        }
+    }
+}
+
+impl<C: Scalar> Model<C> {
+    /// The shapes of the links, in the order in which the tree is walked.
+    #[must_use]
+    pub fn collisions(&self) -> &[Collision<C>] {
+        &self.collisions
+    }
+
+    /// The same model with other shapes, such as those of [`Collision::at_link`].
+    ///
+    /// # Errors
+    /// A shape is at a link that the model does not have, or not at its body.
+    pub fn with_collisions(mut self, collisions: Vec<Collision<C>>) -> Result<Self> {
+        for Collision { link, body, .. } in &collisions {
+            let same = self.frames.iter().find(|f| f.name == *link);
+            if same.is_none_or(|frame| frame.body != *body) {
+                let condition = "a shape is there, but no such link of this body";
+                return Err(Error::input(
+                    &self.name,
+                    format!("link '{link}'"),
+                    condition,
+                ));
+            }
+        }
+        self.collisions = collisions;
+        Ok(self)
+    }
+}
+
+impl Collision<f64> {
+    /// The same with constants of another type.
+    pub(super) fn cast<D: Scalar>(&self) -> Collision<D> {
+        let vector = |v: &Vector3<f64>| v.map(D::from_f64);
+        Collision {
+            link: self.link.clone(),
+            body: self.body,
+            placement: Placement::new(
+                self.placement.rotation.map(D::from_f64),
+                vector(&self.placement.translation),
+            ),
+            shape: match &self.shape {
+                CollisionShape::Solid(shape) => CollisionShape::Solid(cast_shape(shape)),
+                CollisionShape::Mesh { file, scale } => CollisionShape::Mesh {
+                    file: file.clone(),
+                    scale: vector(scale),
+                },
+            },
+        }
+    }
+}
+
+fn cast_shape<D: Scalar>(shape: &Shape<f64>) -> Shape<D> {
+    let of = D::from_f64;
+    match *shape {
+        Shape::Sphere { radius } => Shape::Sphere { radius: of(radius) },
+        Shape::Cuboid { half_extents } => Shape::Cuboid {
+            half_extents: half_extents.map(of),
+        },
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => Shape::Cylinder {
+            radius: of(radius),
+            half_length: of(half_length),
+        },
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => Shape::Capsule {
+            radius: of(radius),
+            half_length: of(half_length),
+        },
+    }
+}

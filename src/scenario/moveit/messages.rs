@@ -1,0 +1,171 @@
+//! The parts of a planning scene and of a planning request of MoveIt that are read, as YAML writes these messages.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+/// A planning scene: `moveit_msgs/PlanningScene`.
+#[derive(Debug, Deserialize)]
+pub(super) struct Scene {
+    pub world: World,
+    #[serde(default)]
+    pub robot_state: RobotState,
+}
+
+/// The obstacles.
+#[derive(Debug, Deserialize)]
+pub(super) struct World {
+    pub collision_objects: Vec<CollisionObject>,
+    /// A map of occupied cells.
+    #[serde(default)]
+    pub octomap: Option<serde_json::Value>,
+}
+
+/// An obstacle of several parts.
+#[derive(Debug, Deserialize)]
+pub(super) struct CollisionObject {
+    pub id: String,
+    #[serde(default)]
+    pub pose: Option<Pose>,
+    #[serde(default)]
+    pub primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub primitive_poses: Vec<Pose>,
+    #[serde(default)]
+    pub meshes: Vec<serde_json::Value>,
+    #[serde(default)]
+    pub planes: Vec<serde_json::Value>,
+}
+
+/// A shape: `shape_msgs/SolidPrimitive`.
+#[derive(Debug, Deserialize)]
+pub(super) struct Primitive {
+    #[serde(rename = "type")]
+    pub kind: Kind,
+    pub dimensions: Vec<f64>,
+}
+
+/// The kind of a shape, by name or by number.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "the name or the number of a shape is needed")]
+pub(super) enum Kind {
+    Name(String),
+    Number(u8),
+}
+
+impl Kind {
+    /// The name, that of a number of the message included.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Name(name) => name.to_lowercase(),
+            Self::Number(number) => match number {
+                1 => "box".to_owned(),
+                2 => "sphere".to_owned(),
+                3 => "cylinder".to_owned(),
+                4 => "cone".to_owned(),
+                other => format!("shape {other}"),
+            },
+        }
+    }
+}
+
+/// The place of a shape.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Pose {
+    pub position: Position,
+    pub orientation: Orientation,
+}
+
+/// A point.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "a list or the keys x y z are needed")]
+pub(super) enum Position {
+    List([f64; 3]),
+    Keys { x: f64, y: f64, z: f64 },
+}
+
+impl From<Position> for Vector3<f64> {
+    fn from(position: Position) -> Self {
+        match position {
+            Position::List(list) => list.into(),
+            Position::Keys { x, y, z } => Self::new(x, y, z),
+        }
+    }
+}
+
+/// A quaternion.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "a list or the keys x y z w are needed")]
+pub(super) enum Orientation {
+    List([f64; 4]),
+    Keys { x: f64, y: f64, z: f64, w: f64 },
+}
+
+impl From<Orientation> for [f64; 4] {
+    fn from(orientation: Orientation) -> Self {
+        match orientation {
+            Orientation::List(list) => list,
+            Orientation::Keys { x, y, z, w } => [x, y, z, w],
+        }
+    }
+}
+
+/// The state of a robot: `moveit_msgs/RobotState`.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct RobotState {
+    #[serde(default)]
+    pub joint_state: JointState,
+    #[serde(default)]
+    pub multi_dof_joint_state: MultiDofJointState,
+    #[serde(default)]
+    pub attached_collision_objects: Vec<serde_json::Value>,
+}
+
+/// The positions of joints.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct JointState {
+    #[serde(default)]
+    pub name: Vec<String>,
+    #[serde(default)]
+    pub position: Vec<f64>,
+}
+
+/// The places of what moves with several degrees of freedom, such as the base.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct MultiDofJointState {
+    #[serde(default)]
+    pub transforms: Vec<Transform>,
+}
+
+/// The place of a frame.
+#[derive(Debug, Deserialize)]
+pub(super) struct Transform {
+    pub translation: Position,
+    pub rotation: Orientation,
+}
+
+/// A planning request: `moveit_msgs/MotionPlanRequest`.
+#[derive(Debug, Deserialize)]
+pub(super) struct Request {
+    pub start_state: RobotState,
+    pub goal_constraints: Vec<Goal>,
+    #[serde(default)]
+    pub path_constraints: Option<serde_json::Value>,
+}
+
+/// A goal.
+#[derive(Debug, Deserialize)]
+pub(super) struct Goal {
+    #[serde(default)]
+    pub joint_constraints: Vec<JointConstraint>,
+    #[serde(default)]
+    pub position_constraints: Vec<serde_json::Value>,
+    #[serde(default)]
+    pub orientation_constraints: Vec<serde_json::Value>,
+}
+
+/// The position of a joint at the goal.
+#[derive(Debug, Deserialize)]
+pub(super) struct JointConstraint {
+    pub joint_name: String,
+    pub position: f64,
+}

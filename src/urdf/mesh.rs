@@ -1,0 +1,86 @@
+//! The triangles of the meshes that a URDF names.
+
+use crate::error::{Error, Result};
+use crate::geometry::Triangle;
+use crate::input::read_bytes;
+use mesh_loader::{Scene, obj, stl};
+use nalgebra::Vector3;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The triangles of the mesh that a URDF in `folder` names `file`, their axes stretched by `scale`, in m. STL, binary
+/// or not, and OBJ can be read; a coordinate has about seven digits there.
+///
+/// # Errors
+/// There is no such file, it has another format, or no triangles, or numbers that are not finite.
+pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<Triangle>> {
+    let refuse = |condition: &str| Err(Error::input(file, "mesh", condition));
+    let extension = Path::new(file).extension().unwrap_or_default();
+    let extension = extension.to_string_lossy().to_lowercase();
+    if !["stl", "obj"].contains(&extension.as_str()) {
+        return refuse(
+            "only STL and OBJ can be read: convert it, or give the link spheres, boxes, cylinders or capsules instead",
+        );
+    }
+    let Some(path) = find(file, folder) else {
+        let folder = folder.display();
+        return refuse(&format!(
+            "there is no such file at '{folder}' or above it, where the package is looked for"
+        ));
+    };
+    let name = path.display().to_string();
+    let bytes = read_bytes(&path)?;
+    let scene = match extension.as_str() {
+        "stl" => stl::from_slice(&bytes),
+        // Materials have no shape.
+        _ => obj::from_slice(&bytes, Some(&path), |_| -> io::Result<Vec<u8>> {
+            Ok(Vec::new())
+        }),
+    };
+    let scene = scene.map_err(|e| Error::input(&name, "mesh", e.to_string()))?;
+    let triangles = triangles(&scene, scale)
+        .ok_or_else(|| Error::input(&name, "mesh", "a face names a corner that is not there"))?;
+    let finite = |triangle: &Triangle| triangle.iter().all(|p| p.iter().all(|x| x.is_finite()));
+    if triangles.is_empty() {
+        return Err(Error::input(name, "mesh", "it has no triangles"));
+    }
+    if !triangles.iter().all(finite) {
+        let condition = "a coordinate of it is not a finite number";
+        return Err(Error::input(name, "mesh", condition));
+    }
+    Ok(triangles)
+}
+
+/// The triangles of all meshes of a file; `None` where one has no corner of that number.
+fn triangles(scene: &Scene, scale: &Vector3<f64>) -> Option<Vec<Triangle>> {
+    let mut all = Vec::new();
+    for mesh in &scene.meshes {
+        for face in &mesh.faces {
+            let corner = |i: u32| {
+                let point = mesh.vertices.get(i as usize)?;
+                Some(Vector3::from(point.map(f64::from)).component_mul(scale))
+            };
+            let [a, b, c] = face.map(corner);
+            all.push([a?, b?, c?]);
+        }
+    }
+    Some(all)
+}
+
+/// The path of the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above
+/// it, or `PATH` in one that is called `NAME`; any other name is that of a path from `folder`.
+fn find(file: &str, folder: &Path) -> Option<PathBuf> {
+    if let Some(in_package) = file.strip_prefix("package://") {
+        let folder = std::path::absolute(folder).ok()?;
+        let (package, path) = in_package.split_once('/')?;
+        let within = |above: &Path| {
+            let named = above.file_name().is_some_and(|name| name == package);
+            let own = named.then(|| above.join(path));
+            [Some(above.join(in_package)), own]
+        };
+        let mut all = folder.ancestors().flat_map(within).flatten();
+        return all.find(|path| path.is_file());
+    }
+    let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
+    path.is_file().then_some(path)
+}

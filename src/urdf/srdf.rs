@@ -1,0 +1,138 @@
+//! What an SRDF says of the links of a robot.
+
+use super::elements::{Read, number, numbers};
+use crate::error::{Error, Result, plain};
+use crate::geometry::{Ball, Shape};
+use crate::input::read_text;
+use crate::model::{Collision, CollisionShape, Model};
+use crate::spatial::Placement;
+use nalgebra::{Matrix3, Vector3};
+use roxmltree::{Document, Node};
+use std::path::Path;
+
+/// The parts of an SRDF, the description beside a URDF that MoveIt reads, that are about collisions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Srdf {
+    /// The pairs of links that are not checked against each other.
+    pub disabled: Vec<DisabledPair>,
+    /// Links with the spheres that stand for their shapes, each in the frame of its link; none for a link that nothing
+    /// can touch.
+    pub spheres: Vec<(String, Vec<Ball>)>,
+}
+
+/// Two links that are not checked against each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DisabledPair {
+    /// Their names.
+    pub links: [String; 2],
+    /// The reason, such as `Adjacent`; empty where there is none.
+    pub reason: String,
+}
+
+impl Srdf {
+    /// The SRDF in the file at `path`, for the robot `model`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or as [`parse`](Self::parse).
+    pub fn load(path: &Path, model: &Model) -> Result<Self> {
+        Self::parse(&read_text(path)?, &path.display().to_string(), model)
+    }
+
+    /// The SRDF that `text` holds, for the robot `model`; `file` names it in errors. Groups, states and end effectors
+    /// are not looked at.
+    ///
+    /// # Errors
+    /// Names the file and the element: text that is no SRDF, a link that is missing or that the robot does not have, a number that is none, a
+    /// negative radius, two lists of spheres for one link.
+    pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
+        let refuse = |condition: String| {
+            let condition = format!("not a valid SRDF: {condition}");
+            Err(Error::input(file, "robot", condition))
+        };
+        let document = match Document::parse(text) {
+            Ok(document) => document,
+            Err(error) => return refuse(error.to_string()),
+        };
+        let root = document.root_element();
+        let kind = root.tag_name().name();
+        if kind != "robot" {
+            return refuse(format!("the root element is '{kind}'"));
+        }
+        if root.children().any(|c| c.has_tag_name("joint")) {
+            return refuse("it has joints, as a URDF".to_owned());
+        }
+        let mut srdf = Self::default();
+        for node in root.children().filter(Node::is_element) {
+            let kind = node.tag_name().name();
+            let line = document.text_pos_at(node.range().start).row;
+            let named =
+                |condition: String| Error::input(file, format!("{kind} at line {line}"), condition);
+            match kind {
+                "disable_collisions" => {
+                    let ends = ["link1", "link2"].map(|end| link(node, end, model));
+                    let [first, second] = ends;
+                    srdf.disabled.push(DisabledPair {
+                        links: [first.map_err(named)?, second.map_err(named)?],
+                        reason: node.attribute("reason").unwrap_or_default().to_owned(),
+                    });
+                }
+                "link_sphere_approximation" => {
+                    let link = link(node, "link", model).map_err(named)?;
+                    if srdf.spheres.iter().any(|(other, _)| *other == link) {
+                        return Err(named(format!("link '{link}' has spheres already")));
+                    }
+                    srdf.spheres.push((link, spheres(node).map_err(named)?));
+                }
+                _ => {}
+            }
+        }
+        Ok(srdf)
+    }
+
+    /// The model with the spheres of this SRDF in place of the shapes of the links that have some.
+    ///
+    /// # Errors
+    /// The model is another one, without such a link.
+    pub fn with_spheres(&self, model: Model) -> Result<Model> {
+        let own = |collision: &&Collision| self.spheres.iter().all(|(l, _)| *l != collision.link);
+        let mut collisions: Vec<_> = model.collisions().iter().filter(own).cloned().collect();
+        for (link, balls) in &self.spheres {
+            for ball in balls {
+                let at = Placement::new(Matrix3::identity(), ball.centre);
+                let radius = ball.radius;
+                let shape = CollisionShape::Solid(Shape::Sphere { radius });
+                collisions.push(Collision::at_link(&model, link, &at, shape)?);
+            }
+        }
+        model.with_collisions(collisions)
+    }
+}
+
+/// The link that an attribute names.
+fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
+    let name = node.attribute(attribute);
+    let name = name.ok_or_else(|| format!("it has no {attribute}"))?;
+    if model.frames().iter().all(|frame| frame.name != name) {
+        return Err(format!("{attribute}: the robot has no link '{name}'"));
+    }
+    Ok(name.to_owned())
+}
+
+/// The spheres of a link. One of radius zero says that there are none.
+fn spheres(node: Node<'_, '_>) -> Read<Vec<Ball>> {
+    let mut balls = Vec::new();
+    for sphere in node.children().filter(|c| c.has_tag_name("sphere")) {
+        let centre = Vector3::from(numbers::<3>(sphere, "center")?);
+        let radius = number(sphere, "radius")?;
+        if !(centre.iter().all(|x| x.is_finite()) && radius.is_finite() && radius >= 0.0) {
+            return Err(format!(
+                "a sphere has the radius {}, a finite centre and a radius that is not negative are needed",
+                plain(radius)
+            ));
+        }
+        if radius > 0.0 {
+            balls.push(Ball { centre, radius });
+        }
+    }
+    Ok(balls)
+}

@@ -1,0 +1,231 @@
+//! `aghf import` makes scenarios, whole ones or none; `aghf pairs` lists the links that may overlap.
+
+use crate::command::{aghf, assert_bad_input, empty_folder};
+use serde_json::{Value, json};
+use std::path::Path;
+
+const ROBOT: &str = r#"<robot name="small">
+  <link name="base"/>
+  <link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0.3 0 0"/><geometry><cylinder radius="0.04" length="0.2"/></geometry></collision></link>
+  <link name="hand"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <link name="tip"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1.5" effort="50"/></joint>
+  <joint name="wrist" type="revolute"><origin xyz="0.5 0 0"/><parent link="arm"/><child link="hand"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="50"/></joint>
+  <joint name="glue" type="fixed"><parent link="hand"/><child link="tip"/></joint>
+</robot>"#;
+
+const SRDF: &str = r#"<robot name="small"><disable_collisions link1="arm" link2="hand" reason="Adjacent"/></robot>"#;
+
+pub const SCENE: &str = "
+robot_state:
+  joint_state: {name: [shoulder, wrist, glue], position: [0.25, 0.5, 7]}
+  multi_dof_joint_state: {transforms: [{translation: [0, 0, 0], rotation: [0, 0, 0, 1]}], joint_names: [world]}
+world:
+  octomap: {header: {frame_id: world}, octomap: {data: []}}
+  collision_objects:
+    - id: table
+      primitive_poses: [{position: [0.1, 0, -1], orientation: [0, 0, 0, 1]}]
+      primitives: [{type: box, dimensions: [1, 2, 0.1]}]
+    - id: shelf
+      pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 1, w: 0}}
+      primitives:
+        - {type: cylinder, dimensions: [0.4, 0.03]}
+        - {type: 2, dimensions: [0.05]}
+      primitive_poses:
+        - {position: [0.1, 0.2, 0.5], orientation: [1, 0, 0, 0]}
+        - {position: [0, 0, 2], orientation: [0, 0, 0, 1]}
+";
+
+pub const REQUEST: &str = "
+group_name: arm
+path_constraints: {name: '', joint_constraints: []}
+start_state:
+  joint_state: {name: [shoulder], position: [-0.5]}
+goal_constraints:
+  - joint_constraints:
+      - {joint_name: shoulder, position: 1.0, weight: 1}
+";
+
+/// A folder with a problem, a part of a file of which is replaced.
+pub fn folder(test: &str, file: &str, good: &str, bad: &str) -> std::path::PathBuf {
+    let folder = empty_folder(test);
+    let files = [
+        ("robot.urdf", ROBOT),
+        ("robot.srdf", SRDF),
+        ("scene.yaml", SCENE),
+        ("request.yaml", REQUEST),
+    ];
+    for (name, text) in files {
+        let text = if name == file && !good.is_empty() {
+            assert_eq!(text.matches(good).count(), 1, "{good}");
+            text.replace(good, bad)
+        } else {
+            text.to_owned()
+        };
+        std::fs::write(folder.join(name), text).expect("the folder is writable");
+    }
+    folder
+}
+
+pub const IMPORT: [&str; 10] = [
+    "import",
+    "moveit",
+    "scene.yaml",
+    "request.yaml",
+    "--urdf",
+    "robot.urdf",
+    "--srdf",
+    "robot.srdf",
+    "-o",
+    "made.json",
+];
+
+fn made(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("made.json")).expect("it was written");
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+#[test]
+fn a_problem_becomes_a_scenario() {
+    let folder = folder("import", "", "", "");
+    let run = aghf(&folder, &IMPORT);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let file = made(&folder);
+    let robot = file["robot"].as_str().expect("text");
+    assert!(
+        Path::new(robot).is_absolute() && robot.ends_with("robot.urdf"),
+        "{robot}"
+    );
+    assert_eq!(
+        file["locked_joints"],
+        json!({ "wrist": 0.5 }),
+        "the scene says where it is"
+    );
+    assert_eq!(
+        [&file["q_start"], &file["q_goal"]],
+        [&json!([-0.5]), &json!([1.0])]
+    );
+    // At 1.5 rad/s the way takes a second.
+    let free = json!({ "shortest_s": 1.0, "longest_s": 5.0, "weight": 0.0 });
+    assert_eq!(
+        [&file["free_horizon"], &file["horizon_s"]],
+        [&free, &json!(2.0)]
+    );
+    let table = json!({ "name": "table", "center_m": [0.1, 0.0, -1.0], "size_m": [1.0, 2.0, 0.1] });
+    assert_eq!(file["box_obstacles"], json!([table]));
+    // The object is turned by half a turn about z, the cylinder by another one about x.
+    let post = &file["cylinder_obstacles"][0];
+    assert_eq!(
+        [&post["name"], &post["radius_m"], &post["length_m"]],
+        [&json!("shelf[0]"), &json!(0.03), &json!(0.4)]
+    );
+    assert_eq!(post["center_m"], json!([0.9, -0.2, 0.5]));
+    assert_eq!(post["orientation_xyzw"], json!([0.0, 1.0, 0.0, 0.0]));
+    let ball = json!({ "name": "shelf[1]", "center_m": [1.0, 0.0, 2.0], "radius_m": 0.05 });
+    assert_eq!(file["sphere_obstacles"], json!([ball]));
+    assert_eq!(
+        file["self_collision"],
+        json!({ "ignored_pairs": [["arm", "hand"]] })
+    );
+    let shown = aghf(&folder, &["scenarios", "made.json"]);
+    assert_eq!(shown.code, Some(0), "{}", shown.stderr);
+    assert_bad_input(&folder, &IMPORT, "made.json; exists already; --force");
+}
+
+#[test]
+fn the_horizon_is_what_was_asked_for() {
+    let folder = folder("horizon", "", "", "");
+    let with = |more: &[&str]| {
+        let run = aghf(&folder, &[&IMPORT, more, &["--force"]].concat());
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        made(&folder)
+    };
+    let given = with(&["--horizon", "3"]);
+    assert_eq!(
+        [&given["horizon_s"], &given["free_horizon"]],
+        [&json!(3.0), &Value::Null]
+    );
+    let between = with(&["--horizon-bounds", "2.5", "4"]);
+    let free = json!({ "shortest_s": 2.5, "longest_s": 4.0, "weight": 0.0 });
+    assert_eq!(
+        [&between["horizon_s"], &between["free_horizon"]],
+        [&json!(2.5), &free]
+    );
+}
+
+#[test]
+fn an_end_in_an_obstacle_is_told() {
+    let inside = folder("inside", "scene.yaml", "[0.1, 0, -1]", "[0.1, 0, 0]");
+    let run = aghf(&inside, &IMPORT);
+    assert_eq!(run.code, Some(0));
+    assert!(
+        run.stderr.contains("note: it has no solution: ")
+            && run.stderr.contains("box_obstacles[0] 'table'"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn pairs_are_those_of_the_srdf_or_found() {
+    let folder = folder("pairs", "", "", "");
+    let printed = aghf(&folder, &["pairs", "robot.urdf"]);
+    let found: Value = serde_json::from_str(&printed.stdout).expect("it is JSON");
+    let pair = |reason: &str| json!([{ "links": ["arm", "hand"], "reason": reason }]);
+    assert_eq!(found["ignored_pairs"], pair("neighbours"));
+    let run = aghf(
+        &folder,
+        &[
+            "pairs",
+            "robot.urdf",
+            "--srdf",
+            "robot.srdf",
+            "-o",
+            "pairs.json",
+        ],
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let text = std::fs::read_to_string(folder.join("pairs.json")).expect("it was written");
+    let found: Value = serde_json::from_str(&text).expect("it is JSON");
+    assert_eq!(
+        found["ignored_pairs"],
+        pair("disabled in the SRDF: Adjacent")
+    );
+    assert_bad_input(
+        &folder,
+        &["pairs", "robot.urdf", "-o", "pairs.json"],
+        "pairs.json; exists already",
+    );
+    assert_bad_input(
+        &folder,
+        &["pairs", "pendulum_2"],
+        "pendulum_2; none of its links has a collision element",
+    );
+}
+
+#[test]
+fn spheres_of_an_srdf_are_written_with_the_robot() {
+    let spheres = r#"<link_sphere_approximation link="arm"><sphere center="0.1 0 0" radius="0.06"/></link_sphere_approximation></robot>"#;
+    let folder = folder("spheres", "robot.srdf", "</robot>", spheres);
+    let run = aghf(
+        &folder,
+        &[
+            "robots",
+            "robot.urdf",
+            "--srdf",
+            "robot.srdf",
+            "--urdf",
+            "out.urdf",
+        ],
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let text = std::fs::read_to_string(folder.join("out.urdf")).expect("it was written");
+    assert!(
+        text.contains(r#"<sphere radius="0.06"/>"#) && !text.contains("cylinder"),
+        "{text}"
+    );
+}

@@ -1,0 +1,298 @@
+//! Balls that cover shapes and meshes.
+
+use aghf::geometry::{Cover, Shape, Solid, Triangle, cover_triangles};
+use aghf::spatial::Placement;
+use aghf::urdf::load_mesh;
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+/// A point of the inside of a shape, often on its surface.
+fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    // Ends of the range come up often.
+    let mut unit = || (rng.random_range(-1.5..1.5_f64)).clamp(-1.0, 1.0);
+    let (a, b, c) = (unit(), unit(), unit());
+    let around = |radius: f64| {
+        let (sin, cos) = (TAU * 0.5 * a).sin_cos();
+        Vector3::new(cos, sin, 0.0) * (radius * b.abs().sqrt())
+    };
+    match *shape {
+        Shape::Sphere { radius } => Vector3::new(a, b, c).cap_magnitude(1.0) * radius,
+        Shape::Cuboid { half_extents } => Vector3::new(a, b, c).component_mul(&half_extents),
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => around(radius) + Vector3::z() * (half_length * c),
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => {
+            let ball = Vector3::new(a, b, c).cap_magnitude(1.0) * radius;
+            ball + Vector3::z() * (half_length * if c < 0.0 { -1.0 } else { b })
+        }
+    }
+}
+
+fn shapes() -> [Shape; 6] {
+    [
+        Shape::Sphere { radius: 0.1 },
+        Shape::Cuboid {
+            half_extents: Vector3::new(0.2, 0.07, 0.001),
+        },
+        Shape::Cuboid {
+            half_extents: Vector3::new(0.1, 0.1, 0.3),
+        },
+        Shape::Cylinder {
+            radius: 0.04,
+            half_length: 0.2,
+        },
+        Shape::Cylinder {
+            radius: 0.23,
+            half_length: 0.06,
+        },
+        Shape::Capsule {
+            radius: 0.03,
+            half_length: 0.2,
+        },
+    ]
+}
+
+/// The largest distance of points of the balls from a shape: that of a point of a ball farthest from the centre of the
+/// shape is among them.
+fn sticks_out(cover: &Cover, shape: &Shape, rng: &mut ChaCha8Rng) -> f64 {
+    let mut largest = 0.0_f64;
+    for ball in &cover.balls {
+        for _ in 0..200 {
+            let mut draw = || rng.random_range(-1.0..1.0_f64);
+            let Some(way) = Vector3::new(draw(), draw(), draw()).try_normalize(1e-3) else {
+                continue;
+            };
+            largest = largest.max(shape.distance(&(ball.centre + way * ball.radius)));
+        }
+        for way in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            for way in [way, -way] {
+                largest = largest.max(shape.distance(&(ball.centre + way * ball.radius)));
+            }
+        }
+    }
+    largest
+}
+
+#[test]
+fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_said() {
+    let rng = &mut ChaCha8Rng::seed_from_u64(3);
+    for shape in shapes() {
+        for spacing in [0.3, 0.1, 0.05] {
+            let cover = shape.cover(spacing).expect("sensible numbers");
+            for _ in 0..3000 {
+                let p = point(&shape, rng);
+                assert!(shape.distance(&p) < 1e-12, "the test draws points inside");
+                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                assert!(
+                    cover.balls.iter().any(covered),
+                    "{shape:?}, {spacing}: {p:?}"
+                );
+            }
+            let most = match shape {
+                Shape::Sphere { .. } => 0.0,
+                Shape::Cuboid { .. } => 0.5 * 3.0_f64.sqrt() * spacing,
+                Shape::Cylinder { .. } => 0.5 * 5.0_f64.sqrt() * spacing,
+                Shape::Capsule { radius, .. } => radius.hypot(0.5 * spacing) - radius,
+            };
+            let found = sticks_out(&cover, &shape, rng);
+            assert!(
+                found <= cover.excess + 1e-12,
+                "{shape:?}, {spacing}: {found}"
+            );
+            assert!(
+                cover.excess <= most + 1e-12,
+                "{shape:?}, {spacing}: {}",
+                cover.excess
+            );
+            assert!(
+                found >= 0.8 * cover.excess,
+                "it is no loose bound: {found}, {}",
+                cover.excess
+            );
+        }
+    }
+}
+
+#[test]
+fn the_cover_of_a_placed_shape_is_placed() {
+    let shape = shapes()[4];
+    let rotation = Rotation3::from_euler_angles(0.3, 1.0, -0.7).into_inner();
+    let placement = Placement::new(rotation, Vector3::new(1.0, 2.0, 3.0));
+    let (own, placed) = (shape.cover(0.1), Solid { placement, shape }.cover(0.1));
+    let (own, placed) = (own.expect("sensible"), placed.expect("sensible"));
+    assert_eq!(own.excess, placed.excess);
+    for (own, placed) in own.balls.iter().zip(&placed.balls) {
+        let expected = rotation * own.centre + placement.translation;
+        assert_close!(&placed.centre, &expected, 1e-15);
+        assert_eq!(own.radius, placed.radius);
+    }
+}
+
+#[test]
+fn senseless_spacings_and_shapes_are_refused() {
+    let shape = shapes()[2];
+    for (spacing, words) in [
+        (0.0, "spacing"),
+        (f64::NAN, "spacing"),
+        (1e-6, "balls for one shape"),
+    ] {
+        for shape in [shape, shapes()[4], shapes()[5]] {
+            let error = shape.cover(spacing).expect_err("senseless").to_string();
+            assert!(error.contains(words), "{error}");
+        }
+        let error = cover_triangles(&tetrahedron(), spacing).expect_err("senseless");
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    let flat = Shape::Sphere { radius: f64::NAN };
+    assert!(
+        flat.cover(0.1)
+            .expect_err("senseless")
+            .to_string()
+            .contains("length")
+    );
+    let mut triangles = tetrahedron();
+    triangles[1][2].y = f64::INFINITY;
+    let error = cover_triangles(&triangles, 0.1)
+        .expect_err("senseless")
+        .to_string();
+    assert!(error.contains("not a finite number"), "{error}");
+}
+
+/// The faces of a tetrahedron with corners at the origin and on the axes.
+fn tetrahedron() -> Vec<Triangle> {
+    let corners = [
+        Vector3::zeros(),
+        Vector3::x(),
+        Vector3::y() * 0.5,
+        Vector3::z() * 0.25,
+    ];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    faces.map(|face| face.map(|i| corners[i])).to_vec()
+}
+
+#[test]
+fn every_point_of_a_surface_is_in_a_ball() {
+    let rng = &mut ChaCha8Rng::seed_from_u64(5);
+    let triangles = tetrahedron();
+    for spacing in [2.0, 0.2, 0.05] {
+        let cover = cover_triangles(&triangles, spacing).expect("sensible numbers");
+        assert!(cover.excess > 0.0 && cover.excess < 4.1 * spacing);
+        for [a, b, c] in &triangles {
+            for _ in 0..2000 {
+                let (mut s, mut t) = (rng.random::<f64>(), rng.random::<f64>());
+                if s + t > 1.0 {
+                    (s, t) = (1.0 - s, 1.0 - t);
+                }
+                let p = a + (b - a) * s + (c - a) * t;
+                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                assert!(cover.balls.iter().any(covered), "{spacing}: {p:?}");
+            }
+        }
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("meshes")
+        .join(name);
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    folder
+}
+
+const OBJ: &str = "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n";
+const STL: &str = "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n\
+facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 2 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid two\n";
+
+/// The two triangles of the texts above as a binary STL.
+fn binary() -> Vec<u8> {
+    let mut bytes = vec![0_u8; 80];
+    bytes.extend(2_u32.to_le_bytes());
+    for triangle in [
+        [[0, 0, 0], [1, 0, 0], [0, 2, 0]],
+        [[0, 0, 0], [0, 2, 0], [0, 0, 3]],
+    ] {
+        bytes.extend([0_u8; 12]);
+        for x in triangle.as_flattened() {
+            bytes.extend((*x as f32).to_le_bytes());
+        }
+        bytes.extend([0_u8; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn meshes_are_found_and_read_in_each_format() {
+    let root = folder("robots");
+    let urdf = root.join("hand/urdf");
+    for folder in [root.join("hand/meshes"), urdf.clone()] {
+        std::fs::create_dir_all(folder).expect("the folder is writable");
+    }
+    let meshes = root.join("hand/meshes");
+    for (name, bytes) in [
+        ("a.obj", OBJ.into()),
+        ("a.stl", STL.into()),
+        ("b.STL", binary()),
+    ] {
+        std::fs::write(meshes.join(name), bytes).expect("the folder is writable");
+    }
+    let expected = [
+        [Vector3::zeros(), Vector3::x() * 2.0, Vector3::y() * -2.0],
+        [Vector3::zeros(), Vector3::y() * -2.0, Vector3::z() * 1.5],
+    ];
+    let scale = Vector3::new(2.0, -1.0, 0.5);
+    for file in [
+        "package://hand/meshes/a.obj",
+        "../meshes/a.stl",
+        "../meshes/b.STL",
+    ] {
+        let read = load_mesh(file, &urdf, &scale).expect(file);
+        assert_eq!(read, expected, "{file}");
+    }
+    // The package may be the folder above one with another name, too.
+    assert!(load_mesh("package://meshes/a.obj", &root.join("hand"), &scale).is_ok());
+}
+
+#[test]
+fn meshes_that_cannot_be_read_are_refused_by_name() {
+    let folder = folder("bad");
+    let one = Vector3::repeat(1.0);
+    let cut = &binary()[..120];
+    for (name, bytes, words) in [
+        ("a.dae", "", "only STL and OBJ;convert it"),
+        (
+            "cut.stl",
+            "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nver",
+            "cut.stl: mesh: ",
+        ),
+        ("empty.obj", "v 0 0 0\n", "no triangles"),
+        ("face.obj", "v 0 0 0\nf 1 2 3\n", "face.obj: mesh: "),
+        (
+            "nan.obj",
+            "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            "nan.obj: mesh: ",
+        ),
+    ] {
+        std::fs::write(folder.join(name), bytes).expect("the folder is writable");
+        let error = load_mesh(name, &folder, &one).expect_err(name).to_string();
+        assert!(
+            words.split(';').all(|w| error.contains(w)),
+            "{error}; {words}"
+        );
+    }
+    std::fs::write(folder.join("binary.stl"), cut).expect("the folder is writable");
+    assert!(load_mesh("binary.stl", &folder, &one).is_err());
+    let error = load_mesh("package://none/a.stl", &folder, &one)
+        .expect_err("none")
+        .to_string();
+    assert!(
+        error.contains("package://none/a.stl") && error.contains("no such file"),
+        "{error}"
+    );
+}
