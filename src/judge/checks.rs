@@ -111,7 +111,8 @@ pub(super) fn consistency(
     let mut rates = Row::new(Check::VelocityIsRate, tolerance);
     let mut second = Row::new(Check::AccelerationIsRate, tolerance);
     for k in 0..intervals {
-        let (first, last) = (k.saturating_sub(1), (k + 1).min(intervals - 1));
+        let first = k.saturating_sub(1).min(intervals.saturating_sub(3));
+        let last = (first + 2).min(intervals - 1);
         let (interval, at_s) = (times[k + 1] - times[k], times[k] - times[0]);
         for (i, joint) in scenario.model.joints().iter().enumerate() {
             let name = || joint_name(joint);
