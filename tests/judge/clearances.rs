@@ -38,7 +38,7 @@ fn a_thin_obstacle_between_two_samples_is_seen() {
 #[test]
 fn a_fold_through_itself_is_seen() {
     let keys = json!({ "self_collision": { "ignored_pairs": [] }, "enforced_limits": { "torque": false } });
-    let (from, to) = ([0.0, 0.0, 2.6], [0.0, 0.0, 3.7]);
+    let (from, to) = ([0.0, 0.0, 2.6], [0.0, 0.0, 3.9]);
     let scenario_of = |test, keys| scenario(test, keys);
     let scenario = scenario_of("fold", keys);
     let motion = good(&scenario.model, from, to, 2);

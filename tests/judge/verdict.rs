@@ -246,6 +246,25 @@ fn extrema_between_samples_are_found() {
     );
 }
 
+/// A force that is there between the samples alone.
+#[test]
+fn torques_between_samples_are_found() {
+    let keys = json!({ "enforced_limits": { "torque": 0.01 } });
+    let scenario = scenario("between", keys);
+    let mut motion = good(&scenario.model, [0.0; 3], [1.0, 0.0, 0.0], 2);
+    motion.v[1][0] = 2.0;
+    let judgement = verdict(&scenario, &motion);
+    let row = row(&judgement, Check::TorqueLimits);
+    assert_eq!(row.outcome, Outcome::Fail);
+    // 4 kg gain 2 m/s in a second.
+    let worst = row.worst.as_ref().expect("it fails");
+    assert!(
+        (worst.value - 8.0).abs() < 1e-9 && worst.at_s == 0.5,
+        "{worst:?}"
+    );
+    assert_eq!(worst.at_most, Some(3.0));
+}
+
 /// Numbers that overflow are no motion.
 #[test]
 fn overflow_is_not_valid() {
