@@ -1,6 +1,6 @@
 //! Nothing passes through unseen.
 
-use crate::robot::{failed, good, row, scenario, verdict};
+use crate::robot::{good, row, scenario, verdict};
 use aghf::dynamics::forward_kinematics;
 use aghf::judge::{Check, Cubic, Outcome, Tolerances, Trajectory, judge};
 use aghf::scenario::Scenario;
@@ -84,7 +84,7 @@ fn what_cannot_be_proved_is_undecided() {
     let scenario = scenario("undecided", keys);
     let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 11);
     let judgement = verdict(&scenario, &motion);
-    assert_eq!(failed(&judgement), [Check::Obstacles]);
+    assert!(!judgement.valid);
     let row = row(&judgement, Check::Obstacles);
     assert_eq!(row.outcome, Outcome::Undecided);
     assert!(

@@ -141,7 +141,7 @@ fn each_violation_is_found() {
             json!({ "enforced_limits": { "torque": 0.05 } }),
             none,
             &[Check::TorqueLimits],
-            "elbow",
+            "slide",
         ),
         (
             "velocity limit",
@@ -213,7 +213,7 @@ fn extrema_between_samples_are_found() {
     let scenario = scenario(
         "extrema",
         json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [0.0, 0.0, 0.0],
-        "v_start": [0.0, 2.0, 0.0], "v_goal": [0.0, -2.0, 0.0], "enforced_limits": { "torque": false } }),
+        "v_start": [0.0, 2.0, 0.0], "v_goal": [0.0, -2.0, 0.0], "enforced_limits": { "torque": false, "velocity": { "joints": ["shoulder"] } } }),
     );
     // q = 2 t (1 - t) is within the samples of a cubic, with the highest point halfway.
     let mut motion = good(&scenario.model, [0.0; 3], [0.0; 3], 2);
