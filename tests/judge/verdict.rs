@@ -148,7 +148,7 @@ fn each_violation_is_found() {
             json!({ "enforced_limits": { "velocity": 0.23 } }),
             none,
             &[Check::VelocityLimits],
-            "elbow",
+            "slide",
         ),
         (
             "position limit",
@@ -191,6 +191,16 @@ fn each_violation_is_found() {
             t.u = torques(model, t);
         },
         &[Check::VelocityIsRate],
+        "elbow",
+    ));
+    cases.push((
+        "a jolt in the velocity",
+        json!({}),
+        |model, t| {
+            t.v[50][2] += 0.05;
+            t.u = torques(model, t);
+        },
+        &[Check::VelocityIsRate, Check::AccelerationIsRate],
         "elbow",
     ));
     for (name, keys, change, wanted, place) in cases {
