@@ -3,6 +3,7 @@
 mod degree;
 mod horizon;
 mod multistart;
+mod planned;
 
 pub use degree::DegreeRefinement;
 pub(super) use degree::refine;

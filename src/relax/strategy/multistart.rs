@@ -3,6 +3,7 @@
 use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::motion::Path;
+use crate::relax::strategy::planned::Planned;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
 use crate::relax::tuning::{
@@ -49,6 +50,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
     let constrained = context.rows.count() > 0;
     let line = Path::line(context.problem, rungs[0].basis.clone());
+    let planned = Planned::new(context, settings, rungs);
     let mut least = vec![f64::INFINITY; rungs.len()];
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
     let mut next = 0;
@@ -61,26 +63,32 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             None => next..(next + MORE_STARTS).min(MOST_STARTS),
         };
         next = wave.end;
-        let start = |i| {
-            let path = line.start(settings.start_amplitude, settings.seed, i as u64);
-            (i, Candidate::new(path))
+        let start = |number| {
+            let (level, path) = planned.start(number)?.unwrap_or_else(|| {
+                let bends = planned.bends(number);
+                (0, line.start(settings.start_amplitude, settings.seed, bends))
+            });
+            Ok((number, level, Candidate::new(path)))
         };
-        let mut climbing: Vec<(usize, Candidate)> = wave.map(start).collect();
+        let starts = side_by_side(wave.collect(), settings.threads, start);
+        let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
         for (level, rung) in rungs.iter().enumerate() {
-            let found = side_by_side(climbing, settings.threads, |(number, mut candidate)| {
+            // Those that come in higher up wait.
+            let (waiting, here) = climbing.into_iter().partition(|(_, first, _)| *first > level);
+            climbing = waiting;
+            let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
                 candidate.path = candidate.path.in_basis(rung.basis.clone());
                 let mut iterations = Vec::new();
                 let found = minimise(context, candidate, rung.stage, &mut |i| iterations.push(i))?;
-                Ok((number, found, iterations))
+                Ok((number, first, found, iterations))
             });
-            climbing = Vec::new();
             for found in found {
-                let (number, candidate, iterations) = found?;
+                let (number, first, candidate, iterations) = found?;
                 for iteration in iterations {
                     let start = Some(number);
                     log(Iteration { start, ..iteration });
                 }
-                if level == 0 && !stopped() {
+                if level == first && !stopped() {
                     first_costs.push(candidate.cost);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end.
@@ -96,11 +104,12 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     least[level] = least[level].min(candidate.cost);
                 }
                 if goes_on || (constrained && !found_before) {
-                    climbing.push((number, candidate));
+                    climbing.push((number, first, candidate));
                 }
             }
+            climbing.sort_by_key(|(number, ..)| *number);
         }
-        ends.extend(climbing.into_iter().map(|(_, end)| end));
+        ends.extend(climbing.into_iter().map(|(.., end)| end));
         let found = ends.iter().any(|end| end.converged);
         let more = match settings.time_limit {
             Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
