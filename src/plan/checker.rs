@@ -99,9 +99,15 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// A configuration does not have `N` entries.
     pub fn is_line_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool> {
         let moves = from.iter().zip(to).map(|(a, b)| (b - a).abs());
-        let steps = (moves.fold(0.0, f64::max) / self.resolution).ceil().max(1.0) as usize;
+        let steps = (moves.fold(0.0, f64::max) / self.resolution)
+            .ceil()
+            .max(1.0) as usize;
         let bits = steps.next_power_of_two().trailing_zeros();
-        let reversed = |i: usize| i.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0);
+        let reversed = |i: usize| {
+            i.reverse_bits()
+                .checked_shr(usize::BITS - bits)
+                .unwrap_or(0)
+        };
         let order = (0..1 << bits).map(reversed).filter(|k| *k < steps);
         // The end comes first: it is what most often is not free.
         let mut shares = order.map(|k| (steps - k) as f64 / steps as f64).peekable();

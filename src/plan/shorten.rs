@@ -129,7 +129,11 @@ impl Along {
             return (0, path[0].clone());
         };
         let span = self.0[edge + 1] - self.0[edge];
-        let share = if span > 0.0 { (length - self.0[edge]) / span } else { 0.0 };
+        let share = if span > 0.0 {
+            (length - self.0[edge]) / span
+        } else {
+            0.0
+        };
         (edge, between(&path[edge], next, share))
     }
 }

@@ -6,22 +6,12 @@ use crate::error::Result;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// A node that was not left in vain yet is drawn to from anywhere; one that was, from no farther than so many ranges.
-const DOMAIN: f64 = 4.0;
-/// The factor from a failure to the next of that distance, and the least one, in ranges.
-const SHRINK: f64 = 0.7;
-const LEAST_DOMAIN: f64 = 1.0;
-/// Samples in vain, from too far away, for each configuration that may be checked.
-const IN_VAIN: usize = 4;
-
 /// Configurations from each of which a free line leads to its parent, up to the first.
 struct Tree {
     dof: usize,
     /// One configuration after the other.
     nodes: Vec<f64>,
     parents: Vec<usize>,
-    /// The square of the distance from which a node is drawn to.
-    domains: Vec<f64>,
 }
 
 impl Tree {
@@ -30,7 +20,6 @@ impl Tree {
             dof: root.len(),
             nodes: root.to_vec(),
             parents: vec![0],
-            domains: vec![f64::INFINITY],
         }
     }
 
@@ -45,7 +34,6 @@ impl Tree {
     fn add(&mut self, q: &[f64], parent: usize) -> usize {
         self.nodes.extend_from_slice(q);
         self.parents.push(parent);
-        self.domains.push(f64::INFINITY);
         self.len() - 1
     }
 
@@ -60,13 +48,6 @@ impl Tree {
             }
         }
         nearest
-    }
-
-    /// A node after a failure to leave it: the next samples have to be nearer.
-    fn shrink(&mut self, node: usize, range: f64) {
-        let domain = &mut self.domains[node];
-        let [most, least] = [DOMAIN, LEAST_DOMAIN].map(|domain| (domain * range).powi(2));
-        *domain = (*domain * SHRINK * SHRINK).clamp(least, most);
     }
 
     /// From a node to the first one.
@@ -93,26 +74,20 @@ pub(super) fn connect<K: Constraint + ?Sized>(
         return Ok(Plan::Found(ends.map(<[f64]>::to_vec).to_vec()));
     }
     let (mut trees, range) = (ends.map(Tree::new), settings.range);
-    let mut left = settings.most_checks.saturating_mul(IN_VAIN);
     let mut sample = vec![0.0; ranges.len()];
-    while checker.checks() < settings.most_checks && left > 0 {
+    while checker.checks() < settings.most_checks {
         if stopped() {
             return Ok(Plan::Stopped);
         }
-        left -= 1;
         for (q, [least, most]) in sample.iter_mut().zip(ranges) {
             *q = least + (most - least) * rng.random::<f64>();
         }
         // The smaller one grows, so that neither is left behind.
         let own = usize::from(trees[1].len() < trees[0].len());
         let (near, square) = trees[own].nearest(&sample);
-        if square > trees[own].domains[near] {
-            continue;
-        }
         let from = trees[own].node(near);
         let to = between(from, &sample, (range / square.sqrt()).min(1.0));
         if !checker.is_line_free(from, &to)? {
-            trees[own].shrink(near, range);
             continue;
         }
         let new = trees[own].add(&to, near);
@@ -143,9 +118,12 @@ fn reach<K: Constraint + ?Sized>(
         let from = tree.node(at);
         let far = distance(from, to);
         let last = far <= range;
-        let next = if last { to.to_vec() } else { between(from, to, range / far) };
+        let next = if last {
+            to.to_vec()
+        } else {
+            between(from, to, range / far)
+        };
         if !checker.is_line_free(from, &next)? {
-            tree.shrink(at, range);
             return Ok(None);
         }
         at = tree.add(&next, at);

@@ -3,9 +3,9 @@
 use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::motion::Path;
-use crate::relax::strategy::planned::Planned;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
+use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
     HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
 };
@@ -66,7 +66,10 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let start = |number| {
             let (level, path) = planned.start(number)?.unwrap_or_else(|| {
                 let bends = planned.bends(number);
-                (0, line.start(settings.start_amplitude, settings.seed, bends))
+                (
+                    0,
+                    line.start(settings.start_amplitude, settings.seed, bends),
+                )
             });
             Ok((number, level, Candidate::new(path)))
         };
@@ -74,7 +77,9 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
         for (level, rung) in rungs.iter().enumerate() {
             // Those that come in higher up wait.
-            let (waiting, here) = climbing.into_iter().partition(|(_, first, _)| *first > level);
+            let (waiting, here) = climbing
+                .into_iter()
+                .partition(|(_, first, _)| *first > level);
             climbing = waiting;
             let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
                 candidate.path = candidate.path.in_basis(rung.basis.clone());

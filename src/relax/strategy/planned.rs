@@ -27,7 +27,10 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let (state, model) = (&context.rows.constraints.state, context.problem.model());
         let rows = 0..state.dim();
         let bounds = |row: usize| {
-            matches!(state.label(row, model).kind, RowKind::Position(_) | RowKind::Velocity(_))
+            matches!(
+                state.label(row, model).kind,
+                RowKind::Position(_) | RowKind::Velocity(_)
+            )
         };
         let wanted = settings.planned_starts
             && !rows.clone().any(|row| state.is_equality(row))
@@ -59,7 +62,12 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let Some(number) = self.number(start) else {
             return Ok(None);
         };
-        let Context { problem, rows, watch, .. } = self.context;
+        let Context {
+            problem,
+            rows,
+            watch,
+            ..
+        } = self.context;
         let constraint = &rows.constraints.state;
         let settings = PlanSettings {
             seed: self.settings.seed,
