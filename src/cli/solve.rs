@@ -41,7 +41,7 @@ pub(super) struct Solve {
     /// Degree of the polynomial, or of each segment [default: 16; the scenario's for the published flow, 8 with passive joints].
     #[arg(long, alias = "p")]
     degree: Option<usize>,
-    /// Of relax and of the flow to rest: of how many polynomials on equal parts of the horizon the motion is made [default: 1, 8 for a flow with passive joints].
+    /// Of relax and of the flow to rest: of how many polynomials on equal parts of the horizon the motion is made [default: 1, 8 with passive joints].
     #[arg(long, alias = "pieces")]
     segments: Option<usize>,
     /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
@@ -50,7 +50,7 @@ pub(super) struct Solve {
     /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1, 40 with passive joints; more while none ends within the constraints].
+    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1; 40 with passive joints; more while none ends within the constraints].
     #[arg(long)]
     starts: Option<usize>,
     /// Of relax and of the flow to rest: the number from which the starts are drawn [default: 0].

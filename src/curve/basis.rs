@@ -30,6 +30,8 @@ pub struct Basis {
 pub(crate) type Local = [DVector<f64>; 3];
 
 impl Basis {
+    /// The number of segments up to which there are more of them first, and the degree up to which that grows afterwards.
+    const MANY: usize = 16;
     /// The smallest degree that leaves something free on a single segment.
     pub(crate) const SMALLEST_DEGREE: usize = 4;
 
@@ -52,6 +54,19 @@ impl Basis {
         let mut all: Vec<_> = std::iter::successors(fewer(&segments), fewer).collect();
         all.reverse();
         all.into_iter()
+    }
+
+    /// The next basis for a curve that this one does not let settle: twice the segments up to [`MANY`](Self::MANY) of them, then a higher degree up to
+    /// 16, then twice the segments again. None above `largest`, the degree times the number of segments.
+    pub(crate) fn finer(&self, largest: usize) -> Option<Self> {
+        let (segments, degree) = (self.segments, self.degree);
+        let (segments, degree) = if segments < Self::MANY || degree >= Self::MANY {
+            (2 * segments, degree)
+        } else {
+            (segments, (degree + degree / 2).min(Self::MANY))
+        };
+        let finer = Self::new(segments, degree, self.free_final_velocity);
+        (segments * degree <= largest).then_some(finer)
     }
 
     /// `segments` segments of degree `degree`, at least 4.

@@ -93,6 +93,27 @@ pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) ->
     Ok(found.into_iter().map(|torque| torque.by).collect())
 }
 
+/// The largest torque of a passive joint along `curve`, relative to the largest torque of any; zero where `limits` have no passive joint. At
+/// the times of [`largest_torques`].
+///
+/// # Errors
+/// The curve is for another robot.
+pub(crate) fn passive_share(
+    model: &Model,
+    curve: &Curve,
+    limits: &TorqueLimits,
+    intervals: usize,
+) -> Result<f64> {
+    if !limits.has_passive() {
+        return Ok(0.0);
+    }
+    let torques = largest_torques(model, curve, intervals)?;
+    let largest = torques.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let joints = torques.iter().enumerate();
+    let passive = joints.filter(|(joint, _)| limits.is_passive(*joint));
+    Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
+}
+
 /// The weights with which the nodes of a segment enter equally spaced times of it, a column for each time.
 fn interpolation(chebyshev: &Chebyshev, intervals: usize) -> DMatrix<f64> {
     let nodes = chebyshev.degree() + 1;

@@ -25,7 +25,7 @@ mod strategy;
 mod transcription;
 mod tuning;
 
-pub use interior_point::{Barrier, BarrierCost};
+pub use interior_point::{Barrier, BarrierCost, Equalities};
 pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
     StageInput, Weighted, WeightedSquares,
@@ -42,7 +42,7 @@ use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use interior_point::{Candidate, Context, minimise};
-use strategy::{Tried, multistart, refine, search};
+use strategy::{Tried, minimise_to_the_end, multistart, refine, search};
 use transcription::{Grids, Rows};
 
 /// No constraints.
@@ -153,12 +153,19 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         };
         let (constrained, mut problem) = (rows.count() > 0, problem.clone());
         let highest = settings.highest(constrained);
+        let passive = self.constraints.torque.has_passive();
         let (mut starts, mut minima) = (Vec::new(), Vec::new());
         let found = if let Some(curve) = &settings.start {
             let path = path_of(curve, settings.basis()).between_ends_of(&problem);
-            minimise(context, Candidate::new(path), highest, &mut log)?
+            let start = Candidate::new(path);
+            minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
         } else {
-            let outcome = multistart(context, settings, &settings.rungs(constrained), &mut log)?;
+            let outcome = multistart(
+                context,
+                settings,
+                &settings.rungs(constrained, passive),
+                &mut log,
+            )?;
             (starts, minima) = (outcome.first_costs, outcome.minima);
             starts.sort_by(f64::total_cmp);
             outcome.best
@@ -187,6 +194,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             gradient_norm: found.gradient_norm,
             smallest_curvature: found.smallest_curvature,
             largest_violation: found.violation,
+            passive_share: found.passive_share,
             points: found.points,
             quadrature_error: found.quadrature_error,
             converged: found.converged,

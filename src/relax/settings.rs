@@ -113,7 +113,8 @@ impl RelaxSettings {
 
     /// The rungs of the ladder: single polynomials of those of the degrees 6, 9, 16, 24, 32, 48, ... that are below the degree, then the
     /// degree on fewer segments, of which each rung has all breakpoints of the one before, then the whole motion.
-    pub(super) fn rungs(&self, constrained: bool) -> Vec<Rung> {
+    /// With passive joints there are at least half as many segments as in the end: a few polynomials leave such a joint next to no choice.
+    pub(super) fn rungs(&self, constrained: bool, passive: bool) -> Vec<Rung> {
         let lower = LOWER[usize::from(constrained)];
         let fewer_segments = Stage {
             iterations: SEGMENT_STEPS,
@@ -133,6 +134,9 @@ impl RelaxSettings {
         }));
         // A low degree on one segment is the first rung already.
         rungs.dedup_by(|b, a| a.basis == b.basis);
+        if passive {
+            rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
+        }
         // Without rows the last digits are for those alone that are among the best without them.
         let rough = Rung {
             basis: self.basis(),
@@ -262,6 +266,9 @@ pub struct RelaxSolution {
     pub smallest_curvature: f64,
     /// The violation of the worst constraint at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,
+    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes. A
+    /// motion that keeps more than 5e-4 gets more segments, as far as there are any.
+    pub passive_share: f64,
     /// The number of points of the quadrature of a segment.
     pub points: usize,
     /// The relative difference of the cost by this quadrature and that by the finer one.

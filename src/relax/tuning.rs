@@ -77,6 +77,23 @@ pub(super) const FIRST_PRICE: f64 = 1e2;
 pub(super) const PRICE_FACTOR: f64 = 30.0;
 pub(super) const LARGEST_PRICE: f64 = 1e9;
 
+// Duals of equalities.
+
+/// The first penalty of an equality and the largest, relative to the cost per second, and the factor by which it grows.
+pub(super) const FIRST_PENALTY: f64 = 1e3;
+pub(super) const LARGEST_PENALTY: f64 = 1e9;
+pub(super) const PENALTY_FACTOR: f64 = 10.0;
+/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square; and the largest, beyond which steps
+/// become short and the duals do as well.
+pub(super) const MOTOR: f64 = 2.0;
+pub(super) const LARGEST_MOTOR: f64 = 2e4;
+/// The torque of a passive joint that is accepted between the collocated points, relative to the largest torque.
+pub(super) const PASSIVE_SHARE: f64 = 5e-4;
+/// The largest degree times the number of segments to which that leads.
+pub(super) const LARGEST_PASSIVE_SIZE: usize = 512;
+/// The part of its violation that an equality may keep from one update of the duals to the next before its penalty grows.
+pub(super) const PROGRESS: f64 = 0.25;
+
 // Starts.
 
 /// The number of starts that are worked on side by side.

@@ -175,13 +175,12 @@ impl Scenario {
     /// Tells whether there are no constraints: no obstacle, no limit that is enforced, no passive joint.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.environment.is_empty() && !self.limits_are_enforced() && self.passive().is_empty()
+        self.environment.is_empty() && !self.limits_are_enforced()
     }
 
-    /// Tells whether any joint has a bound that is enforced, but for the torques of passive joints.
+    /// Tells whether any joint has a bound, the torque of a passive one included.
     pub(super) fn limits_are_enforced(&self) -> bool {
-        let room = |[lower, upper]: [f64; 2]| lower < upper;
-        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some_and(room));
+        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
         Limit::OF_JOINTS.into_iter().any(bounded)
     }
 

@@ -151,7 +151,8 @@ impl SolveOptions {
         }
     }
 
-    /// The Lagrangian of a flow of `scenario` to rest but for the constraints: its running cost, no price on torques of passive joints.
+    /// The Lagrangian of a flow of `scenario` to rest but for the constraints: its running cost. That of the torque of a passive joint vanishes in the
+    /// end, and until then keeps it small between the points at which it is an equality.
     ///
     /// # Errors
     /// Weights of the running cost are out of range.
@@ -164,9 +165,6 @@ impl SolveOptions {
             for (to, from) in lagrangian.weights.iter_mut().zip(all) {
                 to.copy_from_slice(from);
             }
-        }
-        for joint in scenario.passive() {
-            lagrangian.weights[0][joint] = 0.0;
         }
         Ok(lagrangian)
     }
@@ -188,8 +186,12 @@ impl SolveOptions {
         } else {
             RelaxSettings::constrained()
         };
-        // Limits leave little to choose between; without them there are many minima.
-        if !scenario.limits_are_enforced() {
+        if !scenario.file.passive.is_empty() {
+            (default.degree, default.segments) = PASSIVE_BASIS;
+            default.num_starts = PASSIVE_GUESSES;
+            default.start_amplitude = RelaxSettings::default().start_amplitude;
+        } else if !scenario.limits_are_enforced() {
+            // Limits leave little to choose between; without them there are many minima.
             default.num_starts = starts_of(scenario.model.dof());
         }
         RelaxSettings {

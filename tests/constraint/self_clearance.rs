@@ -3,7 +3,7 @@
 use crate::common::{any_model, assert_refused, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
 use aghf::constraint::{CollisionSphere, Constraint, Evaluator, RowKind, SelfClearance, Weights};
-use aghf::model::Model;
+use aghf::model::{Model, random_tree};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -50,7 +50,41 @@ proptest! {
     }
 }
 
-/// A pendulum of two links and a ball on the base: $|p|^2$ by hand.
+/// Balls on all pairs of bodies of a tree at once, one for another on branches beside each other, and each pair alone.
+#[test]
+fn branches_beside_each_other() {
+    let model = random_tree(8, 3).expect("eight joints");
+    let balls: Vec<_> = (0..8)
+        .map(|i| ball(Some(i), [0.2, 0.1 * i as f64, -0.3]))
+        .collect();
+    let pairs: Vec<_> = (0..8).flat_map(|i| (0..8).map(move |j| [i, j])).collect();
+    let x = wave(16, 0.9);
+    let (w, c) = (wave(64, 0.7), wave(64, 1.9));
+    let compare = |pairs: &[[usize; 2]]| {
+        let constraint = SelfClearance {
+            balls: balls.clone(),
+            pairs: pairs.to_vec(),
+        };
+        let weights = Weights {
+            first_order: &w[..pairs.len()],
+            gauss_newton: Some(&c[..pairs.len()]),
+        };
+        let (gradient, hessian) = contracted(&model, &constraint, &x, weights);
+        let (by_jets, by_jets2) = contracted(&model, &ValueAlone(constraint), &x, weights);
+        assert_close!(&gradient, &by_jets, 1e-12);
+        assert_close!(&hessian, &by_jets2, 1e-12);
+    };
+    compare(&pairs);
+    let mut beside = 0;
+    for pair in pairs {
+        compare(&[pair]);
+        let [first, second] = pair.map(|i| carriers(&model, Some(i)));
+        beside += usize::from(!first.is_subset(&second) && !second.is_subset(&first));
+    }
+    assert!(beside > 4, "only {beside} pairs are beside each other");
+}
+
+/// A pendulum of one link and a ball on the base: $|p|^2$ by hand.
 #[test]
 fn a_pendulum_by_hand() {
     let model = robot("pendulum_1");

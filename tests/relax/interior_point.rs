@@ -16,35 +16,28 @@ use rand_chacha::ChaCha8Rng;
 
 type Kept = Constraints<Vec<AnyConstraint>>;
 
-/// The bounds of the multiplier of a row.
-fn bounds(nu: f64, equality: bool) -> [f64; 2] {
-    [if equality { -nu } else { 0.0 }, nu]
-}
-
-/// Excess `t` and slack `s` of a row by $h = t - s$ and $\mu / t + \mu / s = b - a$: the larger of the two solves a quadratic equation
+/// Excess `t` and slack `s` of a row by $h = t - s$ and $\mu / t + \mu / s = \nu$: the larger of the two solves a quadratic equation
 /// without loss of digits. Then what they cost.
-fn psi(h: HyperDual64, Barrier { mu, nu }: Barrier, equality: bool) -> HyperDual64 {
-    let [a, b] = bounds(nu, equality);
-    let reach = (if h.re < 0.0 { -h } else { h }) * (b - a);
+fn psi(h: HyperDual64, Barrier { mu, nu }: Barrier) -> HyperDual64 {
+    let reach = (if h.re < 0.0 { -h } else { h }) * nu;
     let root = (reach * reach + 4.0 * mu * mu).sqrt();
-    let larger = (reach + root + 2.0 * mu) / (2.0 * (b - a));
+    let larger = (reach + root + 2.0 * mu) / (2.0 * nu);
     let smaller = larger * (2.0 * mu) / (reach + root);
     let [excess, slack] = if h.re < 0.0 {
         [smaller, larger]
     } else {
         [larger, smaller]
     };
-    excess * b - slack * a - (excess * slack).ln() * mu
+    excess * nu - (excess * slack).ln() * mu
 }
 
 /// The weight of the product of the gradients of a row for a multiplier `z`.
-fn curvature(h: f64, z: f64, barrier: Barrier, equality: bool) -> f64 {
-    let [a, b] = bounds(barrier.nu, equality);
+fn curvature(h: f64, z: f64, barrier: Barrier) -> f64 {
     let mut moving = HyperDual64::from(h);
     moving.eps1 = 1.0;
-    let own = psi(moving, barrier, equality).eps1;
-    let [slack, excess] = [barrier.mu / (own - a), barrier.mu / (b - own)];
-    (slack / (z - a) + excess / (b - z)).recip()
+    let own = psi(moving, barrier).eps1;
+    let [slack, excess] = [barrier.mu / own, barrier.mu / (barrier.nu - own)];
+    (slack / z + excess / (barrier.nu - z)).recip()
 }
 
 /// The control effort and the rows relative to their scales, with the margins.
@@ -171,20 +164,30 @@ fn derivatives_are_those_of_duals() {
         let inside = here.iter().filter(|h| h.re < 0.0).count();
         assert!((3..rows - 3).contains(&inside), "{inside} of {rows}");
 
-        cost.multipliers = (0..rows)
-            .map(|j| {
-                let mut h = here[j];
-                h.eps1 = 1.0;
-                psi(h, barrier, equality(j)).eps1
-            })
-            .collect();
+        let number = |rng: &mut ChaCha8Rng| rng.random_range(0.5..2.0);
+        cost.equalities.duals = (0..rows).map(|_| number(&mut rng)).collect();
+        cost.equalities.penalties = (0..rows).map(|_| number(&mut rng)).collect();
+        let (duals, penalties) = (
+            cost.equalities.duals.clone(),
+            cost.equalities.penalties.clone(),
+        );
+        let term = |j: usize, h: HyperDual64| {
+            if equality(j) {
+                h * duals[j] + h * h * (0.5 * penalties[j])
+            } else {
+                psi(h, barrier)
+            }
+        };
+        let multiplier = |j: usize| {
+            let mut h = here[j];
+            h.eps1 = 1.0;
+            term(j, h).eps1
+        };
+        cost.multipliers = (0..rows).map(multiplier).collect();
         let with_barriers = |z: &[HyperDual64]| {
             let (effort, h) = effort_and_rows(&model, &kept, &margins, z);
             let all = h.iter().enumerate();
-            effort
-                + all
-                    .map(|(j, h)| psi(*h, barrier, equality(j)))
-                    .sum::<HyperDual64>()
+            effort + all.map(|(j, h)| term(j, *h)).sum::<HyperDual64>()
         };
         let mut out = PointDerivatives::new(n);
         cost.derivatives(point(&z), &mut out).expect("sizes agree");
@@ -196,8 +199,11 @@ fn derivatives_are_those_of_duals() {
         assert_close!(&out.hessian, &hessian, 1e-12);
 
         let mut between = |j: usize| {
-            let [a, b] = bounds(barrier.nu, equality(j));
-            a + (b - a) * rng.random_range(0.05..0.95)
+            if equality(j) {
+                multiplier(j)
+            } else {
+                barrier.nu * rng.random_range(0.05..0.95)
+            }
         };
         cost.multipliers = (0..rows).map(&mut between).collect();
         cost.relaxations = (0..rows)
@@ -213,13 +219,19 @@ fn derivatives_are_those_of_duals() {
         let (multipliers, relaxations) = (&cost.multipliers, &cost.relaxations);
         let left: Vec<f64> = (0..rows).map(|j| here[j].re - relaxations[j]).collect();
         let c: Vec<f64> = (0..rows)
-            .map(|j| curvature(left[j], multipliers[j], barrier, equality(j)))
+            .map(|j| {
+                if equality(j) {
+                    penalties[j]
+                } else {
+                    curvature(left[j], multipliers[j], barrier)
+                }
+            })
             .collect();
         let pushed = |z: &[HyperDual64]| {
             let (effort, h) = effort_and_rows(&model, &kept, &margins, z);
             let all = h.iter().enumerate();
             let of = |(j, h): (usize, &HyperDual64)| {
-                psi(*h - relaxations[j], barrier, equality(j)) + *h * (c[j] * relaxations[j])
+                term(j, *h - relaxations[j]) + *h * (c[j] * relaxations[j])
             };
             effort + all.map(of).sum::<HyperDual64>()
         };
@@ -239,41 +251,26 @@ fn derivatives_are_those_of_duals() {
     }
 }
 
-/// A row that is `h`, and nothing else that is not taken off again: value and slope of its barrier.
-fn barrier_of(h: f64, barrier: Barrier, equality: bool) -> (f64, f64) {
+/// A row that is `h`, and nothing else: value and slope of its barrier.
+fn barrier_of(h: f64, barrier: Barrier) -> (f64, f64) {
     let model = slider(1.0);
     let bound = Bound {
         entry: 0,
         side: Side::Upper,
         value: 0.0,
     };
-    let (state, limits) = if equality {
-        (Vec::new(), vec![Some(0.0)])
-    } else {
-        (vec![AnyConstraint::Bounds(Bounds(vec![bound]))], vec![None])
-    };
     let kept = Constraints {
-        state,
-        torque: TorqueLimits(limits),
+        state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
+        torque: TorqueLimits(vec![None]),
     };
-    // The control of a slider of mass one is its acceleration.
-    let z = if equality {
-        [0.0, 0.0, h]
-    } else {
-        [h, 0.0, 0.0]
-    };
+    let z = [h, 0.0, 0.0];
     let mut cost = BarrierCost::at_a_point(&model, &kept, barrier).expect("sizes agree");
     cost.margins.fill(0.0);
-    let [a, b] = bounds(barrier.nu, equality);
-    cost.multipliers.fill(a + 0.3 * (b - a));
+    cost.multipliers.fill(0.3 * barrier.nu);
     let value = cost.value(point(&z)).expect("sizes agree");
     let mut out = PointDerivatives::new(1);
     cost.derivatives(point(&z), &mut out).expect("sizes agree");
-    if equality {
-        (value - h * h, out.gradient[2] - 2.0 * h)
-    } else {
-        (value, out.gradient[0])
-    }
+    (value, out.gradient[0])
 }
 
 proptest! {
@@ -282,15 +279,14 @@ proptest! {
     /// The least of what excess and slack cost, by a search of the slack alone, and the slope that belongs to it.
     #[test]
     fn a_barrier_is_the_least_of_excess_and_slack(
-        h in -3.0..3.0_f64, mu in -6.0..0.5_f64, nu in -1.0..2.0_f64, equality: bool,
+        h in -3.0..3.0_f64, mu in -6.0..0.5_f64, nu in -1.0..2.0_f64,
     ) {
         let barrier = Barrier { mu: 10.0_f64.powf(mu), nu: 10.0_f64.powf(nu) };
         let Barrier { mu, nu } = barrier;
-        let (value, slope) = barrier_of(h, barrier, equality);
-        let [a, b] = bounds(nu, equality);
+        let (value, slope) = barrier_of(h, barrier);
         let costs = |slack: f64| {
             let excess = h + slack;
-            b * excess - a * slack - mu * (slack.ln() + excess.ln())
+            nu * excess - mu * (slack.ln() + excess.ln())
         };
         // Convex in the slack, and in its logarithm it has one minimum too.
         let (mut from, mut to) = ((-h).max(0.0), (-h).max(0.0) + 10.0 + 10.0 * mu / nu);
@@ -303,24 +299,24 @@ proptest! {
         prop_assert!((value - least).abs() <= 1e-9 * size, "{value} {least}");
         let mut moving = HyperDual64::from(h);
         moving.eps1 = 1.0;
-        let by_duals = psi(moving, barrier, equality);
+        let by_duals = psi(moving, barrier);
         prop_assert!((value - by_duals.re).abs() <= 1e-8 * size);
         prop_assert!((slope - by_duals.eps1).abs() <= 1e-8 * nu, "{slope} {}", by_duals.eps1);
         // At the extremes rounding leaves the bounds themselves.
-        prop_assert!((a..=b).contains(&slope));
+        prop_assert!((0.0..=nu).contains(&slope));
     }
 
     /// As the barrier becomes weak its sum with the price is the exact penalty, and numbers stay numbers.
     #[test]
-    fn a_weak_barrier_is_the_exact_penalty(h in -3.0..3.0_f64, nu in -1.0..9.0_f64, equality: bool) {
+    fn a_weak_barrier_is_the_exact_penalty(h in -3.0..3.0_f64, nu in -1.0..9.0_f64) {
         let nu = 10.0_f64.powf(nu);
-        let exact = if equality { nu * h.abs() } else { nu * h.max(0.0) };
+        let exact = nu * h.max(0.0);
         let mut before = f64::INFINITY;
         for power in [-2, -5, -8, -11] {
             let mu = 10.0_f64.powi(power);
             for h in [h, 0.0] {
                 let exact = if h == 0.0 { 0.0 } else { exact };
-                let (value, slope) = barrier_of(h, Barrier { mu, nu }, equality);
+                let (value, slope) = barrier_of(h, Barrier { mu, nu });
                 // 2 mu and logarithms of numbers above 1e-25 and below 1e3.
                 let apart = (value - exact).abs();
                 let rounding = 4e-15 * (exact + h * h);
@@ -338,19 +334,11 @@ proptest! {
 /// Far out and far in nothing overflows, and signs are as they have to be.
 #[test]
 fn barriers_at_extremes_are_numbers() {
-    for equality in [false, true] {
-        for h in [-1e9, -1.0, -1e-300, 0.0, 1e-300, 1.0, 1e9] {
-            for (mu, nu) in [(1e-12, 1e9), (1e3, 1e-3), (1e-12, 1e-3)] {
-                let (value, slope) = barrier_of(h, Barrier { mu, nu }, equality);
-                let [a, b] = bounds(nu, equality);
-                // The effort that is taken off an equality leaves its rounding.
-                let rounding = if equality { 1e-15 * h.abs() } else { 0.0 };
-                assert!(value.is_finite(), "{h} {mu} {nu}");
-                assert!(
-                    slope >= a - rounding && slope <= b + rounding,
-                    "{h} {mu} {nu}: {slope}"
-                );
-            }
+    for h in [-1e9, -1.0, -1e-300, 0.0, 1e-300, 1.0, 1e9] {
+        for (mu, nu) in [(1e-12, 1e9), (1e3, 1e-3), (1e-12, 1e-3)] {
+            let (value, slope) = barrier_of(h, Barrier { mu, nu });
+            assert!(value.is_finite(), "{h} {mu} {nu}");
+            assert!((0.0..=nu).contains(&slope), "{h} {mu} {nu}: {slope}");
         }
     }
 }

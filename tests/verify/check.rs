@@ -37,6 +37,9 @@ fn everything_passes_on_every_robot() {
         for what in [
             "spheres: weighted Hessian",
             "half-space: weighted Hessian",
+            "solids: weighted Hessian",
+            "self-collision: weighted gradient",
+            "self-collision: weighted Hessian",
             "bounds: weighted Hessian",
             "control-form with constraints: dOmega_P2/dxddot",
             "theorem-b4 with constraints: dOmega_P1/dx",

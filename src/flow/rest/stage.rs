@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::flow::weak::{
     Action, AnalyticLagrangian, AugmentedLagrangian, RowDuals, RowTerms, StateGrid,
 };
-use crate::motion::{Problem, Watch, largest_torques, violations};
+use crate::motion::{Problem, Watch, passive_share, violations};
 use nalgebra::DMatrix;
 
 /// The number of steps between two looks at the quadrature.
@@ -180,7 +180,9 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             quadrature_error(&self.own, &self.finer, &self.plain, &progress.coefficients)?;
         walk.curve = self.curve(&progress)?;
         if demands.dense {
-            outcome.passive_share = self.passive_share(&walk.curve)?;
+            let times = TIMES.div_ceil(grid.segments());
+            let (model, limits) = (self.problem.model(), &self.constraints.torque);
+            outcome.passive_share = passive_share(model, &walk.curve, limits, times)?;
         }
         walk.duals = Some(self.terms().over_time(grid.times()));
         walk.s = progress.s;
@@ -286,20 +288,6 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
             largest = largest.max(violation.by);
         }
         Ok(largest)
-    }
-
-    /// The largest torque of a passive joint at any time, relative to the largest torque.
-    fn passive_share(&self, curve: &Curve) -> Result<f64> {
-        let limits = &self.constraints.torque;
-        if !limits.has_passive() {
-            return Ok(0.0);
-        }
-        let times = TIMES.div_ceil(self.grid.segments());
-        let torques = largest_torques(self.problem.model(), curve, times)?;
-        let largest = torques.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let joints = torques.iter().enumerate();
-        let passive = joints.filter(|(joint, _)| limits.is_passive(*joint));
-        Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
     }
 
     /// The largest slip at the points; with `duals` they become those that the slip asks for, $\lambda + 2 k e$.

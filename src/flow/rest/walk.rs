@@ -3,7 +3,7 @@
 use super::stage::{Demands, Outcome, Stage, Walk};
 use super::{RestRecord, RestSettings, RestSolution};
 use crate::constraint::{Constraint, Constraints};
-use crate::curve::Curve;
+use crate::curve::{Basis, Curve};
 use crate::error::Result;
 use crate::flow::weak::{AnalyticLagrangian, StateGrid};
 use crate::motion::{Problem, Watch};
@@ -14,9 +14,6 @@ const POINTS: [f64; 2] = [3.0, 3.5];
 const MOST_POINTS: usize = 16;
 /// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
 const PASSIVE_SHARE: f64 = 5e-4;
-/// The number of segments up to which there are more of them first, and the degree up to which that grows afterwards.
-const SEGMENTS: usize = 16;
-const DEGREE: usize = 16;
 
 /// The common part of the walks from all guesses.
 pub(super) struct WalkOf<'w, 'a, K> {
@@ -87,7 +84,9 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
                 break;
             }
             let left = outcome.passive_share > PASSIVE_SHARE && outcome.action < least;
-            if let (true, true, Some(basis)) = (stages.is_empty(), left, finer(demands.basis)) {
+            let finer = Basis::new(segments, degree, false).finer(RestSettings::LARGEST_SIZE);
+            if let (true, true, Some(finer)) = (stages.is_empty(), left, finer) {
+                let basis = (finer.segments(), finer.degree());
                 stages.push_back(Demands { basis, ..demands });
             }
         }
@@ -117,15 +116,4 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             stopped: watch.stopped(),
         })
     }
-}
-
-/// The next basis where one does not let a passive joint be without torque: more segments up to a number, then a higher degree, then more
-/// segments again, as far as they go.
-fn finer((segments, degree): (usize, usize)) -> Option<(usize, usize)> {
-    let next = if segments < SEGMENTS || degree >= DEGREE {
-        (2 * segments, degree)
-    } else {
-        (segments, (degree + degree / 2).min(DEGREE))
-    };
-    (next.0 * next.1 <= RestSettings::LARGEST_SIZE).then_some(next)
 }

@@ -23,9 +23,17 @@ pub struct Action<'g, S: Scalar, L> {
     pub lagrangian: L,
     size: usize,
     states: DMatrix<S>,
+    values: Vec<S>,
+    /// Once derivatives or a metric are asked for.
+    room: Option<Room<S>>,
+}
+
+/// What derivatives and metrics are made of.
+struct Room<S: Scalar> {
     at_points: LagrangianDerivatives<S>,
     metrics: DMatrix<S>,
     sums: DMatrix<S>,
+    gradient: DMatrix<S>,
 }
 
 /// The derivatives of an action in the unknown coefficients, function by function.
@@ -60,9 +68,8 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
             lagrangian,
             size: 2 * dof,
             states: DMatrix::zeros(4 * dof, points),
-            at_points: LagrangianDerivatives::new(dof, points),
-            metrics: DMatrix::zeros(4 * dof * dof, points),
-            sums: DMatrix::zeros(4 * dof * dof, grid.pairs.len()),
+            values: vec![S::zero(); points],
+            room: None,
         }
     }
 
@@ -87,8 +94,8 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         for e in 0..grid.segments {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
-            self.lagrangian.values(here, &mut self.at_points.values)?;
-            for (weight, value) in grid.weights.iter().zip(&self.at_points.values) {
+            self.lagrangian.values(here, &mut self.values)?;
+            for (weight, value) in grid.weights.iter().zip(&self.values) {
                 sum += *weight * *value;
             }
         }
@@ -106,14 +113,18 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     ) -> Result<S> {
         let (grid, mut sum) = (self.grid, S::zero());
         let (size, count) = (self.size, grid.points());
-        self.at_points.convex = false;
         out.gradient.fill(S::zero());
-        let mut gradient = DMatrix::zeros(size, grid.degree() + 1);
         for e in 0..grid.segments {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
-            self.lagrangian.derivatives(here, &mut self.at_points)?;
-            let at_points = &mut self.at_points;
+            let Room {
+                at_points,
+                sums,
+                gradient,
+                ..
+            } = self.room.get_or_insert_with(|| Room::new(grid, size));
+            at_points.convex = false;
+            self.lagrangian.derivatives(here, at_points)?;
             for (g, weight) in grid.weights.iter().enumerate() {
                 sum += *weight * at_points.values[g];
                 for column in [g, count + g] {
@@ -121,7 +132,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
                     column *= *weight;
                 }
             }
-            multiply(&at_points.gradients, &grid.table.transpose(), &mut gradient);
+            multiply(&at_points.gradients, &grid.table.transpose(), gradient);
             let first = e * grid.degree();
             for (m, column) in gradient.column_iter().enumerate() {
                 if grid.free().contains(&(first + m)) {
@@ -129,8 +140,8 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
                     own += column;
                 }
             }
-            multiply(&at_points.hessians, grid.products(), &mut self.sums);
-            add_blocks(grid, &self.sums, size, e, &mut out.hessian);
+            multiply(&at_points.hessians, grid.products(), sums);
+            add_blocks(grid, sums, size, e, &mut out.hessian);
         }
         Ok(sum)
     }
@@ -144,14 +155,15 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         coefficients: &DMatrix<S>,
         out: &mut BlockTridiagonal<S>,
     ) -> Result<()> {
-        let grid = self.grid;
-        self.at_points.convex = true;
+        let (grid, size) = (self.grid, self.size);
         for e in 0..grid.segments {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
-            self.lagrangian.derivatives(here, &mut self.at_points)?;
-            multiply(&self.at_points.hessians, grid.products(), &mut self.sums);
-            add_blocks(grid, &self.sums, self.size, e, out);
+            let room = self.room.get_or_insert_with(|| Room::new(grid, size));
+            room.at_points.convex = true;
+            self.lagrangian.derivatives(here, &mut room.at_points)?;
+            multiply(&room.at_points.hessians, grid.products(), &mut room.sums);
+            add_blocks(grid, &room.sums, size, e, out);
         }
         Ok(())
     }
@@ -165,14 +177,15 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         coefficients: &DMatrix<S>,
         out: &mut BlockTridiagonal<S>,
     ) -> Result<()> {
-        let grid = self.grid;
+        let (grid, size) = (self.grid, self.size);
         let products = grid.products().rows(0, grid.points()).into_owned();
         for e in 0..grid.segments {
             self.place(coefficients, e)?;
             let here = points(grid, &self.states, e);
-            self.lagrangian.metrics(here, &mut self.metrics)?;
-            multiply(&self.metrics, &products, &mut self.sums);
-            add_blocks(grid, &self.sums, self.size, e, out);
+            let room = self.room.get_or_insert_with(|| Room::new(grid, size));
+            self.lagrangian.metrics(here, &mut room.metrics)?;
+            multiply(&room.metrics, &products, &mut room.sums);
+            add_blocks(grid, &room.sums, size, e, out);
         }
         Ok(())
     }
@@ -210,6 +223,18 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         self.states.rows_mut(2 * n, n).copy_from(&xdot.rows(n, n));
         self.states.rows_mut(3 * n, n).copy_from(&xdot.rows(0, n));
         Ok(())
+    }
+}
+
+impl<S: Scalar> Room<S> {
+    fn new(grid: &StateGrid<S>, size: usize) -> Self {
+        let points = grid.points();
+        Self {
+            at_points: LagrangianDerivatives::new(size / 2, points),
+            metrics: DMatrix::zeros(size * size, points),
+            sums: DMatrix::zeros(size * size, grid.pairs.len()),
+            gradient: DMatrix::zeros(size, grid.degree() + 1),
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! The barrier of a row that may be broken at a price.
 
-use super::row::Kind;
 use crate::relax::tuning::{APART, INSIDE};
 
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
@@ -11,7 +10,7 @@ use crate::relax::tuning::{APART, INSIDE};
 /// The multiplier $\hat z = \psi'(h) \in (0, \nu)$ solves $h = \mu / (\nu - z) - \mu / z$, with $s = \mu / \hat z$ and
 /// $t = \mu / (\nu - \hat z)$. Far inside $\psi$ is the usual barrier $-\mu \log(-h)$, far outside it is $\nu h$, and as $\mu \to 0$ it
 /// becomes the exact penalty $\nu \max(0, h)$ (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear
-/// optimization*, 2015). A row $h = 0$ has multipliers in $(-\nu, \nu)$ instead.
+/// optimization*, 2015).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// $\mu > 0$.
@@ -25,21 +24,30 @@ pub struct Barrier {
 pub(super) struct Split {
     slack: f64,
     excess: f64,
-    /// $\mu$, and the bounds `a` and `b` of the multipliers.
     mu: f64,
-    bounds: [f64; 2],
+    nu: f64,
+}
+
+/// The term of a row in the merit function.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Term {
+    /// The barrier of an inequality.
+    Barrier(Split),
+    /// $\lambda h + \tfrac12 \rho h^2$ of an equality.
+    Dual {
+        /// $\lambda$.
+        dual: f64,
+        /// $\rho$.
+        penalty: f64,
+        h: f64,
+    },
 }
 
 impl Barrier {
-    /// The split of a row of the value `h`; nothing where no row is asked for.
-    pub(super) fn split(&self, h: f64, kind: Kind) -> Option<Split> {
-        let a = match kind {
-            Kind::Inequality => 0.0,
-            Kind::Equality => -self.nu,
-            Kind::Idle => return None,
-        };
-        let (width, mu) = (self.nu - a, self.mu);
-        let product = h * width;
+    /// The split of a row of the value `h`.
+    pub(super) fn split(&self, h: f64) -> Split {
+        let Self { mu, nu } = *self;
+        let product = h * nu;
         let root = (product * product + 4.0 * mu * mu).sqrt();
         // The root less the product and the root and the product, none of which loses digits.
         let large = root + product.abs();
@@ -49,53 +57,73 @@ impl Barrier {
         } else {
             (large, small)
         };
-        let half = 0.5 / width;
-        Some(Split {
+        let half = 0.5 / nu;
+        Split {
             slack: (2.0 * mu + less) * half,
             excess: (2.0 * mu + more) * half,
             mu,
-            bounds: [a, self.nu],
-        })
+            nu,
+        }
     }
 }
 
 impl Split {
     /// $\hat z = \psi'(h)$.
-    pub fn multiplier(&self) -> f64 {
-        let [a, b] = self.bounds;
+    fn multiplier(&self) -> f64 {
         if self.slack > self.excess {
-            a + self.mu / self.slack
+            self.mu / self.slack
         } else {
-            b - self.mu / self.excess
+            self.nu - self.mu / self.excess
         }
     }
 
-    /// $\psi(h)$ without its logarithms, and what these are of: a product is one logarithm for many rows.
-    pub fn value(&self) -> (f64, f64) {
-        let [a, b] = self.bounds;
-        (b * self.excess - a * self.slack, self.slack * self.excess)
-    }
-
-    /// The second derivative for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of each term,
-    /// $1 / (s / (z - a) + t / (b - z))$. For $z = \hat z$ it is $\psi''(h)$.
-    pub fn curvature(&self, z: f64) -> f64 {
-        let [a, b] = self.bounds;
-        let (lower, upper) = (z - a, b - z);
-        lower * upper / (self.slack * upper + self.excess * lower)
-    }
-
     /// The multiplier nearest to `z` that is not too far from $\hat z$; some multiplier where rows that overflowed left none.
-    pub fn safeguarded(&self, z: f64) -> f64 {
-        let [a, b] = self.bounds;
-        let width = b - a;
+    fn safeguarded(&self, z: f64) -> f64 {
+        let nu = self.nu;
         if self.slack > self.excess {
             let lower = self.mu / self.slack;
-            a + (z - a)
-                .max(lower / APART)
-                .min((lower * APART).min(0.5 * width))
+            z.max(lower / APART).min((lower * APART).min(0.5 * nu))
         } else {
             let upper = self.mu / self.excess;
-            b - (b - z).max(upper / APART).min((1.0 - INSIDE) * width)
+            nu - (nu - z).max(upper / APART).min((1.0 - INSIDE) * nu)
+        }
+    }
+}
+
+impl Term {
+    /// The first derivative in the row.
+    pub fn multiplier(&self) -> f64 {
+        match self {
+            Self::Barrier(split) => split.multiplier(),
+            Self::Dual { dual, penalty, h } => dual + penalty * h,
+        }
+    }
+
+    /// The value without its logarithms, and what these are of: a product is one logarithm for many rows.
+    pub fn value(&self) -> (f64, f64) {
+        match self {
+            Self::Barrier(split) => (split.nu * split.excess, split.slack * split.excess),
+            Self::Dual { dual, penalty, h } => ((dual + 0.5 * penalty * h) * h, 1.0),
+        }
+    }
+
+    /// The second derivative for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of each term of a
+    /// barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is $\psi''(h)$.
+    pub fn curvature(&self, z: f64) -> f64 {
+        match self {
+            Self::Barrier(split) => {
+                let upper = split.nu - z;
+                z * upper / (split.slack * upper + split.excess * z)
+            }
+            Self::Dual { penalty, .. } => *penalty,
+        }
+    }
+
+    /// The multiplier nearest to `z` that an iterate may have.
+    pub fn safeguarded(&self, z: f64) -> f64 {
+        match self {
+            Self::Barrier(split) => split.safeguarded(z),
+            Self::Dual { .. } => self.multiplier(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The running cost with the barriers of the rows.
 
-use super::barrier::Barrier;
+use super::barrier::{Barrier, Term};
+use super::equality::Equalities;
 use super::row::{Kind, Trial, kinds};
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
@@ -28,6 +29,8 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(in crate::relax) rows: Rows<'a, K, P>,
     /// The barrier of all rows.
     pub barrier: Barrier,
+    /// The duals of equalities.
+    pub equalities: Equalities,
     /// $z$, row by row for each point.
     pub multipliers: Vec<f64>,
     /// $m$, likewise.
@@ -62,7 +65,8 @@ impl<'a, K: Constraint> BarrierCost<'a, K> {
         barrier: Barrier,
     ) -> Result<Self> {
         let rows = Rows::new(model, constraints, ControlEffort::new(model))?;
-        Ok(Self::of(rows, barrier, 1, vec![1.0], 1))
+        let kinds = rows.equalities.iter().map(|row| Kind::of(*row)).collect();
+        Ok(Self::of(rows, barrier, kinds, vec![1.0]))
     }
 }
 
@@ -70,19 +74,13 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// That of rows on a grid, with the multipliers of the barrier of nothing.
     pub(super) fn new(rows: Rows<'a, K, P>, barrier: Barrier, grid: &Grid<f64>) -> Self {
         let weights = grid.weights.clone();
-        Self::of(rows, barrier, grid.times.len(), weights, grid.bubbles())
+        let kinds = kinds(&rows.equalities, &grid.collocated, grid.segments);
+        Self::of(rows, barrier, kinds, weights)
     }
 
-    fn of(
-        rows: Rows<'a, K, P>,
-        barrier: Barrier,
-        points: usize,
-        weights: Vec<f64>,
-        collocated: usize,
-    ) -> Self {
+    fn of(rows: Rows<'a, K, P>, barrier: Barrier, kinds: Vec<Kind>, weights: Vec<f64>) -> Self {
         let zeros = vec![Wide::splat(0.0); rows.count()];
-        let all = vec![0.0; rows.count() * points];
-        let kinds = kinds(&rows.equalities, points, weights.len(), collocated);
+        let all = vec![0.0; kinds.len()];
         let of_kind = |kind: &Kind| {
             if *kind == Kind::Inequality {
                 RESERVE
@@ -91,7 +89,10 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             }
         };
         let margins = kinds.iter().map(of_kind).collect();
+        let count = rows.count();
+        let passive = (0..count).map(|row| rows.constraints.is_passive(row));
         Self {
+            equalities: Equalities::new(passive.collect(), kinds.len() / count.max(1)),
             rows,
             barrier,
             multipliers: all.clone(),
@@ -146,16 +147,15 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// Takes the trial for the iterate, with the multipliers that the whole of the step predicts as far as the rows where it ended
     /// allow.
     pub(super) fn accept(&mut self) {
-        let (barrier, trial) = (self.barrier, &self.trial);
-        let rows = trial.before.iter().zip(&trial.whole).zip(&self.h);
-        let rows = rows.zip(&self.kinds);
-        for (z, (((before, whole), h), kind)) in self.multipliers.iter_mut().zip(rows) {
-            let splits = (barrier.split(*before, *kind), barrier.split(*h, *kind));
-            if let (Some(from), Some(to)) = splits {
-                let predicted = from.multiplier() + from.curvature(*z) * (whole - before);
-                *z = to.safeguarded(predicted);
+        for at in 0..self.h.len() {
+            let (before, whole) = (self.trial.before[at], self.trial.whole[at]);
+            if let (Some(from), Some(to)) = (self.term(at, before), self.term(at, self.h[at])) {
+                let curvature = from.curvature(self.multipliers[at]);
+                let predicted = from.multiplier() + curvature * (whole - before);
+                self.multipliers[at] = to.safeguarded(predicted);
             }
         }
+        let trial = &self.trial;
         self.relaxations.copy_from_slice(&trial.relaxations);
         self.trying = false;
     }
@@ -187,14 +187,14 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             if *r > 0.0 {
                 let w = self.weights[at / count % self.weights.len()];
                 let before = trial.before[at];
-                let Some(split) = self.barrier.split(before, self.kinds[at]) else {
+                let Some(term) = self.term(at, before) else {
                     continue;
                 };
                 // What the row itself changed by.
                 let change = trial.whole[at] - before - r;
                 sums[0] += w * self.barrier.nu * r;
-                sums[1] += w * split.multiplier() * r;
-                sums[2] += w * split.curvature(self.multipliers[at]) * r * change;
+                sums[1] += w * term.multiplier() * r;
+                sums[2] += w * term.curvature(self.multipliers[at]) * r * change;
             }
         }
         sums
@@ -202,20 +202,31 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
 
     /// Takes the multipliers that the rows ask for.
     pub(super) fn reset_multipliers(&mut self) {
-        for (at, h) in self.h.iter().enumerate() {
-            let split = self.barrier.split(*h, self.kinds[at]);
-            self.multipliers[at] = split.map_or(0.0, |split| split.multiplier());
+        for at in 0..self.h.len() {
+            let term = self.term(at, self.h[at]);
+            self.multipliers[at] = term.map_or(0.0, |term| term.multiplier());
         }
     }
 
     /// Changes the barrier; multipliers stay as near as they may.
     pub(super) fn set_barrier(&mut self, barrier: Barrier) {
         self.barrier = barrier;
-        for (at, h) in self.h.iter().enumerate() {
-            let z = self.multipliers[at];
-            let split = self.barrier.split(*h, self.kinds[at]);
-            self.multipliers[at] = split.map_or(0.0, |split| split.safeguarded(z));
+        for at in 0..self.h.len() {
+            let (z, term) = (self.multipliers[at], self.term(at, self.h[at]));
+            self.multipliers[at] = term.map_or(0.0, |term| term.safeguarded(z));
         }
+    }
+
+    /// Takes the duals that the equalities ask for; see [`Equalities::update`].
+    pub(super) fn update_duals(&mut self, feasible: f64, density: f64) {
+        let (h, kinds, units) = (&self.h, &self.kinds, &self.rows.units);
+        self.equalities.update(h, kinds, units, (feasible, density));
+        self.set_barrier(self.barrier);
+    }
+
+    /// The term of row `at` for the value `h`; nothing where none is asked for.
+    fn term(&self, at: usize, h: f64) -> Option<Term> {
+        term(self.barrier, &self.equalities, self.kinds[at], at, h)
     }
 
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
@@ -241,8 +252,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     raw - self.relaxations[at]
                 };
                 self.h[at] = h;
-                if let Some(split) = barrier.split(h, self.kinds[at]) {
-                    let (value, of_logarithm) = split.value();
+                if let Some(term) = self.term(at, h) {
+                    let (value, of_logarithm) = term.value();
                     *cost += value;
                     product *= of_logarithm;
                     // Long before it could leave the range of numbers.
@@ -294,8 +305,9 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         let (states, count, barrier) = (state.dim(), self.rows.count(), self.barrier);
         let (multipliers, relaxations) = (&self.multipliers, &self.relaxations);
         let (rows, margins, kinds) = (&mut self.h, &self.margins, &self.kinds);
+        let equalities = &self.equalities;
         let Rows { cost, scales, .. } = &mut self.rows;
-        let mut term = |index: usize, u: &[f64], term: &mut ControlDerivatives<f64>| {
+        let mut add = |index: usize, u: &[f64], out: &mut ControlDerivatives<f64>| {
             let own = index * count + states..;
             for (at, ((i, limit, side), scale)) in own.zip(torque.rows().zip(&scales[states..])) {
                 let slope = if side == Some(Side::Lower) {
@@ -306,16 +318,16 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
                 rows[at] = slope * u[i] - scale * limit;
                 let (r, z, kind) = (relaxations[at], multipliers[at], kinds[at]);
                 let h = rows[at] + margins[at] - r;
-                if let Some(split) = barrier.split(h, kind) {
-                    let c = split.curvature(z);
-                    term.gradient[i] += slope * (split.multiplier() + c * r);
-                    term.curvature_weights[i] += slope * z;
-                    term.hessian[i] += slope * slope * c;
+                if let Some(term) = term(barrier, equalities, kind, at, h) {
+                    let c = term.curvature(z);
+                    out.gradient[i] += slope * (term.multiplier() + c * r);
+                    out.curvature_weights[i] += slope * z;
+                    out.hessian[i] += slope * slope * c;
                 }
             }
             torque.dim() > 0
         };
-        cost.all_derivatives_with(points, out, &mut term)?;
+        cost.all_derivatives_with(points, out, &mut add)?;
         let own = points.first * count..(points.first + points.count()) * count;
         self.rows.of_state(points, &mut self.h[own])?;
         self.add_barriers(points, &mut out.costs);
@@ -339,15 +351,14 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         let n = points.states.nrows();
         let found = LANES.min(points.count() - start);
         let (states, count) = (self.rows.constraints.state.dim(), self.rows.count());
-        let barrier = self.barrier;
         for j in 0..states {
             let scale = self.rows.scales[j];
             for lane in 0..LANES {
                 let at = (points.first + start + lane.min(found - 1)) * count + j;
-                let (h, z, kind) = (self.h[at], self.multipliers[at], self.kinds[at]);
-                let split = barrier.split(h, kind);
+                let z = self.multipliers[at];
+                let term = self.term(at, self.h[at]);
                 let (multiplier, c) =
-                    split.map_or((0.0, 0.0), |split| (split.multiplier(), split.curvature(z)));
+                    term.map_or((0.0, 0.0), |term| (term.multiplier(), term.curvature(z)));
                 let push = c * self.relaxations[at];
                 self.slopes[j].0[lane] = (multiplier + push) * scale;
                 self.curvatures[j].0[lane] = c * scale * scale;
@@ -371,5 +382,14 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         let pull = self.rows.weighted_derivatives(points, start, hessian)?;
         out.hessians.add_wide(start, pull.hessian());
         Ok(())
+    }
+}
+
+/// The term of row `at`, which is of a kind, for the value `h`.
+fn term(barrier: Barrier, equalities: &Equalities, kind: Kind, at: usize, h: f64) -> Option<Term> {
+    match kind {
+        Kind::Inequality => Some(Term::Barrier(barrier.split(h))),
+        Kind::Equality => Some(equalities.term(at, h)),
+        Kind::Idle => None,
     }
 }

@@ -1,5 +1,6 @@
 //! A curve with the multipliers that hold it within its constraints.
 
+use super::row::Kind;
 use crate::motion::Path;
 use crate::motion::Problem;
 
@@ -10,10 +11,14 @@ pub(in crate::relax) struct Candidate {
     pub multipliers: Multipliers,
     /// $\mu$ and $\nu$ of the barriers when it ended, relative to the cost per second; nothing before that.
     pub barrier: Option<[f64; 2]>,
+    /// $\rho$ of the equalities, likewise; those of inequalities mean nothing.
+    pub penalties: Option<Vec<f64>>,
     /// The integral of the running cost by a quadrature finer than the one that was minimised.
     pub cost: f64,
     /// The largest excess of a row, in its unit; negative inside.
     pub violation: f64,
+    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes.
+    pub passive_share: f64,
     pub gradient_norm: f64,
     pub smallest_curvature: f64,
     pub points: usize,
@@ -40,8 +45,10 @@ impl Candidate {
             path,
             multipliers: Multipliers::default(),
             barrier: None,
+            penalties: None,
             cost: f64::NAN,
             violation: f64::NAN,
+            passive_share: 0.0,
             gradient_norm: f64::NAN,
             smallest_curvature: f64::NAN,
             points: 0,
@@ -67,6 +74,29 @@ impl Candidate {
 }
 
 impl Multipliers {
+    /// Those of rows of these kinds, row by row for each time. Where a row is idle the multiplier is that between the times beside at which it is
+    /// not.
+    pub(super) fn new(times: &[f64], values: &[f64], kinds: &[Kind]) -> Self {
+        let rows = values.len() / times.len().max(1);
+        let (times, mut values) = (times.to_vec(), values.to_vec());
+        for row in 0..rows {
+            let idle = |g: &usize| kinds[g * rows + row] == Kind::Idle;
+            let (without, with): (Vec<usize>, Vec<usize>) = (0..times.len()).partition(idle);
+            if without.is_empty() {
+                continue;
+            }
+            let held = Self {
+                times: with.iter().map(|g| times[*g]).collect(),
+                values: with.iter().map(|g| values[g * rows + row]).collect(),
+            };
+            for g in without {
+                let between = held.at(&times[g..=g], 1);
+                values[g * rows + row] = between.map_or(0.0, |z| z[0]);
+            }
+        }
+        Self { times, values }
+    }
+
     /// Those at other times, interpolated linearly; nothing where there are none.
     pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
         let last = self.times.len().checked_sub(1)?;

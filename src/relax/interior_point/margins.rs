@@ -25,17 +25,20 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         for peak in peaks {
             let after = grid.times.partition_point(|t| *t < peak.time);
             let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
-            for g in [after.wrapping_sub(1), after] {
-                if own.contains(&g) {
-                    let at = g * count + peak.row;
-                    if end {
-                        if peak.height > 0.0 {
-                            self.margins[at] += 2.0 * peak.height + RESERVE;
-                        }
-                    } else {
-                        let beside = RESERVE + peak.height - self.h[at];
-                        self.margins[at] = self.margins[at].max(beside);
+            let asked = |g: &usize| self.kinds[g * count + peak.row] == Kind::Inequality;
+            let beside = [
+                (own.start..after.min(own.end)).rfind(asked),
+                (after.max(own.start)..own.end).find(asked),
+            ];
+            for g in beside.into_iter().flatten() {
+                let at = g * count + peak.row;
+                if end {
+                    if peak.height > 0.0 {
+                        self.margins[at] += 2.0 * peak.height + RESERVE;
                     }
+                } else {
+                    let beside = RESERVE + peak.height - self.h[at];
+                    self.margins[at] = self.margins[at].max(beside);
                 }
             }
         }

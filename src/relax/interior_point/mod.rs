@@ -1,4 +1,4 @@
-//! A minimum in a basis within constraints: Newton's method on the running cost with barriers.
+//! A minimum in a basis within constraints: Newton's method on the running cost with barriers, and duals of equalities.
 //!
 //! The rows at the points of the quadrature are not constraints of the minimiser: each has a [`Barrier`] that is finite everywhere, so
 //! that every curve may be tried, and no start has to be feasible. What is minimised is therefore smooth and has no constraints,
@@ -12,28 +12,33 @@
 //! 2. With each new $\mu$ the rows are looked at between the points as well. What a row exceeds there is a margin at the points beside.
 //! 3. Every few steps a finer quadrature looks at the cost; where the two do not agree there are more points.
 //! 4. At the last $\mu$ the gradient has to vanish. If a row is still broken its price $\nu$ was too low, and grows.
-//! 5. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
+//! 5. Equalities have the terms of an augmented Lagrangian ([`Equalities`]) at the collocated points. Their duals follow with each new $\mu$, and
+//!    at the last one until the equalities hold.
+//! 6. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
 
 mod barrier;
 mod barrier_cost;
 mod candidate;
+mod equality;
 mod iterate;
 mod margins;
 mod newton;
 mod row;
+mod schedule;
 mod search;
 
 pub use barrier::Barrier;
 pub use barrier_cost::BarrierCost;
 pub(super) use candidate::{Candidate, Multipliers};
+pub use equality::Equalities;
 
 use super::running_cost::check_integral;
 use super::transcription::{Grids, Rows};
-use super::tuning::POINTS;
+use super::tuning::{FINE, PASSIVE_SHARE, POINTS};
 use super::{CostWithControl, Iteration};
 use crate::constraint::Constraint;
 use crate::error::Result;
-use crate::motion::{Problem, Watch};
+use crate::motion::{Problem, Watch, curve_of, passive_share};
 use search::{End, search};
 
 /// The demands on one minimisation.
@@ -87,7 +92,12 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         let end = search(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;
         match end {
-            End::Done => return Ok(candidate),
+            End::Done => {
+                if stage.last {
+                    look_at_passive_joints(context, &mut candidate)?;
+                }
+                return Ok(candidate);
+            }
             _ if context.watch.stopped().is_some() => {
                 candidate.converged = false;
                 return Ok(candidate);
@@ -96,9 +106,26 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
                 // Multipliers at other points and a weak barrier hold the curve where it is.
                 candidate.points = candidate.points * 3 / 2;
                 candidate.barrier = None;
+                candidate.penalties = None;
                 candidate.multipliers = Multipliers::default();
             }
             End::Saddle => (),
         }
     }
+}
+
+/// What is left of the torques of passive joints, of which a motion has to have hardly any.
+fn look_at_passive_joints<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: &mut Candidate,
+) -> Result<()> {
+    let limits = &context.rows.constraints.torque;
+    if limits.has_passive() {
+        let curve = curve_of(context.problem, &candidate.path)?;
+        let times = FINE.div_ceil(curve.segments());
+        let model = context.problem.model();
+        candidate.passive_share = passive_share(model, &curve, limits, times)?;
+        candidate.converged &= candidate.passive_share <= PASSIVE_SHARE;
+    }
+    Ok(())
 }

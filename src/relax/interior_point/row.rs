@@ -22,31 +22,36 @@ pub(super) struct Trial {
 pub(super) enum Kind {
     Inequality,
     Equality,
-    /// An equality where none is asked for: a polynomial can keep it at no more points of a segment than it has free coefficients.
+    /// One that is not asked for at this point: a polynomial can keep an equality at no more points of a segment than it has coefficients
+    /// for itself.
     Idle,
 }
 
-/// The kinds of the rows at all points, with as many `collocated` points of each segment as equalities hold at.
-pub(super) fn kinds(
-    equalities: &[bool],
-    points: usize,
-    per_segment: usize,
-    collocated: usize,
-) -> Vec<Kind> {
-    let collocated = collocated.clamp(1, per_segment);
-    let chosen = (0..collocated).map(|k| (2 * k + 1) * per_segment / (2 * collocated));
-    let chosen: Vec<usize> = chosen.collect();
-    let at_point = |g: usize| {
-        let holds = chosen.contains(&(g % per_segment));
-        equalities
-            .iter()
-            .map(move |equality| match (equality, holds) {
-                (false, _) => Kind::Inequality,
-                (true, true) => Kind::Equality,
-                (true, false) => Kind::Idle,
-            })
-    };
-    (0..points).flat_map(at_point).collect()
+impl Kind {
+    /// That of a row where it is asked for.
+    pub fn of(equality: bool) -> Self {
+        if equality {
+            Self::Equality
+        } else {
+            Self::Inequality
+        }
+    }
+}
+
+/// The kinds of the rows at all points, of which there are `segments` times as many as in `collocated`: the points of a segment at which
+/// equalities are asked for, and nothing else.
+pub(super) fn kinds(equalities: &[bool], collocated: &[bool], segments: usize) -> Vec<Kind> {
+    let of_segment = collocated.iter().flat_map(|holds| {
+        equalities.iter().map(move |equality| {
+            if equality == holds {
+                Kind::of(*equality)
+            } else {
+                Kind::Idle
+            }
+        })
+    });
+    let of_segment: Vec<Kind> = of_segment.collect();
+    of_segment.repeat(segments)
 }
 
 impl Trial {

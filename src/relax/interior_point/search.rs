@@ -10,9 +10,8 @@ use crate::error::Result;
 use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    AT_THE_PRICE, BARRIER_DONE, BARRIER_FACTOR, CONSTRAINED_STEPS, FINE, FIRST_BARRIER,
-    FIRST_PRICE, FLOOR, LARGEST_PRICE, LATE, LEAVE, LEAVE_FACTOR, LEAVE_TRIES, LOOK, MOST_POINTS,
-    NEARLY, ON_THE_WAY, PRICE_FACTOR, SCAN, SMALLEST_COST,
+    CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, LATE, LEAVE, LEAVE_FACTOR,
+    LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
@@ -28,18 +27,18 @@ pub(super) enum End {
 }
 
 /// A search in progress.
-struct Search<'g, 'a, K, P> {
-    grid: &'g Grid<f64>,
+pub(super) struct Search<'g, 'a, K, P> {
+    pub(super) grid: &'g Grid<f64>,
     /// Looks between the points now and at the end.
     scans: [&'g Scan; 2],
     /// The cost alone, by a finer quadrature.
     finer: Objective<'g, f64, P>,
-    objective: Merit<'g, 'a, K, P>,
+    pub(super) objective: Merit<'g, 'a, K, P>,
     newton: Newton,
-    stage: Stage,
+    pub(super) stage: Stage,
     /// True if there may be more points.
     refinable: bool,
-    horizon: f64,
+    pub(super) horizon: f64,
     /// The rates of the coefficients with the horizon, where that is asked for.
     rates: Option<DMatrix<f64>>,
     constrained: bool,
@@ -63,7 +62,11 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     } = context;
     let (n, horizon, points) = (problem.model().dof(), problem.horizon(), candidate.points);
     let basis = candidate.path.basis.clone();
-    let grid = grids.get(&basis, points, horizon);
+    let grid = if rows.equalities.contains(&true) {
+        grids.collocated(&basis, points, horizon)
+    } else {
+        grids.get(&basis, points, horizon)
+    };
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7, horizon);
     let looks = SCAN * points;
@@ -259,17 +262,6 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(peaks)
     }
 
-    /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
-    /// they may be; returns false if neither is possible.
-    fn mend(&mut self, peaks: &[Peak]) -> bool {
-        // What is broken because that is cheap says nothing of what is between the points.
-        if self.is_priced() {
-            return self.raise_price();
-        }
-        self.set_margins(peaks, true);
-        true
-    }
-
     /// The first barrier, margins and multipliers.
     fn start(&mut self, candidate: &Candidate) -> Result<()> {
         self.objective.value(&candidate.path.coefficients)?;
@@ -284,9 +276,14 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             mu: mu * density,
             nu: nu * density,
         };
+        cost.equalities.start(density);
+        if let Some(known) = &candidate.penalties {
+            cost.equalities.penalties.clone_from(known);
+        }
         let known = candidate.multipliers.at(times, rows);
         let warm = known.is_some();
         if let Some(known) = known {
+            cost.equalities.take(&known, &cost.kinds);
             cost.multipliers = known;
         }
         cost.relax();
@@ -298,69 +295,10 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(())
     }
 
-    /// The weight of the barriers of all rows over the whole horizon.
-    fn total_barrier(&mut self) -> f64 {
-        let cost = self.objective.cost_mut();
-        cost.barrier.mu * cost.rows.count() as f64 * self.horizon
-    }
-
-    /// Tells whether the barriers of all rows together are as weak as they have to be in the end.
-    fn is_last_barrier(&mut self, cost: f64) -> bool {
-        let weak =
-            self.total_barrier() <= NEARLY * self.stage.last_barrier * cost.max(SMALLEST_COST);
-        weak && self.objective.cost_mut().largest_relaxation() == 0.0
-    }
-
-    /// A weaker barrier if a step that promised so much leaves little to gain by the next; says whether it is.
-    fn reduce_barrier(&mut self, promised: f64) -> bool {
-        let (horizon, last) = (self.horizon, self.stage.last_barrier);
-        let cost = self.objective.cost_mut();
-        let all = cost.rows.count() as f64 * horizon;
-        let Barrier { mu, nu } = cost.barrier;
-        if promised > BARRIER_DONE * mu * all {
-            return false;
-        }
-        let least = last * cost.cost.max(SMALLEST_COST) / all;
-        if mu <= NEARLY * least {
-            return false;
-        }
-        let mu = (BARRIER_FACTOR * mu).max(least);
-        cost.set_barrier(Barrier { mu, nu });
-        true
-    }
-
-    /// A higher price of an excess, unless it is the highest already.
-    fn raise_price(&mut self) -> bool {
-        let horizon = self.horizon;
-        let cost = self.objective.cost_mut();
-        let Barrier { mu, nu } = cost.barrier;
-        let density = cost.cost.max(SMALLEST_COST) / horizon;
-        let higher = (nu * PRICE_FACTOR).min(LARGEST_PRICE * density);
-        if higher <= nu {
-            return false;
-        }
-        cost.set_barrier(Barrier { mu, nu: higher });
-        true
-    }
-
     /// The local maxima of rows near their bounds, between the points too.
     fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
         let cost = self.objective.cost_mut();
         self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
-    }
-
-    /// Margins from a look between the points.
-    fn set_margins(&mut self, peaks: &[Peak], end: bool) {
-        let cost = self.objective.cost_mut();
-        cost.set_margins(self.grid, peaks, end);
-        cost.set_barrier(cost.barrier);
-    }
-
-    /// Tells whether a row may be broken because its multiplier is at the price.
-    fn is_priced(&mut self) -> bool {
-        let cost = self.objective.cost_mut();
-        let most = AT_THE_PRICE * cost.barrier.nu;
-        cost.multipliers.iter().any(|z| z.abs() > most)
     }
 
     /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
@@ -388,10 +326,8 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             let cost = self.objective.cost_mut();
             let density = cost.cost.max(SMALLEST_COST) / horizon;
             candidate.barrier = Some([cost.barrier.mu / density, cost.barrier.nu / density]);
-            candidate.multipliers = Multipliers {
-                times: times.clone(),
-                values: cost.multipliers.clone(),
-            };
+            candidate.penalties = Some(cost.equalities.penalties.clone());
+            candidate.multipliers = Multipliers::new(times, &cost.multipliers, &cost.kinds);
         }
         candidate.path.coefficients = now.coefficients;
         candidate.gradient_norm = now.iteration.gradient_norm;

@@ -3,6 +3,7 @@
 mod degree;
 mod horizon;
 mod multistart;
+mod passive;
 mod planned;
 
 pub use degree::DegreeRefinement;
@@ -12,3 +13,4 @@ pub(crate) use horizon::horizon_slope;
 pub(super) use horizon::{Tried, search};
 pub use multistart::LocalMinimum;
 pub(super) use multistart::multistart;
+pub(super) use passive::minimise_to_the_end;

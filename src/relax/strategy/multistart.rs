@@ -1,13 +1,15 @@
 //! Several starts, each from the lowest degree to the highest as long as it is worth it.
 
+use super::passive::minimise_to_the_end;
 use crate::constraint::Constraint;
+use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::Path;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
 use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
-    HOPELESS, MORE_STARTS, MOST_STARTS, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
+    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
 };
 use crate::relax::{CostWithControl, Iteration, RelaxSettings};
 use serde::Serialize;
@@ -49,7 +51,11 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
     let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
     let constrained = context.rows.count() > 0;
-    let line = Path::line(context.problem, rungs[0].basis.clone());
+    let passive = context.rows.constraints.torque.has_passive();
+    // A start is a single polynomial, whatever it is to become.
+    let free_end = settings.free_final_velocity;
+    let line = Basis::new(1, rungs[0].basis.degree(), free_end);
+    let line = Path::line(context.problem, line);
     let planned = Planned::new(context, settings, rungs);
     let mut least = vec![f64::INFINITY; rungs.len()];
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
@@ -84,7 +90,13 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
                 candidate.path = candidate.path.in_basis(rung.basis.clone());
                 let mut iterations = Vec::new();
-                let found = minimise(context, candidate, rung.stage, &mut |i| iterations.push(i))?;
+                let mut log = |iteration| iterations.push(iteration);
+                let found = if level + 1 == rungs.len() {
+                    let least = least[level];
+                    minimise_to_the_end(context, candidate, rung.stage, least, &mut log)?
+                } else {
+                    minimise(context, candidate, rung.stage, &mut log)?
+                };
                 Ok((number, first, found, iterations))
             });
             for found in found {
@@ -96,15 +108,17 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 if level == first && !stopped() {
                     first_costs.push(candidate.cost);
                 }
-                // The first one has nothing to be compared with, and at the top all have come to their end.
+                // The first one has nothing to be compared with, and at the top all have come to their end. What a passive joint is given
+                // at a low rung says nothing of what the motion costs without.
                 let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
-                    Some(left) if least[level].is_finite() => {
+                    Some(left) if least[level].is_finite() && !passive => {
                         let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
                         candidate.cost <= least[level] + hopeless * least[level].abs()
                     }
                     _ => true,
                 };
-                let inside = candidate.violation <= rung.stage.feasible;
+                let inside = candidate.violation <= rung.stage.feasible
+                    && candidate.passive_share <= PASSIVE_SHARE;
                 if inside {
                     least[level] = least[level].min(candidate.cost);
                 }
@@ -139,7 +153,8 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     match (a.converged, b.converged) {
         (true, true) => by_cost,
         (false, false) => {
-            let [a, b] = [a, b].map(|end| end.violation.max(RelaxSettings::FEASIBLE));
+            let excess = |end: &Candidate| end.violation.max(end.passive_share);
+            let [a, b] = [a, b].map(|end| excess(end).max(RelaxSettings::FEASIBLE));
             a.total_cmp(&b).then(by_cost)
         }
         (a, b) => b.cmp(&a),

@@ -21,6 +21,8 @@ pub struct Grid<S: Scalar> {
     pub(in crate::relax) times: Vec<S>,
     /// Weights of the points of a segment.
     pub(in crate::relax) weights: Vec<S>,
+    /// For each point of a segment, whether equalities are asked for there, and nothing else.
+    pub(in crate::relax) collocated: Vec<bool>,
     /// Value, first and second derivative in time at each point of a segment: the functions of a segment by three a point.
     pub(in crate::relax) table: DMatrix<S>,
     /// Its transpose.
@@ -35,16 +37,29 @@ pub struct Grid<S: Scalar> {
 #[derive(Default)]
 pub(in crate::relax) struct Grids {
     grids: Mutex<Vec<Made<Grid<f64>>>>,
+    collocated: Mutex<Vec<Made<Grid<f64>>>>,
     scans: Mutex<Vec<Made<Scan>>>,
 }
 
 /// A table and what it was made of.
 type Made<T> = (Basis, usize, f64, Arc<T>);
 
+/// A point of one segment in `[-1, 1]`.
+struct Node {
+    at: f64,
+    weight: f64,
+    collocated: bool,
+}
+
 impl Grids {
     /// As [`Grid::new`].
     pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.grids, basis, points, horizon, Grid::new)
+    }
+
+    /// As [`Grid::collocated`].
+    pub fn collocated(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
+        get(&self.collocated, basis, points, horizon, Grid::collocated)
     }
 
     /// As [`Scan::new`].
@@ -74,29 +89,67 @@ fn get<T>(
 }
 
 impl Grid<f64> {
-    /// `basis` on `[0, horizon]` with `points` points a segment.
+    /// The part that collocated points have in the quadrature, small since they are few.
+    pub(in crate::relax) const COLLOCATED: f64 = 1e-3;
+
+    /// `basis` on `[0, horizon]` with `points` points per segment.
     #[must_use]
     pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
         let (nodes, weights) = gauss_legendre(points);
-        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * points);
-        for (g, s) in nodes.iter().enumerate() {
-            let local = basis.local(*s);
+        let nodes = nodes.into_iter().zip(weights);
+        let nodes = nodes.map(|(at, weight)| Node {
+            at,
+            weight,
+            collocated: false,
+        });
+        Self::at(basis, nodes.collect(), horizon)
+    }
+
+    /// The same with `degree - 1` Gauss-Legendre points more per segment, where equalities are asked for: the collocation of an equation
+    /// of second order, which leaves between the points what is orthogonal to all polynomials of lower degree (`proofs/weak_form.md`).
+    /// They have the part [`COLLOCATED`](Self::COLLOCATED) in the quadrature.
+    #[must_use]
+    pub fn collocated(basis: &Basis, points: usize, horizon: f64) -> Self {
+        let rule = |count, part, collocated| {
+            let (nodes, weights) = gauss_legendre(count);
+            let nodes = nodes.into_iter().zip(weights);
+            nodes.map(move |(at, weight)| Node {
+                at,
+                weight: part * weight,
+                collocated,
+            })
+        };
+        let part = Self::COLLOCATED;
+        let all = rule(points, 1.0 - part, false).chain(rule(basis.degree() - 1, part, true));
+        let mut nodes: Vec<Node> = all.collect();
+        nodes.sort_by(|a, b| a.at.total_cmp(&b.at));
+        Self::at(basis, nodes, horizon)
+    }
+
+    /// The table at these points of each segment.
+    fn at(basis: &Basis, nodes: Vec<Node>, horizon: f64) -> Self {
+        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * nodes.len());
+        for (g, node) in nodes.iter().enumerate() {
+            let local = basis.local(node.at);
             for d in 0..3 {
                 let scaled = local.row(d).transpose() / horizon.powi(d as i32);
                 table.set_column(3 * g + d, &scaled);
             }
         }
         let segments = 0..basis.segments();
-        let times = segments.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, *s)));
+        let times = segments.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, s.at)));
         let length = basis.half() * horizon;
-        let weights = weights.iter().map(|w| w * length).collect();
-        Self::from_table(
-            basis.segments(),
-            basis.free(),
-            times.collect(),
-            weights,
-            table,
-        )
+        let weights = nodes.iter().map(|node| node.weight * length).collect();
+        Self {
+            collocated: nodes.iter().map(|node| node.collocated).collect(),
+            ..Self::from_table(
+                basis.segments(),
+                basis.free(),
+                times.collect(),
+                weights,
+                table,
+            )
+        }
     }
 }
 
@@ -124,6 +177,7 @@ impl<S: Scalar> Grid<S> {
             segments,
             free,
             times,
+            collocated: vec![false; weights.len()],
             weights,
             transposed: table.transpose(),
             table,
@@ -138,18 +192,16 @@ impl<S: Scalar> Grid<S> {
         let all = |x: &[S]| x.iter().map(|x| f(*x)).collect();
         let (times, weights) = (all(&self.times), all(&self.weights));
         let table = self.table.map(&f);
-        Grid::from_table(self.segments, self.free.clone(), times, weights, table)
+        Grid {
+            collocated: self.collocated.clone(),
+            ..Grid::from_table(self.segments, self.free.clone(), times, weights, table)
+        }
     }
 
     /// Weighted products of the functions of each pair, for [`PackedHessian`](super::PackedHessian).
     pub(in crate::relax) fn products(&self) -> &[DMatrix<S>; 2] {
         let new = || products(&self.table, &self.weights, &self.pairs);
         self.products.get_or_init(new)
-    }
-
-    /// The number of functions that each segment has for itself.
-    pub(in crate::relax) fn bubbles(&self) -> usize {
-        self.table.nrows() - 4
     }
 
     /// How many points each segment has.

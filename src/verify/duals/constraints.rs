@@ -132,11 +132,14 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         let length = (capsule.ends[1] - capsule.ends[0]).norm();
         balls.extend(capsule.balls(length.max(0.1))?);
     }
-    balls.push(CollisionSphere {
-        body: None,
-        centre: Vector3::new(0.1, -0.2, 0.3),
-        radius: 0.1,
-    });
+    // One off the axis of a joint, as those of a single joint are all on it and move nowhere, and one on the base.
+    for body in [n.checked_sub(1), None] {
+        balls.push(CollisionSphere {
+            body,
+            centre: Vector3::new(0.1, -0.2, 0.3),
+            radius: 0.1,
+        });
+    }
     let mut evaluator = Evaluator::new(model);
     let here = evaluator.at(node.x)?;
     let (mut mean, mut reach) = (Vector3::zeros(), 0.1_f64);

@@ -1,0 +1,31 @@
+//! The torque that passive joints keep between the collocated points.
+
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::relax::interior_point::{Candidate, Context, Stage, minimise};
+use crate::relax::tuning::{LARGEST_PASSIVE_SIZE, PASSIVE_SHARE, SAME_MINIMUM};
+use crate::relax::{CostWithControl, Iteration};
+
+/// Minimises at the top of the ladder, and goes on to more segments, then higher degrees, as long as a passive joint keeps more torque between
+/// the collocated points than is accepted and the motion costs less than `least`, by more than minima differ that are one.
+pub(in crate::relax) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: Candidate,
+    stage: Stage,
+    least: f64,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Candidate> {
+    let mut found = minimise(context, candidate, stage, observe)?;
+    while found.passive_share > PASSIVE_SHARE
+        && found.violation <= stage.feasible
+        && (1.0 + SAME_MINIMUM) * found.cost < least
+        && context.watch.stopped().is_none()
+    {
+        let Some(basis) = found.path.basis.finer(LARGEST_PASSIVE_SIZE) else {
+            break;
+        };
+        found.path = found.path.in_basis(basis);
+        found = minimise(context, found, stage, observe)?;
+    }
+    Ok(found)
+}
