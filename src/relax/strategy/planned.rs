@@ -46,7 +46,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The number of the path of a start that is planned.
     fn number(&self, start: usize) -> Option<u64> {
         let beyond = start.checked_sub(self.settings.num_starts)?;
-        (self.wanted && beyond % 2 == 0).then_some(beyond as u64 / 2)
+        (self.wanted && beyond.is_multiple_of(2)).then_some(beyond as u64 / 2)
     }
 
     /// The number of the bends of a start that is not.
