@@ -11,16 +11,16 @@ const STIFFNESS: f64 = 1e-8;
 /// Points of the fit for each function of the basis.
 const POINTS: usize = 6;
 
-/// The curve of `segments` polynomials of this degree that is nearest to a path in the least squares of many points, with the states of
-/// the problem at its ends. The path is timed by its length as a cubic from rest to rest. Cost O(($\mathrm{segments} \cdot p)^3$).
+/// The curve in a basis that is nearest to a path in the least squares of many points, with the states of the problem at its ends. The
+/// path is timed by its length as a cubic from rest to rest. Cost O($m^3$) for `m` functions of the basis.
 ///
 /// # Errors
-/// There is no waypoint, one does not have `N` entries, the degree is below 4 or there is no segment.
+/// There is no waypoint, one does not have `N` entries, or the functions of the basis are not independent.
 pub fn curve_through(problem: &Problem<'_>, path: &[Vec<f64>], basis: Basis) -> Result<Curve> {
     curve_of(problem, &fit(problem, path, basis)?)
 }
 
-/// The same in the basis.
+/// The same as coefficients.
 pub(crate) fn fit(problem: &Problem<'_>, path: &[Vec<f64>], basis: Basis) -> Result<Path> {
     let n = problem.model().dof();
     if path.is_empty() {

