@@ -28,6 +28,8 @@ pub mod ode;
 #[cfg(feature = "output")]
 pub mod output;
 #[cfg(feature = "solvers")]
+pub mod plan;
+#[cfg(feature = "solvers")]
 pub mod relax;
 pub mod scalar;
 #[cfg(feature = "output")]

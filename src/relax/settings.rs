@@ -37,6 +37,9 @@ pub struct RelaxSettings {
     pub threads: usize,
     /// The amplitude of the bent ones, rad or m.
     pub start_amplitude: f64,
+    /// Whether a planner finds ways around what is in the way, for every other start beyond those of
+    /// [`num_starts`](Self::num_starts); see [`plan`](crate::plan). It does nothing where there are bounds of joints alone.
+    pub planned_starts: bool,
     /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
     pub start: Option<Curve>,
     /// True if the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
@@ -60,6 +63,7 @@ impl Default for RelaxSettings {
             interrupt: Interrupt::default(),
             threads: 1,
             start_amplitude: 2.5,
+            planned_starts: true,
             start: None,
             free_final_velocity: false,
             free_horizon: None,
@@ -277,7 +281,7 @@ pub struct RelaxSolution {
     pub adapted: Option<DegreeRefinement>,
     /// The number of unknowns.
     pub unknowns: usize,
-    /// The costs at the lowest degree, from all starts, ascending.
+    /// The costs where each start begins, at the lowest degree but for some planned ones, from all starts, ascending.
     pub start_costs: Vec<f64>,
     /// The weight of the barriers at the end relative to the cost: so much, relative, the cost is above that with exact complementarity.
     pub complementarity: f64,

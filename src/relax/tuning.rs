@@ -136,6 +136,8 @@ pub(super) const SEGMENT_STEPS: usize = 60;
 pub(super) const MORE_STARTS: usize = 2;
 /// The most starts while none of them ends within the constraints.
 pub(super) const MOST_STARTS: usize = 64;
+/// The number of intervals at the ends of which a planned start is looked at for what it runs into.
+pub(super) const PLANNED_SAMPLES: usize = 64;
 /// The most steps while rows are relaxed: another start is worth more than many steps from one.
 pub(super) const CONSTRAINED_STEPS: usize = 150;
 /// The lowest degree without and with rows: within limits a polynomial of a lower degree often finds no room.

@@ -47,6 +47,25 @@ pub fn slider(mass: f64) -> Model {
     Model::from_joints("slider", vec![spec]).expect("it is a tree")
 }
 
+/// A point of mass one on sliders along these axes, without gravity: $u = \ddot q$.
+pub fn point_mass(axes: &[Vector3<f64>]) -> Model {
+    let slider = |(i, axis): (usize, &Vector3<f64>)| JointSpec {
+        name: format!("slider_{i}"),
+        kind: JointKind::Prismatic,
+        parent: i.checked_sub(1),
+        origin: Placement::identity(),
+        axis: *axis,
+        inertia: if i + 1 == axes.len() {
+            Inertia::from_com(1.0, Vector3::zeros(), Matrix3::identity())
+        } else {
+            Inertia::from_com(0.0, Vector3::zeros(), Matrix3::zeros())
+        },
+        limits: Limits::NONE,
+    };
+    let specs = axes.iter().enumerate().map(slider).collect();
+    Model::from_joints("point mass", specs).expect("it is a tree")
+}
+
 /// All robots that are built in.
 pub fn robots() -> Vec<Model> {
     builtin_robots().map(robot).collect()

@@ -1,7 +1,7 @@
 //! The relaxation within constraints: optima that are known, and what it says where there is none.
 
 use crate::common::relax::solved_within;
-use crate::common::{assert_refused, relax};
+use crate::common::{assert_refused, point_mass, relax};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
     TorqueLimits,
@@ -14,25 +14,6 @@ use aghf::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Vector3};
 
 type Kept = Constraints<Vec<AnyConstraint>>;
-
-/// A point of mass one on sliders along these axes, without gravity: $u = \ddot q$.
-pub(crate) fn point_mass(axes: &[Vector3<f64>]) -> Model {
-    let slider = |(i, axis): (usize, &Vector3<f64>)| JointSpec {
-        name: format!("slider_{i}"),
-        kind: JointKind::Prismatic,
-        parent: i.checked_sub(1),
-        origin: Placement::identity(),
-        axis: *axis,
-        inertia: if i + 1 == axes.len() {
-            Inertia::from_com(1.0, Vector3::zeros(), Matrix3::identity())
-        } else {
-            Inertia::from_com(0.0, Vector3::zeros(), Matrix3::zeros())
-        },
-        limits: Limits::NONE,
-    };
-    let specs = axes.iter().enumerate().map(slider).collect();
-    Model::from_joints("point mass", specs).expect("it is a tree")
-}
 
 fn state(constraint: AnyConstraint) -> Kept {
     Constraints {

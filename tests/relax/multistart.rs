@@ -2,8 +2,7 @@
 
 use crate::common::config;
 use crate::common::relax::{degree, solved, solved_within};
-use crate::common::slider;
-use crate::constrained::point_mass;
+use crate::common::{point_mass, slider};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::gauss_legendre;
 use aghf::dynamics::Data;

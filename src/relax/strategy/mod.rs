@@ -4,6 +4,7 @@ mod degree;
 mod horizon;
 mod multistart;
 mod passive;
+mod planned;
 
 pub use degree::DegreeRefinement;
 pub(super) use degree::refine;

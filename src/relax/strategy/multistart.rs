@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::motion::Path;
 use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::Rung;
+use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
     HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
 };
@@ -28,7 +29,7 @@ pub struct LocalMinimum {
 /// The outcome of the starts.
 pub(in crate::relax) struct Outcome {
     pub best: Candidate,
-    /// The costs at the lowest degree, in the order of the starts.
+    /// The costs at the rung where each start begins, the lowest but for some planned ones, wave by wave.
     pub first_costs: Vec<f64>,
     /// The minima that were found, by cost.
     pub minima: Vec<LocalMinimum>,
@@ -38,7 +39,8 @@ pub(in crate::relax) struct Outcome {
 ///
 /// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
 /// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
-/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints.
+/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints. Beyond those that
+/// were asked for every other start is planned where there is something to go around.
 pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
@@ -55,6 +57,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let free_end = settings.free_final_velocity;
     let line = Basis::new(1, rungs[0].basis.degree(), free_end);
     let line = Path::line(context.problem, line);
+    let planned = Planned::new(context, settings, rungs);
     let mut least = vec![f64::INFINITY; rungs.len()];
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
     let mut next = 0;
@@ -67,13 +70,25 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             None => next..(next + MORE_STARTS).min(MOST_STARTS),
         };
         next = wave.end;
-        let start = |i| {
-            let path = line.start(settings.start_amplitude, settings.seed, i as u64);
-            (i, Candidate::new(path))
+        let start = |number| {
+            let (level, path) = planned.start(number)?.unwrap_or_else(|| {
+                let bends = planned.bends(number);
+                (
+                    0,
+                    line.start(settings.start_amplitude, settings.seed, bends),
+                )
+            });
+            Ok((number, level, Candidate::new(path)))
         };
-        let mut climbing: Vec<(usize, Candidate)> = wave.map(start).collect();
+        let starts = side_by_side(wave.collect(), settings.threads, start);
+        let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
         for (level, rung) in rungs.iter().enumerate() {
-            let found = side_by_side(climbing, settings.threads, |(number, mut candidate)| {
+            // Those that come in higher up wait.
+            let (waiting, here) = climbing
+                .into_iter()
+                .partition(|(_, first, _)| *first > level);
+            climbing = waiting;
+            let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
                 candidate.path = candidate.path.in_basis(rung.basis.clone());
                 let mut iterations = Vec::new();
                 let mut log = |iteration| iterations.push(iteration);
@@ -83,16 +98,15 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 } else {
                     minimise(context, candidate, rung.stage, &mut log)?
                 };
-                Ok((number, found, iterations))
+                Ok((number, first, found, iterations))
             });
-            climbing = Vec::new();
             for found in found {
-                let (number, candidate, iterations) = found?;
+                let (number, first, candidate, iterations) = found?;
                 for iteration in iterations {
                     let start = Some(number);
                     log(Iteration { start, ..iteration });
                 }
-                if level == 0 && !stopped() {
+                if level == first && !stopped() {
                     first_costs.push(candidate.cost);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end. What a passive joint is given
@@ -110,11 +124,12 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     least[level] = least[level].min(candidate.cost);
                 }
                 if goes_on || (constrained && !found_before) {
-                    climbing.push((number, candidate));
+                    climbing.push((number, first, candidate));
                 }
             }
+            climbing.sort_by_key(|(number, ..)| *number);
         }
-        ends.extend(climbing.into_iter().map(|(_, end)| end));
+        ends.extend(climbing.into_iter().map(|(.., end)| end));
         let found = ends.iter().any(|end| end.converged);
         let more = match settings.time_limit {
             Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,

@@ -1,0 +1,178 @@
+//! Which configurations are free.
+
+use crate::constraint::{Constraint, Evaluator};
+use crate::error::{Result, check_length};
+use crate::model::Model;
+use crate::scalar::Lanes;
+
+/// The number of configurations that are checked side by side.
+const LANES: usize = 4;
+/// A number of that many configurations.
+type Wide = Lanes<f64, LANES>;
+
+/// Tells whether configurations are free: every row of a constraint keeps its bound at `(q, v = 0)`.
+#[derive(Debug)]
+pub struct Checker<'a, K: ?Sized> {
+    constraint: &'a K,
+    evaluator: Evaluator<'a, f64, Wide>,
+    /// The largest motion of a joint from one configuration of a line to the next.
+    resolution: f64,
+    /// The value of each row up to which it is kept.
+    bounds: Vec<f64>,
+    scales: Vec<f64>,
+    /// $[q; 0]$ side by side, and the rows there.
+    x: Vec<Wide>,
+    g: Vec<Wide>,
+    checks: usize,
+}
+
+impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
+    /// For the rows of `constraint`, with lines checked wherever a joint has moved by `resolution`, rad or m, which is positive.
+    ///
+    /// # Errors
+    /// The constraint is for another robot, as far as that can be told at the configuration zero.
+    pub fn new(model: &'a Model, constraint: &'a K, resolution: f64) -> Result<Self> {
+        let (rows, zero) = (constraint.dim(), Wide::splat(0.0));
+        let mut scales = vec![1.0; rows];
+        constraint.row_scales(&mut scales);
+        let mut checker = Self {
+            constraint,
+            evaluator: Evaluator::new(model),
+            resolution,
+            bounds: vec![0.0; rows],
+            scales,
+            x: vec![zero; 2 * model.dof()],
+            g: vec![zero; rows],
+            checks: 0,
+        };
+        checker.evaluate()?;
+        Ok(checker)
+    }
+
+    /// Asks of every row that it stays `margin` inside its bound, in its unit, or as far as it is inside at both `ends`.
+    ///
+    /// # Errors
+    /// An end does not have `N` entries.
+    pub fn keep(&mut self, margin: f64, ends: [&[f64]; 2]) -> Result<()> {
+        for (bound, scale) in self.bounds.iter_mut().zip(&self.scales) {
+            *bound = -margin * scale;
+        }
+        for end in ends {
+            self.place(&[end])?;
+            for (bound, g) in self.bounds.iter_mut().zip(&self.g) {
+                *bound = bound.max(g.0[0]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The row that a configuration violates most, and by how much in the unit of the row: negative where all are kept. A row that is
+    /// not a number is violated by infinity; without rows it is minus infinity.
+    ///
+    /// # Errors
+    /// `q` does not have `N` entries.
+    pub fn worst(&mut self, q: &[f64]) -> Result<(usize, f64)> {
+        self.place(&[q])?;
+        let mut worst = (0, f64::NEG_INFINITY);
+        for (row, (g, scale)) in self.g.iter().zip(&self.scales).enumerate() {
+            let by = g.0[0] / scale;
+            let by = if by.is_nan() { f64::INFINITY } else { by };
+            if by > worst.1 {
+                worst = (row, by);
+            }
+        }
+        Ok(worst)
+    }
+
+    /// Tells whether a configuration is free.
+    ///
+    /// # Errors
+    /// `q` does not have `N` entries.
+    pub fn is_free(&mut self, q: &[f64]) -> Result<bool> {
+        self.are_free(&[q])
+    }
+
+    /// Tells whether the straight line between two configurations is free where it is checked; its beginning is not. Far apart ones come
+    /// first, in the order of van der Corput, so that what is in the way is found early.
+    ///
+    /// # Errors
+    /// A configuration does not have `N` entries.
+    pub fn is_line_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool> {
+        let moves = from.iter().zip(to).map(|(a, b)| (b - a).abs());
+        let steps = (moves.fold(0.0, f64::max) / self.resolution)
+            .ceil()
+            .max(1.0) as usize;
+        let bits = steps.next_power_of_two().trailing_zeros();
+        let reversed = |i: usize| {
+            i.reverse_bits()
+                .checked_shr(usize::BITS - bits)
+                .unwrap_or(0)
+        };
+        let order = (0..1 << bits).map(reversed).filter(|k| *k < steps);
+        // The end comes first: it is what most often is not free.
+        let mut shares = order.map(|k| (steps - k) as f64 / steps as f64).peekable();
+        while shares.peek().is_some() {
+            let mut count = 0;
+            let mut last = 1.0;
+            for lane in 0..LANES {
+                if let Some(share) = shares.next() {
+                    (last, count) = (share, lane + 1);
+                }
+                for ((x, a), b) in self.x.iter_mut().zip(from).zip(to) {
+                    x.0[lane] = a + last * (b - a);
+                }
+            }
+            self.checks += count;
+            self.evaluate()?;
+            if !self.all_kept() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Tells whether all configurations are free.
+    ///
+    /// # Errors
+    /// One of them does not have `N` entries.
+    pub fn are_free<Q: AsRef<[f64]>>(&mut self, all: &[Q]) -> Result<bool> {
+        for some in all.chunks(LANES) {
+            self.place(some)?;
+            if !self.all_kept() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The number of configurations that were checked so far.
+    #[must_use]
+    pub fn checks(&self) -> usize {
+        self.checks
+    }
+
+    /// The rows at up to four configurations, at least one, the last of which is in the lanes that are left.
+    fn place<Q: AsRef<[f64]>>(&mut self, some: &[Q]) -> Result<()> {
+        let n = self.x.len() / 2;
+        for lane in 0..LANES {
+            let q = some[lane.min(some.len() - 1)].as_ref();
+            check_length("q", n, q.len())?;
+            for (x, q) in self.x.iter_mut().zip(q) {
+                x.0[lane] = *q;
+            }
+        }
+        self.checks += some.len();
+        self.evaluate()
+    }
+
+    fn evaluate(&mut self) -> Result<()> {
+        let placed = self.evaluator.at(&self.x)?;
+        placed.value(self.constraint, &mut self.g)
+    }
+
+    fn all_kept(&self) -> bool {
+        let mut rows = self.g.iter().zip(&self.bounds);
+        // What is not a number is not kept.
+        rows.all(|(g, bound)| g.0.iter().all(|g| g <= bound))
+    }
+}

@@ -1,0 +1,186 @@
+//! Paths around obstacles: a sampling planner in the space of configurations, for starts of the relaxation.
+//!
+//! What is planned is a path, not a motion: configurations that are joined by straight lines, each free at rest. A configuration is
+//! free if every row of the constraints of the state keeps its bound at `(q, v = 0)`, so that joint limits, obstacles, the robot
+//! itself and constraints of one's own all count.
+//!
+//! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown towards random
+//!    configurations and then towards the other.
+//! 2. `shorten.rs`: waypoints that are not needed go, random shortcuts, then corners are rounded.
+//! 3. `fit.rs`: the path, timed by its length with smooth ends, by least squares in a basis.
+//!
+//! Every random number comes from the seed, and the budget is a number of configurations: the same problem has the same path on any
+//! machine.
+
+mod checker;
+mod fit;
+mod shorten;
+mod tree;
+
+pub use checker::Checker;
+pub use fit::curve_through;
+pub(crate) use fit::fit;
+
+use crate::constraint::Constraint;
+use crate::error::{Error, Result, check_count, check_positive};
+use crate::model::{JointKind, Model};
+use crate::motion::Problem;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+
+/// The excess of a row at an end of the problem that does no harm, in its unit.
+const HARMLESS: f64 = 1e-6;
+
+/// The settings of a planner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanSettings {
+    /// The number from which everything random is drawn.
+    pub seed: u64,
+    /// The number of the path: another one is drawn for each.
+    pub number: u64,
+    /// The distance from its bound that a row keeps where start and goal have that room, in its unit, m for a clearance.
+    pub margin: f64,
+    /// The largest motion of a joint from one checked configuration of an edge to the next, rad or m.
+    pub resolution: f64,
+    /// The length of the longest edge of a tree, rad.
+    pub range: f64,
+    /// The most configurations that are checked until the two trees meet.
+    pub most_checks: usize,
+    /// The number of shortcuts that are tried.
+    pub shortcuts: usize,
+    /// The number of times that each corner is rounded.
+    pub roundings: usize,
+}
+
+impl Default for PlanSettings {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            number: 0,
+            margin: 0.005,
+            resolution: 0.04,
+            range: 1.0,
+            most_checks: 200_000,
+            shortcuts: 60,
+            roundings: 6,
+        }
+    }
+}
+
+impl PlanSettings {
+    /// # Errors
+    /// A setting is out of range.
+    fn check(&self) -> Result<()> {
+        for (what, value) in [("resolution", self.resolution), ("range", self.range)] {
+            check_positive("planner", what, value)?;
+        }
+        if !(self.margin >= 0.0 && self.margin.is_finite()) {
+            let condition = format!("it is {}, zero or a positive number is needed", self.margin);
+            return Err(Error::input("planner", "margin", condition));
+        }
+        check_count("most_checks", self.most_checks, 1..=usize::MAX)
+    }
+
+    /// The generator of the path of this number.
+    fn generator(&self) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.number);
+        rng.set_stream(self.seed);
+        rng
+    }
+}
+
+/// What a planner comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plan {
+    /// Waypoints from start to goal, `N` entries each; straight lines between them are free.
+    Found(Vec<Vec<f64>>),
+    /// The start or the goal is not free.
+    EndBlocked {
+        /// True if it is the goal.
+        goal: bool,
+        /// The row of the constraint that it violates most.
+        row: usize,
+        /// By how much, in the unit of the row.
+        by: f64,
+    },
+    /// The trees did not meet within the configurations that may be checked.
+    OutOfBudget {
+        /// The configurations that were.
+        checks: usize,
+    },
+    /// It was told to stop.
+    Stopped,
+}
+
+/// Plans a path from the start to the goal of `problem` on which every row of `constraint` keeps its bound at rest.
+///
+/// Joints are sampled within their limits, widened to start and goal; one without limits within half a turn, or 1 m, beyond both.
+/// Cost per configuration: placing the bodies and the rows, four configurations side by side; per sample O(N) a node of a tree.
+///
+/// # Errors
+/// A setting is out of range, a row is an equality, which no sample meets, or the constraint is for another robot.
+pub fn plan<K: Constraint + ?Sized>(
+    problem: &Problem<'_>,
+    constraint: &K,
+    settings: &PlanSettings,
+    stopped: &dyn Fn() -> bool,
+) -> Result<Plan> {
+    settings.check()?;
+    if let Some(row) = (0..constraint.dim()).find(|row| constraint.is_equality(*row)) {
+        let condition = "it is an equality, which no sampled configuration meets";
+        return Err(Error::input("planner", format!("row {row}"), condition));
+    }
+    let n = problem.model().dof();
+    let ends = [problem.start(), problem.goal()].map(|state| &state[..n]);
+    let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
+    for (goal, end) in [(false, ends[0]), (true, ends[1])] {
+        let (row, by) = checker.worst(end)?;
+        if by > HARMLESS {
+            return Ok(Plan::EndBlocked { goal, row, by });
+        }
+    }
+    checker.keep(settings.margin, ends)?;
+    let mut rng = settings.generator();
+    let ranges = ranges(problem.model(), ends);
+    let found = tree::connect(&mut checker, ends, &ranges, settings, &mut rng, stopped)?;
+    let Plan::Found(mut waypoints) = found else {
+        return Ok(found);
+    };
+    if !shorten::shorten(&mut checker, &mut waypoints, settings, &mut rng, stopped)? {
+        return Ok(Plan::Stopped);
+    }
+    Ok(Plan::Found(waypoints))
+}
+
+/// The ranges in which joints are sampled.
+fn ranges(model: &Model, ends: [&[f64]; 2]) -> Vec<[f64; 2]> {
+    let joints = model.joints().iter().zip(ends[0].iter().zip(ends[1]));
+    joints
+        .map(|(joint, (start, goal))| {
+            let beyond = match joint.kind() {
+                JointKind::Revolute | JointKind::Continuous => PI,
+                JointKind::Prismatic => 1.0,
+            };
+            let limits = joint.limits();
+            let or = |limit: f64, otherwise| if limit.is_finite() { limit } else { otherwise };
+            let (least, most) = (start.min(*goal), start.max(*goal));
+            [
+                or(limits.lower, least - beyond).min(least),
+                or(limits.upper, most + beyond).max(most),
+            ]
+        })
+        .collect()
+}
+
+/// The Euclidean distance of two configurations.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+    squares.sum::<f64>().sqrt()
+}
+
+/// The point on the line from `a` to `b` at this share of it.
+fn between(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
+    let pairs = a.iter().zip(b);
+    pairs.map(|(a, b)| a + share * (b - a)).collect()
+}

@@ -1,0 +1,134 @@
+//! RRT-Connect.
+
+use super::{Checker, Plan, PlanSettings, between, distance};
+use crate::constraint::Constraint;
+use crate::error::Result;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Configurations from each of which a free line leads to its parent, up to the first.
+struct Tree {
+    dof: usize,
+    /// One configuration after the other.
+    nodes: Vec<f64>,
+    parents: Vec<usize>,
+}
+
+impl Tree {
+    fn new(root: &[f64]) -> Self {
+        Self {
+            dof: root.len(),
+            nodes: root.to_vec(),
+            parents: vec![0],
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    fn node(&self, i: usize) -> &[f64] {
+        &self.nodes[i * self.dof..(i + 1) * self.dof]
+    }
+
+    fn add(&mut self, q: &[f64], parent: usize) -> usize {
+        self.nodes.extend_from_slice(q);
+        self.parents.push(parent);
+        self.len() - 1
+    }
+
+    /// The nearest node, the first of several, and the square of its distance.
+    fn nearest(&self, q: &[f64]) -> (usize, f64) {
+        let mut nearest = (0, f64::INFINITY);
+        for (i, node) in self.nodes.chunks_exact(self.dof).enumerate() {
+            let squares = node.iter().zip(q).map(|(a, b)| (a - b) * (a - b));
+            let square: f64 = squares.sum();
+            if square < nearest.1 {
+                nearest = (i, square);
+            }
+        }
+        nearest
+    }
+
+    /// From a node to the first one.
+    fn to_root(&self, mut node: usize) -> Vec<Vec<f64>> {
+        let mut path = vec![self.node(node).to_vec()];
+        while node != 0 {
+            node = self.parents[node];
+            path.push(self.node(node).to_vec());
+        }
+        path
+    }
+}
+
+/// Grows a tree from each end until they meet.
+pub(super) fn connect<K: Constraint + ?Sized>(
+    checker: &mut Checker<'_, K>,
+    ends: [&[f64]; 2],
+    ranges: &[[f64; 2]],
+    settings: &PlanSettings,
+    rng: &mut ChaCha8Rng,
+    stopped: &dyn Fn() -> bool,
+) -> Result<Plan> {
+    if checker.is_line_free(ends[0], ends[1])? {
+        return Ok(Plan::Found(ends.map(<[f64]>::to_vec).to_vec()));
+    }
+    let (mut trees, range) = (ends.map(Tree::new), settings.range);
+    let mut sample = vec![0.0; ranges.len()];
+    while checker.checks() < settings.most_checks {
+        if stopped() {
+            return Ok(Plan::Stopped);
+        }
+        for (q, [least, most]) in sample.iter_mut().zip(ranges) {
+            *q = least + (most - least) * rng.random::<f64>();
+        }
+        // The smaller one grows, so that neither is left behind.
+        let own = usize::from(trees[1].len() < trees[0].len());
+        let (near, square) = trees[own].nearest(&sample);
+        let from = trees[own].node(near);
+        let to = between(from, &sample, (range / square.sqrt()).min(1.0));
+        if !checker.is_line_free(from, &to)? {
+            continue;
+        }
+        let new = trees[own].add(&to, near);
+        if let Some(met) = reach(checker, &mut trees[1 - own], &to, range)? {
+            let [mut path, rest] = match own {
+                0 => [trees[0].to_root(new), trees[1].to_root(met)],
+                _ => [trees[0].to_root(met), trees[1].to_root(new)],
+            };
+            path.reverse();
+            // The node where they meet is in both.
+            path.extend(rest.into_iter().skip(1));
+            return Ok(Plan::Found(path));
+        }
+    }
+    let checks = checker.checks();
+    Ok(Plan::OutOfBudget { checks })
+}
+
+/// Grows a tree straight to a configuration as far as the way is free; the node that is there.
+fn reach<K: Constraint + ?Sized>(
+    checker: &mut Checker<'_, K>,
+    tree: &mut Tree,
+    to: &[f64],
+    range: f64,
+) -> Result<Option<usize>> {
+    let (mut at, _) = tree.nearest(to);
+    loop {
+        let from = tree.node(at);
+        let far = distance(from, to);
+        let last = far <= range;
+        let next = if last {
+            to.to_vec()
+        } else {
+            between(from, to, range / far)
+        };
+        if !checker.is_line_free(from, &next)? {
+            return Ok(None);
+        }
+        at = tree.add(&next, at);
+        if last {
+            return Ok(Some(at));
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Paths: free everywhere, the same for the same seed, and what is said where there is none.
+
+use crate::common::{assert_refused, robot};
+use crate::{across, outside, point, ring, wall_with_a_gap};
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator, PlacedState};
+use aghf::error::Result;
+use aghf::motion::Problem;
+use aghf::plan::{Checker, Plan, PlanSettings, plan};
+use aghf::scalar::{AlgebraOver, Scalar};
+use aghf::scenario::Scenario;
+use std::cell::Cell;
+
+fn planned(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings) -> Plan {
+    plan(problem, state, settings, &|| false).expect("valid")
+}
+
+fn path(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings) -> Vec<Vec<f64>> {
+    match planned(problem, state, settings) {
+        Plan::Found(path) => path,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The largest row at rest along a path, evaluated one configuration at a time, far denser than the planner does.
+fn worst<K: Constraint + ?Sized>(problem: &Problem<'_>, state: &K, path: &[Vec<f64>]) -> f64 {
+    let model = problem.model();
+    let mut evaluator = Evaluator::<f64, f64>::new(model);
+    let (mut g, mut x) = (vec![0.0; state.dim()], vec![0.0; 2 * model.dof()]);
+    let mut worst = f64::NEG_INFINITY;
+    for edge in path.windows(2) {
+        for k in 0..=100 {
+            let share = f64::from(k) / 100.0;
+            for (x, (a, b)) in x.iter_mut().zip(edge[0].iter().zip(&edge[1])) {
+                *x = a + share * (b - a);
+            }
+            let placed = evaluator.at(&x).expect("same robot");
+            placed.value(state, &mut g).expect("same robot");
+            worst = g.iter().copied().fold(worst, f64::max);
+        }
+    }
+    worst
+}
+
+fn length(path: &[Vec<f64>]) -> f64 {
+    let edges = path.windows(2).map(|edge| {
+        let squares = edge[0].iter().zip(&edge[1]).map(|(a, b)| (a - b).powi(2));
+        squares.sum::<f64>().sqrt()
+    });
+    edges.sum()
+}
+
+#[test]
+fn it_finds_the_gap() {
+    let (model, state) = (point(), wall_with_a_gap());
+    let problem = across(&model);
+    let line = [vec![0.0, 0.0], vec![1.0, 0.0]];
+    let mut checker = Checker::new(&model, &state, 0.04).expect("same robot");
+    assert!(
+        !checker
+            .is_line_free(&line[0], &line[1])
+            .expect("two numbers")
+    );
+    assert!(worst(&problem, &state, &line) > 0.0);
+    for number in 0..8 {
+        let settings = PlanSettings {
+            number,
+            resolution: 0.01,
+            ..PlanSettings::default()
+        };
+        let found = path(&problem, &state, &settings);
+        assert_eq!([&found[0], &found[found.len() - 1]], [&line[0], &line[1]]);
+        let worst = worst(&problem, &state, &found);
+        assert!(worst <= 0.0, "{number}: {worst}");
+        // Twice to the lower end of the gap is 1.41; what is not shortened is far longer.
+        let length = length(&found);
+        assert!(length > 1.414 && length < 1.7, "{number}: {length}");
+    }
+}
+
+#[test]
+fn an_arm_goes_around_what_is_in_its_way() {
+    for name in ["kinova_obstacles_01", "kinova_obstacles_05"] {
+        let scenario = Scenario::load(name).expect("built in");
+        let problem = scenario.problem().expect("valid");
+        let state = scenario.state_constraints().expect("valid");
+        let found = path(&problem, &state, &PlanSettings::default());
+        let worst = worst(&problem, &state, &found);
+        assert!(worst <= 0.0, "{name}: {worst}");
+    }
+}
+
+#[test]
+fn a_seed_and_a_number_have_one_path() {
+    let (model, state) = (point(), wall_with_a_gap());
+    let problem = across(&model);
+    let of = |seed, number| {
+        let settings = PlanSettings {
+            seed,
+            number,
+            ..PlanSettings::default()
+        };
+        path(&problem, &state, &settings)
+    };
+    assert_eq!(of(3, 2), of(3, 2));
+    assert_ne!(of(3, 2), of(3, 3));
+    assert_ne!(of(3, 2), of(4, 2));
+}
+
+/// Every step of a line is looked at, whatever their number: one of them is all that is not free.
+#[test]
+fn a_line_is_looked_at_everywhere() {
+    let model = point();
+    for steps in 1..=21 {
+        for blocked in 1..=steps {
+            let at = f64::from(blocked) / f64::from(steps);
+            let state = outside([[at, 0.0]], 1e-3);
+            let resolution = 1.0 / (f64::from(steps) - 0.5);
+            let mut checker = Checker::new(&model, &state, resolution).expect("same robot");
+            let free = checker.is_line_free(&[0.0, 0.0], &[1.0, 0.0]);
+            assert!(!free.expect("two numbers"), "{blocked} of {steps}");
+            let free = checker.is_line_free(&[0.0, 0.1], &[1.0, 0.1]);
+            assert!(free.expect("two numbers"), "{blocked} of {steps}");
+        }
+    }
+}
+
+/// Where an end is nearer than the margin rows stay as far as it is.
+#[test]
+fn a_margin_is_no_more_than_the_ends_have() {
+    let model = point();
+    let state = outside([[0.0, -0.11], [0.5, 0.0]], 0.1);
+    let mut checker = Checker::new(&model, &state, 0.04).expect("same robot");
+    let ends: [&[f64]; 2] = [&[0.0, 0.0], &[1.0, 0.0]];
+    checker.keep(0.05, ends).expect("two numbers");
+    let mut free = |q: [f64; 2]| checker.is_free(&q).expect("two numbers");
+    assert!(free([0.0, 0.0]) && free([1.0, 0.0]));
+    assert!(!free([0.0, -0.005]) && free([0.0, 0.005]));
+    assert!(!free([0.5, 0.14]) && free([0.5, 0.16]));
+}
+
+#[test]
+fn what_cannot_be_ends_by_its_budget() {
+    let model = point();
+    let problem = across(&model);
+    let settings = PlanSettings {
+        most_checks: 5000,
+        ..PlanSettings::default()
+    };
+    let Plan::OutOfBudget { checks } = planned(&problem, &ring(), &settings) else {
+        panic!("there is no way through");
+    };
+    assert!((5000..6000).contains(&checks), "{checks}");
+    let inside = planned(
+        &problem,
+        &outside([[1.0, 0.05], [2.0, 0.0]], 0.1),
+        &settings,
+    );
+    let Plan::EndBlocked { goal, row, by } = inside else {
+        panic!("{inside:?}");
+    };
+    assert!(goal && row == 0, "{row}");
+    assert!((by - (0.01 - 0.0025) / 0.2).abs() < 1e-12, "{by}");
+}
+
+#[test]
+fn it_stops_when_told() {
+    let model = point();
+    let problem = across(&model);
+    let left = Cell::new(10);
+    let stopped = || {
+        left.set(left.get() - 1);
+        left.get() == 0
+    };
+    let found = plan(&problem, &ring(), &PlanSettings::default(), &stopped);
+    assert_eq!(found.expect("valid"), Plan::Stopped);
+}
+
+/// One row that is no inequality.
+#[derive(Clone, Debug)]
+struct Held;
+
+impl Constraint for Held {
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> Result<()> {
+        g[0] = at.q()[1];
+        Ok(())
+    }
+
+    fn is_equality(&self, _: usize) -> bool {
+        true
+    }
+}
+
+#[test]
+fn what_it_cannot_do_is_refused() {
+    let model = point();
+    let problem = across(&model);
+    let go = |settings: PlanSettings| plan(&problem, &ring(), &settings, &|| false);
+    let default = PlanSettings::default;
+    assert_refused(
+        go(PlanSettings {
+            resolution: 0.0,
+            ..default()
+        }),
+        "resolution",
+    );
+    assert_refused(
+        go(PlanSettings {
+            range: f64::NAN,
+            ..default()
+        }),
+        "range",
+    );
+    assert_refused(
+        go(PlanSettings {
+            margin: -1.0,
+            ..default()
+        }),
+        "margin",
+    );
+    assert_refused(
+        go(PlanSettings {
+            most_checks: 0,
+            ..default()
+        }),
+        "most_checks",
+    );
+    assert_refused(plan(&problem, &Held, &default(), &|| false), "equality");
+    // Bodies that the robot does not have.
+    let other = robot("pendulum_1");
+    let swing = Problem::new(&other, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    assert!(plan(&swing, &ring(), &default(), &|| false).is_err());
+    let zero = f64::from_f64(0.0);
+    let mut checker = Checker::new(&model, &Held, 0.1).expect("same robot");
+    assert!(checker.is_free(&[zero]).is_err());
+}
