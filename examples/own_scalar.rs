@@ -4,7 +4,6 @@ use aghf::dynamics::{Data, InverseDynamicsDerivatives, rnea, rnea_derivatives};
 use aghf::scalar::{AlgebraOver, Scalar, impl_scalar_operators};
 use aghf::urdf::{builtin_robot, builtin_robots};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-
 static OPERATIONS: AtomicU64 = AtomicU64::new(0);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
