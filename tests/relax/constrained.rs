@@ -6,12 +6,10 @@ use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
     TorqueLimits,
 };
-use aghf::model::{JointKind, JointSpec, Limits, Model};
 use aghf::motion::{Problem, sample};
 use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
 use aghf::scenario::{Details, Scenario, SolveOptions, solve};
-use aghf::spatial::{Inertia, Placement};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 type Kept = Constraints<Vec<AnyConstraint>>;
 
