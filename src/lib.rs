@@ -16,6 +16,8 @@ pub mod geometry;
 #[cfg(feature = "output")]
 pub mod guide;
 mod input;
+#[cfg(feature = "output")]
+pub mod judge;
 pub mod linalg;
 pub mod model;
 #[cfg(feature = "solvers")]

@@ -5,6 +5,7 @@ mod choice;
 mod degrees;
 mod eval;
 mod import;
+mod judge;
 mod output;
 mod pairs;
 mod prove;
@@ -30,7 +31,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Exit code for a derivative that is off by more than its bound, or an identity that fails.
+/// Exit code for a derivative that is off by more than its bound, an identity that fails, or a trajectory that is not valid.
 const CHECK_FAILED: u8 = 1;
 /// Exit code for bad input.
 const BAD_INPUT: u8 = 2;
@@ -47,8 +48,7 @@ struct Cli {
     command: Option<Command>,
 }
 
-const EXIT_CODES: &str =
-    "Exit codes: 0 success, 1 a check or a proof failed, 2 bad input, 3 the solve failed.";
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the solve failed.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -59,6 +59,7 @@ enum Command {
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
+    Judge(judge::Judge),
     Pairs(pairs::Pairs),
     Eval(eval::Eval),
     Check(check::Check),
@@ -156,6 +157,7 @@ pub fn main() -> ExitCode {
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
+        Command::Judge(judge) => judge.run(),
         Command::Pairs(pairs) => pairs.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),

@@ -4,6 +4,7 @@ mod evaluation;
 mod files;
 mod folder;
 mod json;
+mod judgement;
 mod table;
 mod trajectory;
 
@@ -12,6 +13,7 @@ pub(crate) use files::write_whole;
 pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
+pub use judgement::judgement_table;
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
 pub(crate) use table::{short, table};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

@@ -24,6 +24,9 @@ pub(super) const FLOOR: f64 = -0.05;
 /// The distance from their bounds that rows keep, relative to their scale, so that rounding does not put the end outside.
 pub(super) const RESERVE: f64 = 2e-7;
 
+/// The distance from an obstacle beyond which more of it is worth nothing, m: the barrier of a clearance is constant there.
+pub(super) const FAR: f64 = 0.1;
+
 // Trust region.
 
 /// The part of the predicted decrease that a step has to make.

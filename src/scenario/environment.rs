@@ -151,6 +151,24 @@ impl Environment {
         self.half_spaces.iter().map(|named| &named.placed)
     }
 
+    /// The names of all obstacles, each after its key and number: those of the spheres, the half-spaces and the solids.
+    #[must_use]
+    pub fn obstacle_names(&self) -> Vec<String> {
+        let spheres = self.spheres.iter().map(Named::to_string);
+        let half_spaces = self.half_spaces.iter().map(Named::to_string);
+        let solids = self.solids.iter().map(Named::to_string);
+        spheres.chain(half_spaces).chain(solids).collect()
+    }
+
+    /// The link of one of the [balls](Self::balls); `None` where balls stand for no link.
+    #[must_use]
+    pub fn link_of_ball(&self, ball: usize) -> Option<&str> {
+        match &self.body {
+            Body::Balls(balls) => balls.get(ball).map(|ball| ball.link.as_str()),
+            Body::Capsules { .. } => None,
+        }
+    }
+
     /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count for the
     /// latter alone: nothing moves them.
     ///
@@ -195,10 +213,7 @@ impl Environment {
     /// `placements`; a negative one is the smallest distance. `None` where there is nothing to keep clear of.
     pub(super) fn deepest(&self, placements: &[Placement<f64>]) -> Result<Option<Overlap>> {
         let balls = self.balls()?;
-        let link = |i: usize| match &self.body {
-            Body::Balls(balls) => Some(balls[i].link.clone()),
-            Body::Capsules { .. } => None,
-        };
+        let link = |i: usize| self.link_of_ball(i).map(str::to_owned);
         let mut overlaps = Vec::new();
         for (i, ball) in balls.iter().enumerate() {
             let mut add = |obstacle: String, clearance: f64| {

@@ -11,6 +11,7 @@ mod files;
 mod import;
 mod import_refused;
 mod input;
+mod judge;
 mod robots;
 mod signals;
 mod solve;

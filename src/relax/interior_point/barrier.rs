@@ -45,6 +45,7 @@ pub(super) enum Term {
 
 impl Barrier {
     /// The split of a row of the value `h`.
+    #[inline]
     pub(super) fn split(&self, h: f64) -> Split {
         let Self { mu, nu } = *self;
         let product = h * nu;
@@ -69,6 +70,7 @@ impl Barrier {
 
 impl Split {
     /// $\hat z = \psi'(h)$.
+    #[inline]
     fn multiplier(&self) -> f64 {
         if self.slack > self.excess {
             self.mu / self.slack
@@ -78,6 +80,7 @@ impl Split {
     }
 
     /// The multiplier nearest to `z` that is not too far from $\hat z$; some multiplier where rows that overflowed left none.
+    #[inline]
     fn safeguarded(&self, z: f64) -> f64 {
         let nu = self.nu;
         if self.slack > self.excess {
@@ -92,6 +95,7 @@ impl Split {
 
 impl Term {
     /// The first derivative in the row.
+    #[inline]
     pub fn multiplier(&self) -> f64 {
         match self {
             Self::Barrier(split) => split.multiplier(),
@@ -100,6 +104,7 @@ impl Term {
     }
 
     /// The value without its logarithms, and what these are of: a product is one logarithm for many rows.
+    #[inline]
     pub fn value(&self) -> (f64, f64) {
         match self {
             Self::Barrier(split) => (split.nu * split.excess, split.slack * split.excess),
@@ -109,6 +114,7 @@ impl Term {
 
     /// The second derivative for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of each term of a
     /// barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is $\psi''(h)$.
+    #[inline]
     pub fn curvature(&self, z: f64) -> f64 {
         match self {
             Self::Barrier(split) => {
@@ -120,6 +126,7 @@ impl Term {
     }
 
     /// The multiplier nearest to `z` that an iterate may have.
+    #[inline]
     pub fn safeguarded(&self, z: f64) -> f64 {
         match self {
             Self::Barrier(split) => split.safeguarded(z),

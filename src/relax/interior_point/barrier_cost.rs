@@ -7,7 +7,7 @@ use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
 use crate::relax::transcription::{Grid, LANES, Rows, Wide, alone};
-use crate::relax::tuning::{RESERVE, TO_THE_WALL};
+use crate::relax::tuning::{FAR, RESERVE, TO_THE_WALL};
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
@@ -147,13 +147,17 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// Takes the trial for the iterate, with the multipliers that the whole of the step predicts as far as the rows where it ended
     /// allow.
     pub(super) fn accept(&mut self) {
-        for at in 0..self.h.len() {
+        for (at, row) in self.places() {
             let (before, whole) = (self.trial.before[at], self.trial.whole[at]);
-            if let (Some(from), Some(to)) = (self.term(at, before), self.term(at, self.h[at])) {
-                let curvature = from.curvature(self.multipliers[at]);
-                let predicted = from.multiplier() + curvature * (whole - before);
-                self.multipliers[at] = to.safeguarded(predicted);
-            }
+            self.multipliers[at] =
+                match (self.term(at, row, before), self.term(at, row, self.h[at])) {
+                    (Some(from), Some(to)) => {
+                        let curvature = from.curvature(self.multipliers[at]);
+                        to.safeguarded(from.multiplier() + curvature * (whole - before))
+                    }
+                    (None, Some(to)) => to.multiplier(),
+                    (_, None) => 0.0,
+                };
         }
         let trial = &self.trial;
         self.relaxations.copy_from_slice(&trial.relaxations);
@@ -183,11 +187,12 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// The price of the relaxations, the part of it that the barriers get back, and the work of the push along the step that is tried.
     pub(super) fn price_of_relaxations(&self) -> [f64; 3] {
         let (count, trial, mut sums) = (self.rows.count(), &self.trial, [0.0; 3]);
-        for (at, r) in self.relaxations.iter().enumerate() {
+        for (at, row) in self.places() {
+            let r = &self.relaxations[at];
             if *r > 0.0 {
                 let w = self.weights[at / count % self.weights.len()];
                 let before = trial.before[at];
-                let Some(term) = self.term(at, before) else {
+                let Some(term) = self.term(at, row, before) else {
                     continue;
                 };
                 // What the row itself changed by.
@@ -202,8 +207,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
 
     /// Takes the multipliers that the rows ask for.
     pub(super) fn reset_multipliers(&mut self) {
-        for at in 0..self.h.len() {
-            let term = self.term(at, self.h[at]);
+        for (at, row) in self.places() {
+            let term = self.term(at, row, self.h[at]);
             self.multipliers[at] = term.map_or(0.0, |term| term.multiplier());
         }
     }
@@ -211,8 +216,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// Changes the barrier; multipliers stay as near as they may.
     pub(super) fn set_barrier(&mut self, barrier: Barrier) {
         self.barrier = barrier;
-        for at in 0..self.h.len() {
-            let (z, term) = (self.multipliers[at], self.term(at, self.h[at]));
+        for (at, row) in self.places() {
+            let (z, term) = (self.multipliers[at], self.term(at, row, self.h[at]));
             self.multipliers[at] = term.map_or(0.0, |term| term.safeguarded(z));
         }
     }
@@ -224,9 +229,26 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.set_barrier(self.barrier);
     }
 
-    /// The term of row `at` for the value `h`; nothing where none is asked for.
-    fn term(&self, at: usize, h: f64) -> Option<Term> {
+    /// The places of all rows at all points, each with the number of its row.
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<K, P> {
+        let count = self.rows.count();
+        (0..self.h.len() / count.max(1))
+            .flat_map(move |g| (0..count).map(move |row| (g * count + row, row)))
+    }
+
+    /// The term of row `row` at `at` for the value `h`; nothing where none is asked for, or it is constant.
+    #[inline]
+    fn term(&self, at: usize, row: usize, h: f64) -> Option<Term> {
+        if h < self.rows.floors[row] {
+            return None;
+        }
         term(self.barrier, &self.equalities, self.kinds[at], at, h)
+    }
+
+    /// The barrier of a row where it is constant.
+    fn far_value(&self) -> f64 {
+        let (value, of_logarithm) = Term::Barrier(self.barrier.split(-FAR)).value();
+        value - self.barrier.mu * of_logarithm.ln()
     }
 
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
@@ -234,14 +256,22 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         if points.first == 0 {
             self.cost = 0.0;
         }
-        let count = self.rows.count();
+        let (count, far_value) = (self.rows.count(), self.far_value());
         for (g, cost) in costs.iter_mut().enumerate() {
             self.cost += self.weights[g] * *cost;
             let first = (points.first + g) * count;
-            let own = first..first + count;
-            let (barrier, mut product) = (self.barrier, 1.0_f64);
-            for at in own {
+            let (barrier, mut product, mut far) = (self.barrier, 1.0_f64, 0);
+            for row in 0..count {
+                let at = first + row;
                 let raw = self.h[at] + self.margins[at];
+                if raw < self.rows.floors[row] {
+                    self.h[at] = raw;
+                    far += usize::from(self.kinds[at] == Kind::Inequality);
+                    if self.trying {
+                        self.trial.relaxations[at] = 0.0;
+                    }
+                    continue;
+                }
                 let h = if self.kinds[at] != Kind::Inequality {
                     raw
                 } else if self.trying {
@@ -252,7 +282,9 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     raw - self.relaxations[at]
                 };
                 self.h[at] = h;
-                if let Some(term) = self.term(at, h) {
+                if h < self.rows.floors[row] {
+                    far += 1;
+                } else if let Some(term) = self.term(at, row, h) {
                     let (value, of_logarithm) = term.value();
                     *cost += value;
                     product *= of_logarithm;
@@ -263,7 +295,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     }
                 }
             }
-            *cost -= barrier.mu * product.ln();
+            *cost += far as f64 * far_value - barrier.mu * product.ln();
         }
     }
 }
@@ -356,7 +388,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
             for lane in 0..LANES {
                 let at = (points.first + start + lane.min(found - 1)) * count + j;
                 let z = self.multipliers[at];
-                let term = self.term(at, self.h[at]);
+                let term = self.term(at, j, self.h[at]);
                 let (multiplier, c) =
                     term.map_or((0.0, 0.0), |term| (term.multiplier(), term.curvature(z)));
                 let push = c * self.relaxations[at];

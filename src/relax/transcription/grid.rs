@@ -107,7 +107,7 @@ impl Grid<f64> {
 
     /// The same with `degree - 1` Gauss-Legendre points more per segment, where equalities are asked for: the collocation of an equation
     /// of second order, which leaves between the points what is orthogonal to all polynomials of lower degree (`proofs/weak_form.md`).
-    /// They have the part [`COLLOCATED`](Self::COLLOCATED) in the quadrature.
+    /// They have the part `COLLOCATED` in the quadrature.
     #[must_use]
     pub fn collocated(basis: &Basis, points: usize, horizon: f64) -> Self {
         let rule = |count, part, collocated| {

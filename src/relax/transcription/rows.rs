@@ -2,9 +2,12 @@
 
 use super::point_cost::{LANES, Wide};
 use super::{CostWithControl, Points};
-use crate::constraint::{Constraint, Constraints, Evaluator, WeightedDerivatives, Weights};
+use crate::constraint::{
+    Constraint, Constraints, Evaluator, RowKind, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::model::Model;
+use crate::relax::tuning::FAR;
 use nalgebra::DMatrix;
 
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
@@ -25,6 +28,8 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     pub equalities: Vec<bool>,
     /// One of the multiplied row in rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
+    /// What a multiplied row is below where its barrier is constant; minus infinity where that is nowhere.
+    pub floors: Vec<f64>,
 }
 
 // By hand, since what is derived would ask it of the constraints, of which there is no more than a reference.
@@ -40,6 +45,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             scales: self.scales.clone(),
             equalities: self.equalities.clone(),
             units: self.units.clone(),
+            floors: self.floors.clone(),
         }
     }
 }
@@ -53,7 +59,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let n = model.dof();
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
+        let floor = |row| match constraints.label(row, model).kind {
+            RowKind::Clearance => -FAR,
+            _ => f64::NEG_INFINITY,
+        };
         Ok(Self {
+            floors: (0..scales.len()).map(floor).collect(),
             constraints,
             cost,
             controls: DMatrix::zeros(n, 0),

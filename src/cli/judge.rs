@@ -1,0 +1,64 @@
+//! `aghf judge`.
+
+use super::{CHECK_FAILED, RobotArgs, print};
+use crate::error::{Error, Result};
+use crate::judge::{Tolerances, Trajectory, judge};
+use crate::output::{judgement_table, refuse_existing, write_json, write_text};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Judge a trajectory, whoever made it: is it a motion of the scenario?
+///
+/// The table is in CSV as `aghf solve` writes it: a column t in s, a column q_JOINT for every joint, and for all joints or none v_JOINT, a_JOINT
+/// and u_JOINT, in rad or m, per s, per s^2, N m or N. What is missing is derived, and the verdict says so. Both ends, rates, inverse dynamics, limits
+/// and clearances are checked, clearances at all times between the samples. Exit code 1 when a check fails or cannot be decided.
+#[derive(Debug, Args)]
+pub(super) struct Judge {
+    /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
+    scenario: String,
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// The table, "-" for the standard input.
+    trajectory: PathBuf,
+    /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; torques as a share of the largest one of the motion.
+    #[arg(long, default_value_t = Tolerances::default().tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// How deep balls of the robot may be in obstacles or in each other, m; clearances are proved to a tenth of it.
+    #[arg(long, default_value_t = Tolerances::default().overlap_m, allow_negative_numbers = true)]
+    overlap: f64,
+    /// A file for the verdict as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Replace that file if it is there already.
+    #[arg(long, requires = "json")]
+    force: bool,
+}
+
+impl Judge {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        if let Some(path) = &self.json {
+            refuse_existing(path, self.force)?;
+        }
+        let scenario = self.robot.scenario(&self.scenario)?;
+        let trajectory = Trajectory::load(&self.trajectory, &scenario.model)?;
+        let tolerances = Tolerances {
+            tolerance: self.tolerance,
+            overlap_m: self.overlap,
+        };
+        let judgement = judge(&scenario, &trajectory, tolerances)?;
+        print(&judgement_table(&judgement))?;
+        if let Some(path) = &self.json {
+            let mut text = Vec::new();
+            write_json(&judgement, &mut text).map_err(|e| Error::io(path.clone(), e))?;
+            let text = String::from_utf8_lossy(&text);
+            write_text(&format!("{text}\n"), path)?;
+            print(&format!("wrote {}", path.display()))?;
+        }
+        Ok(if judgement.valid {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(CHECK_FAILED)
+        })
+    }
+}

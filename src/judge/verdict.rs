@@ -1,0 +1,213 @@
+//! What the judge has to say.
+
+use serde::Serialize;
+
+/// What is accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tolerances {
+    /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s as they are; torques and
+    /// forces as a share of the largest one of the motion.
+    pub tolerance: f64,
+    /// The depth by which balls may be in an obstacle or in each other, m. Clearances are proved to within a tenth of
+    /// it.
+    pub overlap_m: f64,
+}
+
+impl Default for Tolerances {
+    /// One thousandth, as far as an arm follows its motion at best; and a tenth of a millimetre.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-3,
+            overlap_m: 1e-4,
+        }
+    }
+}
+
+/// The judgement of a trajectory.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Whether no check fails or is undecided.
+    pub valid: bool,
+    /// The scenario.
+    pub scenario: String,
+    /// The number of samples of the trajectory.
+    pub samples: usize,
+    /// The time from the first to the last one, s.
+    pub duration_s: f64,
+    /// What is taken for the motion between samples, in words.
+    pub between_samples: &'static str,
+    /// What the table did not have and was derived, in words.
+    pub derived: Vec<&'static str>,
+    /// What was accepted.
+    pub tolerances: Tolerances,
+    /// The checks.
+    pub checks: Vec<Row>,
+}
+
+/// The result of a kind of check.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// What was checked.
+    pub check: Check,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// The worst place; `None` where nothing was checked.
+    #[serde(flatten)]
+    pub worst: Option<Worst>,
+    /// The amount by which the bound may be exceeded, in the unit of the worst.
+    pub tolerance: f64,
+    /// Of a clearance: what no clearance is below, proved for all times, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proved_at_least: Option<f64>,
+    /// More about it, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// Where something is nearest to its bound, or farthest beyond.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Worst {
+    /// The value.
+    pub value: f64,
+    /// The least that it should be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
+    /// The most that it should be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<f64>,
+    /// The unit of these.
+    pub unit: &'static str,
+    /// The time after the start, s.
+    pub at_s: f64,
+    /// The joint, or what is near what.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+}
+
+impl Worst {
+    /// The amount by which the value is beyond a bound, negative within; infinite where it is no number.
+    fn excess(&self) -> f64 {
+        let below = self.at_least.map(|least| least - self.value);
+        let above = self.at_most.map(|most| self.value - most);
+        let excess = [below, above].into_iter().flatten();
+        let excess = excess.fold(f64::NEG_INFINITY, f64::max);
+        if self.value.is_nan() {
+            f64::INFINITY
+        } else {
+            excess
+        }
+    }
+}
+
+/// What came of a check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It holds.
+    Pass,
+    /// It does not hold.
+    Fail,
+    /// It could be neither proved nor refuted.
+    Undecided,
+    /// There is nothing to check.
+    NotChecked,
+}
+
+/// The kinds of checks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Check {
+    /// The duration against the horizon.
+    Horizon,
+    /// The first positions.
+    StartPosition,
+    /// The first velocities.
+    StartVelocity,
+    /// The last positions.
+    GoalPosition,
+    /// The last velocities.
+    GoalVelocity,
+    /// Velocities as rates of positions.
+    VelocityIsRate,
+    /// Accelerations as rates of velocities.
+    AccelerationIsRate,
+    /// Torques as those of inverse dynamics.
+    Dynamics,
+    /// The torques of joints without a motor.
+    PassiveJoints,
+    /// Limits of positions.
+    PositionLimits,
+    /// Limits of velocities.
+    VelocityLimits,
+    /// Limits of torques.
+    TorqueLimits,
+    /// Clearances from obstacles.
+    Obstacles,
+    /// Clearances between links.
+    SelfCollision,
+}
+
+impl Check {
+    /// Its name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Horizon => "horizon",
+            Self::StartPosition => "start position",
+            Self::StartVelocity => "start velocity",
+            Self::GoalPosition => "goal position",
+            Self::GoalVelocity => "goal velocity",
+            Self::VelocityIsRate => "v is the rate of q",
+            Self::AccelerationIsRate => "a is the rate of v",
+            Self::Dynamics => "u is inverse dynamics",
+            Self::PassiveJoints => "passive joints",
+            Self::PositionLimits => "position limits",
+            Self::VelocityLimits => "velocity limits",
+            Self::TorqueLimits => "torque limits",
+            Self::Obstacles => "obstacles",
+            Self::SelfCollision => "self-collision",
+        }
+    }
+}
+
+impl Row {
+    /// A check of which nothing was found yet.
+    pub(super) fn new(check: Check, tolerance: f64) -> Self {
+        Self {
+            check,
+            outcome: Outcome::NotChecked,
+            worst: None,
+            tolerance,
+            proved_at_least: None,
+            note: None,
+        }
+    }
+
+    /// A check that there is no use in, and why.
+    pub(super) fn not_checked(check: Check, tolerance: f64, why: &str) -> Self {
+        Self {
+            note: Some(why.to_owned()),
+            ..Self::new(check, tolerance)
+        }
+    }
+
+    /// Takes a value into account; `place` names where it is.
+    pub(super) fn take(&mut self, found: Worst, place: impl FnOnce() -> String) {
+        let excess = found.excess();
+        if self
+            .worst
+            .as_ref()
+            .is_none_or(|worst| excess > worst.excess())
+        {
+            self.outcome = if excess <= self.tolerance {
+                Outcome::Pass
+            } else {
+                Outcome::Fail
+            };
+            self.worst = Some(Worst {
+                place: Some(place()),
+                ..found
+            });
+        }
+    }
+}
