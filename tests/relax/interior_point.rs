@@ -3,7 +3,7 @@
 use crate::common::{config, slider};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
+    HalfSpaceClearance, RowKind, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{Model, random_tree};
@@ -171,8 +171,13 @@ fn derivatives_are_those_of_duals() {
             cost.equalities.duals.clone(),
             cost.equalities.penalties.clone(),
         );
+        // Beyond 0.1 m a barrier of a clearance is what it is there.
+        let clearance = |j: usize| kept.label(j, &model).kind == RowKind::Clearance;
+        let far = |j: usize, h: f64| clearance(j) && h < -0.1;
         let term = |j: usize, h: HyperDual64| {
-            if equality(j) {
+            if far(j, h.re) {
+                psi(HyperDual64::from(-0.1), barrier)
+            } else if equality(j) {
                 h * duals[j] + h * h * (0.5 * penalties[j])
             } else {
                 psi(h, barrier)
@@ -199,7 +204,7 @@ fn derivatives_are_those_of_duals() {
         assert_close!(&out.hessian, &hessian, 1e-12);
 
         let mut between = |j: usize| {
-            if equality(j) {
+            if equality(j) || far(j, here[j].re) {
                 multiplier(j)
             } else {
                 barrier.nu * rng.random_range(0.05..0.95)
@@ -220,7 +225,9 @@ fn derivatives_are_those_of_duals() {
         let left: Vec<f64> = (0..rows).map(|j| here[j].re - relaxations[j]).collect();
         let c: Vec<f64> = (0..rows)
             .map(|j| {
-                if equality(j) {
+                if far(j, left[j]) {
+                    0.0
+                } else if equality(j) {
                     penalties[j]
                 } else {
                     curvature(left[j], multipliers[j], barrier)

@@ -389,8 +389,9 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
                 let at = (points.first + start + lane.min(found - 1)) * count + j;
                 let z = self.multipliers[at];
                 let term = self.term(at, j, self.h[at]);
-                let (multiplier, c) =
-                    term.map_or((0.0, 0.0), |term| (term.multiplier(), term.curvature(z)));
+                let (multiplier, c, z) = term.map_or((0.0, 0.0, 0.0), |term| {
+                    (term.multiplier(), term.curvature(z), z)
+                });
                 let push = c * self.relaxations[at];
                 self.slopes[j].0[lane] = (multiplier + push) * scale;
                 self.curvatures[j].0[lane] = c * scale * scale;
