@@ -1,13 +1,16 @@
 //! The running cost with the barriers of the rows.
 
-use super::barrier::{Barrier, Term};
+use super::barrier::Barrier;
 use super::equality::Equalities;
-use super::row::{Kind, Trial, kinds};
+use super::near::{Near, Place};
+use super::row::{Kind, kinds};
+use super::terms::Terms;
+use super::trial::Trial;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
 use crate::relax::transcription::{Grid, LANES, Rows, Wide, alone};
-use crate::relax::tuning::{FAR, RESERVE, TO_THE_WALL};
+use crate::relax::tuning::RESERVE;
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
@@ -37,18 +40,21 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub margins: Vec<f64>,
     /// $r$, likewise: by how much a row is relaxed.
     pub relaxations: Vec<f64>,
-    trial: Trial,
+    pub(super) trial: Trial,
     /// True while a step is being tried.
-    trying: bool,
+    pub(super) trying: bool,
     /// The kind of each row at each point.
     pub(super) kinds: Vec<Kind>,
     /// The rows with their margins where the cost was evaluated last.
     pub(in crate::relax) h: Vec<f64>,
+    /// The rows at each point that have a term there: not those whose barrier is constant.
+    pub(super) near: Near,
     /// The integral of $l_0$ there.
     pub(in crate::relax) cost: f64,
     /// Weights of the points of a segment.
-    weights: Vec<f64>,
-    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by side.
+    pub(super) weights: Vec<f64>,
+    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by side; zeros but while they
+    /// are used.
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     weighted: Vec<Wide<f64>>,
@@ -91,8 +97,10 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         let margins = kinds.iter().map(of_kind).collect();
         let count = rows.count();
         let passive = (0..count).map(|row| rows.constraints.is_passive(row));
+        let points = kinds.len() / count.max(1);
         Self {
-            equalities: Equalities::new(passive.collect(), kinds.len() / count.max(1)),
+            equalities: Equalities::new(passive.collect(), points),
+            near: Near::new(count, points),
             rows,
             barrier,
             multipliers: all.clone(),
@@ -110,65 +118,6 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// Begins to try a step: the rows are those before it.
-    pub(super) fn begin(&mut self) {
-        let trial = &mut self.trial;
-        trial.before.clone_from(&self.h);
-        trial.whole.clear();
-        trial.whole.resize(self.h.len(), f64::INFINITY);
-        trial.relaxations.clone_from(&self.relaxations);
-        self.trying = true;
-        self.try_share(1.0);
-    }
-
-    /// After the cost was evaluated at the end of the whole step: the share of it that leaves every row inside that was
-    /// inside before.
-    pub(super) fn end_of_whole(&mut self) -> f64 {
-        let mut share = 1.0_f64;
-        self.trial.whole.clone_from(&self.h);
-        for ((h, before), kind) in self.h.iter().zip(&self.trial.before).zip(&self.kinds) {
-            if *kind == Kind::Inequality && *before < 0.0 && *h > (1.0 - TO_THE_WALL) * before {
-                share = share.min(TO_THE_WALL * before / (before - h));
-            }
-        }
-        share
-    }
-
-    /// Tries a share of the step.
-    pub(super) fn try_share(&mut self, share: f64) {
-        (self.trial.share, self.trial.price) = (share, 0.0);
-    }
-
-    /// The price of the relaxations of the trial.
-    pub(super) fn trial_price(&self) -> f64 {
-        self.trial.price
-    }
-
-    /// Takes the trial for the iterate, with the multipliers that the whole of the step predicts as far as the rows where it ended
-    /// allow.
-    pub(super) fn accept(&mut self) {
-        for (at, row) in self.places() {
-            let (before, whole) = (self.trial.before[at], self.trial.whole[at]);
-            self.multipliers[at] =
-                match (self.term(at, row, before), self.term(at, row, self.h[at])) {
-                    (Some(from), Some(to)) => {
-                        let curvature = from.curvature(self.multipliers[at]);
-                        to.safeguarded(from.multiplier() + curvature * (whole - before))
-                    }
-                    (None, Some(to)) => to.multiplier(),
-                    (_, None) => 0.0,
-                };
-        }
-        let trial = &self.trial;
-        self.relaxations.copy_from_slice(&trial.relaxations);
-        self.trying = false;
-    }
-
-    /// Gives the trial up.
-    pub(super) fn reject(&mut self) {
-        self.trying = false;
-    }
-
     /// The largest equality where it is asked for, in its unit.
     pub(super) fn largest_equality(&self) -> f64 {
         let count = self.rows.count();
@@ -184,31 +133,11 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.relaxations.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The price of the relaxations, the part of it that the barriers get back, and the work of the push along the step that is tried.
-    pub(super) fn price_of_relaxations(&self) -> [f64; 3] {
-        let (count, trial, mut sums) = (self.rows.count(), &self.trial, [0.0; 3]);
-        for (at, row) in self.places() {
-            let r = &self.relaxations[at];
-            if *r > 0.0 {
-                let w = self.weights[at / count % self.weights.len()];
-                let before = trial.before[at];
-                let Some(term) = self.term(at, row, before) else {
-                    continue;
-                };
-                // What the row itself changed by.
-                let change = trial.whole[at] - before - r;
-                sums[0] += w * self.barrier.nu * r;
-                sums[1] += w * term.multiplier() * r;
-                sums[2] += w * term.curvature(self.multipliers[at]) * r * change;
-            }
-        }
-        sums
-    }
-
     /// Takes the multipliers that the rows ask for.
     pub(super) fn reset_multipliers(&mut self) {
-        for (at, row) in self.places() {
-            let term = self.term(at, row, self.h[at]);
+        self.multipliers.fill(0.0);
+        for (at, row) in self.near.places() {
+            let term = self.terms().at(at, row, self.h[at]);
             self.multipliers[at] = term.map_or(0.0, |term| term.multiplier());
         }
     }
@@ -216,8 +145,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// Changes the barrier; multipliers stay as near as they may.
     pub(super) fn set_barrier(&mut self, barrier: Barrier) {
         self.barrier = barrier;
-        for (at, row) in self.places() {
-            let (z, term) = (self.multipliers[at], self.term(at, row, self.h[at]));
+        for (at, row) in self.near.places() {
+            let (z, term) = (self.multipliers[at], self.terms().at(at, row, self.h[at]));
             self.multipliers[at] = term.map_or(0.0, |term| term.safeguarded(z));
         }
     }
@@ -229,26 +158,36 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.set_barrier(self.barrier);
     }
 
-    /// The places of all rows at all points, each with the number of its row.
-    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<K, P> {
-        let count = self.rows.count();
-        (0..self.h.len() / count.max(1))
-            .flat_map(move |g| (0..count).map(move |row| (g * count + row, row)))
+    /// The mean number of rows at a point that have a term, at least one.
+    pub(super) fn mean_count(&self) -> f64 {
+        let points = self.h.len() / self.rows.count().max(1);
+        (self.near.places().count() as f64 / points.max(1) as f64).max(1.0)
     }
 
-    /// The term of row `row` at `at` for the value `h`; nothing where none is asked for, or it is constant.
-    #[inline]
-    fn term(&self, at: usize, row: usize, h: f64) -> Option<Term> {
-        if h < self.rows.floors[row] {
-            return None;
+    /// What makes the terms of rows.
+    pub(super) fn terms(&self) -> Terms<'_> {
+        Terms {
+            barrier: self.barrier,
+            equalities: &self.equalities,
+            kinds: &self.kinds,
+            floors: &self.rows.floors,
         }
-        term(self.barrier, &self.equalities, self.kinds[at], at, h)
     }
 
-    /// The barrier of a row where it is constant.
-    fn far_value(&self) -> f64 {
-        let (value, of_logarithm) = Term::Barrier(self.barrier.split(-FAR)).value();
-        value - self.barrier.mu * of_logarithm.ln()
+    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins; says how many barriers are constant.
+    pub(super) fn list_near(&mut self, point: usize) -> usize {
+        let count = self.rows.count();
+        let own = point * count..(point + 1) * count;
+        let rows = self.h[own.clone()].iter().zip(&self.kinds[own]);
+        let rows = rows.zip(&self.rows.floors);
+        self.near.list(
+            point,
+            rows.map(|((h, kind), floor)| match kind {
+                Kind::Idle => Place::Nowhere,
+                Kind::Inequality if h < floor => Place::Far,
+                _ => Place::Near,
+            }),
+        )
     }
 
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
@@ -256,43 +195,47 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         if points.first == 0 {
             self.cost = 0.0;
         }
-        let (count, far_value) = (self.rows.count(), self.far_value());
+        let (count, barrier) = (self.rows.count(), self.barrier);
+        let far_value = self.terms().far_value();
         for (g, cost) in costs.iter_mut().enumerate() {
-            self.cost += self.weights[g] * *cost;
-            let first = (points.first + g) * count;
-            let (barrier, mut product, mut far) = (self.barrier, 1.0_f64, 0);
-            for row in 0..count {
-                let at = first + row;
-                let raw = self.h[at] + self.margins[at];
-                if raw < self.rows.floors[row] {
-                    self.h[at] = raw;
-                    far += usize::from(self.kinds[at] == Kind::Inequality);
-                    if self.trying {
-                        self.trial.relaxations[at] = 0.0;
-                    }
-                    continue;
+            let (point, weight) = (points.first + g, self.weights[g]);
+            self.cost += weight * *cost;
+            let own = point * count..(point + 1) * count;
+            for (h, margin) in self.h[own.clone()].iter_mut().zip(&self.margins[own.clone()]) {
+                *h += margin;
+            }
+            if self.trying {
+                self.trial.relaxations[own.clone()].fill(0.0);
+            }
+            let (mut far, mut product) = (self.list_near(point), 1.0_f64);
+            for row in self.near.at(point) {
+                let at = own.start + row;
+                if self.kinds[at] == Kind::Inequality {
+                    self.h[at] = if self.trying {
+                        let h = self.trial.row(at, self.h[at]);
+                        self.trial.price += weight * barrier.nu * self.trial.relaxations[at];
+                        h
+                    } else {
+                        self.h[at] - self.relaxations[at]
+                    };
                 }
-                let h = if self.kinds[at] != Kind::Inequality {
-                    raw
-                } else if self.trying {
-                    let h = self.trial.row(at, raw);
-                    self.trial.price += self.weights[g] * barrier.nu * self.trial.relaxations[at];
-                    h
-                } else {
-                    raw - self.relaxations[at]
+                let terms = Terms {
+                    barrier,
+                    equalities: &self.equalities,
+                    kinds: &self.kinds,
+                    floors: &self.rows.floors,
                 };
-                self.h[at] = h;
-                if h < self.rows.floors[row] {
+                let Some(term) = terms.at(at, *row, self.h[at]) else {
                     far += 1;
-                } else if let Some(term) = self.term(at, row, h) {
-                    let (value, of_logarithm) = term.value();
-                    *cost += value;
-                    product *= of_logarithm;
-                    // Long before it could leave the range of numbers.
-                    if !(1e-150..1e150).contains(&product) {
-                        *cost -= barrier.mu * product.ln();
-                        product = 1.0;
-                    }
+                    continue;
+                };
+                let (value, of_logarithm) = term.value();
+                *cost += value;
+                product *= of_logarithm;
+                // Long before it could leave the range of numbers.
+                if !(1e-150..1e150).contains(&product) {
+                    *cost -= barrier.mu * product.ln();
+                    product = 1.0;
                 }
             }
             *cost += far as f64 * far_value - barrier.mu * product.ln();
@@ -334,11 +277,21 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
         let Constraints { state, torque } = self.rows.constraints;
-        let (states, count, barrier) = (state.dim(), self.rows.count(), self.barrier);
+        let (states, count) = (state.dim(), self.rows.count());
         let (multipliers, relaxations) = (&self.multipliers, &self.relaxations);
-        let (rows, margins, kinds) = (&mut self.h, &self.margins, &self.kinds);
-        let equalities = &self.equalities;
-        let Rows { cost, scales, .. } = &mut self.rows;
+        let (rows, margins) = (&mut self.h, &self.margins);
+        let Rows {
+            cost,
+            scales,
+            floors,
+            ..
+        } = &mut self.rows;
+        let terms = Terms {
+            barrier: self.barrier,
+            equalities: &self.equalities,
+            kinds: &self.kinds,
+            floors,
+        };
         let mut add = |index: usize, u: &[f64], out: &mut ControlDerivatives<f64>| {
             let own = index * count + states..;
             for (at, ((i, limit, side), scale)) in own.zip(torque.rows().zip(&scales[states..])) {
@@ -348,9 +301,9 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
                     *scale
                 };
                 rows[at] = slope * u[i] - scale * limit;
-                let (r, z, kind) = (relaxations[at], multipliers[at], kinds[at]);
+                let (r, z) = (relaxations[at], multipliers[at]);
                 let h = rows[at] + margins[at] - r;
-                if let Some(term) = term(barrier, equalities, kind, at, h) {
+                if let Some(term) = terms.at(at, at % count, h) {
                     let c = term.curvature(z);
                     out.gradient[i] += slope * (term.multiplier() + c * r);
                     out.curvature_weights[i] += slope * z;
@@ -383,19 +336,25 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         let n = points.states.nrows();
         let found = LANES.min(points.count() - start);
         let (states, count) = (self.rows.constraints.state.dim(), self.rows.count());
-        for j in 0..states {
-            let scale = self.rows.scales[j];
-            for lane in 0..LANES {
-                let at = (points.first + start + lane.min(found - 1)) * count + j;
-                let z = self.multipliers[at];
-                let term = self.term(at, j, self.h[at]);
-                let (multiplier, c, z) = term.map_or((0.0, 0.0, 0.0), |term| {
-                    (term.multiplier(), term.curvature(z), z)
-                });
-                let push = c * self.relaxations[at];
-                self.slopes[j].0[lane] = (multiplier + push) * scale;
-                self.curvatures[j].0[lane] = c * scale * scale;
-                self.weighted[j].0[lane] = z * scale;
+        // Where there are fewer points than lanes the last one is in those that are left.
+        let point = |lane: usize| points.first + start + lane.min(found - 1);
+        for lane in 0..LANES {
+            for row in self.near.of_state(point(lane), states) {
+                let at = point(lane) * count + row;
+                let terms = Terms {
+                    barrier: self.barrier,
+                    equalities: &self.equalities,
+                    kinds: &self.kinds,
+                    floors: &self.rows.floors,
+                };
+                if let Some(term) = terms.at(at, row, self.h[at]) {
+                    let (scale, z) = (self.rows.scales[row], self.multipliers[at]);
+                    let c = term.curvature(z);
+                    let push = c * self.relaxations[at];
+                    self.slopes[row].0[lane] = (term.multiplier() + push) * scale;
+                    self.curvatures[row].0[lane] = c * scale * scale;
+                    self.weighted[row].0[lane] = z * scale;
+                }
             }
         }
         let gradient = Weights {
@@ -414,15 +373,17 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         };
         let pull = self.rows.weighted_derivatives(points, start, hessian)?;
         out.hessians.add_wide(start, pull.hessian());
+        for lane in 0..LANES {
+            for row in self.near.of_state(point(lane), states) {
+                for weights in [
+                    &mut self.slopes,
+                    &mut self.curvatures,
+                    &mut self.weighted,
+                ] {
+                    weights[row].0[lane] = 0.0;
+                }
+            }
+        }
         Ok(())
-    }
-}
-
-/// The term of row `at`, which is of a kind, for the value `h`.
-fn term(barrier: Barrier, equalities: &Equalities, kind: Kind, at: usize, h: f64) -> Option<Term> {
-    match kind {
-        Kind::Inequality => Some(Term::Barrier(barrier.split(h))),
-        Kind::Equality => Some(equalities.term(at, h)),
-        Kind::Idle => None,
     }
 }

@@ -52,6 +52,9 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
             self.relaxations[at] = (h + room).max(0.0);
             self.h[at] = h - self.relaxations[at];
         }
+        for point in 0..self.h.len() / count.max(1) {
+            self.list_near(point);
+        }
     }
 
     /// Relaxes all rows so that each has some room, or as much as goes with its multiplier if that is less.

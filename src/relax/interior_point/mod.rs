@@ -22,10 +22,13 @@ mod candidate;
 mod equality;
 mod iterate;
 mod margins;
+mod near;
 mod newton;
 mod row;
 mod schedule;
 mod search;
+mod terms;
+mod trial;
 
 pub use barrier::Barrier;
 pub use barrier_cost::BarrierCost;

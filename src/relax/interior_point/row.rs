@@ -1,21 +1,4 @@
-//! What the rows at the points are, and where a step takes them.
-
-use crate::relax::tuning::SMALLEST_RELAXATION;
-
-/// A share of a step from one iterate to another.
-///
-/// Slacks are iterates of their own: along a step they change evenly, from what they were to what the rows leave after the whole of it.
-/// Where a row leaves less than that at the end of the share, the difference is its relaxation; where it leaves more that is taken.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Trial {
-    /// The rows before the step, and after the whole of it.
-    pub before: Vec<f64>,
-    pub whole: Vec<f64>,
-    pub share: f64,
-    /// The relaxations that the share leads to, and what they cost at the price of an excess.
-    pub relaxations: Vec<f64>,
-    pub price: f64,
-}
+//! What the rows at the points are.
 
 /// The kind of a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,24 +35,4 @@ pub(super) fn kinds(equalities: &[bool], collocated: &[bool], segments: usize) -
     });
     let of_segment: Vec<Kind> = of_segment.collect();
     of_segment.repeat(segments)
-}
-
-impl Trial {
-    /// A row less its relaxation, of what it is with its margin.
-    pub fn row(&mut self, at: usize, raw: f64) -> f64 {
-        let before = self.before[at];
-        let even = before + self.share * (self.whole[at] - before);
-        let h = if before < 0.0 && even < 0.0 {
-            raw.min(even.max(0.01 * before))
-        } else {
-            raw
-        };
-        let relaxation = raw - h;
-        self.relaxations[at] = if relaxation < SMALLEST_RELAXATION {
-            0.0
-        } else {
-            relaxation
-        };
-        raw - self.relaxations[at]
-    }
 }

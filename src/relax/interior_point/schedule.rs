@@ -14,7 +14,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     /// The weight of the barriers of all rows over the whole horizon.
     pub(super) fn total_barrier(&mut self) -> f64 {
         let cost = self.objective.cost_mut();
-        cost.barrier.mu * cost.rows.count() as f64 * self.horizon
+        cost.barrier.mu * cost.mean_count() * self.horizon
     }
 
     /// Tells whether the barriers of all rows together are as weak as they have to be in the end.
@@ -28,7 +28,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     pub(super) fn reduce_barrier(&mut self, promised: f64) -> bool {
         let (horizon, last) = (self.horizon, self.stage.last_barrier);
         let cost = self.objective.cost_mut();
-        let all = cost.rows.count() as f64 * horizon;
+        let all = cost.mean_count() * horizon;
         let Barrier { mu, nu } = cost.barrier;
         if promised > BARRIER_DONE * mu * all {
             return false;

@@ -267,11 +267,11 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         self.objective.value(&candidate.path.coefficients)?;
         let (horizon, times) = (self.horizon, &self.grid.times);
         let cost = self.objective.cost_mut();
-        let rows = cost.rows.count();
+        let (rows, near) = (cost.rows.count(), cost.mean_count());
         let density = cost.cost.max(SMALLEST_COST) / horizon;
         let [mu, nu] = candidate
             .barrier
-            .unwrap_or([FIRST_BARRIER / rows as f64, FIRST_PRICE]);
+            .unwrap_or([FIRST_BARRIER / near, FIRST_PRICE]);
         cost.barrier = Barrier {
             mu: mu * density,
             nu: nu * density,

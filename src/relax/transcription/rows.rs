@@ -60,7 +60,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         let floor = |row| match constraints.label(row, model).kind {
-            RowKind::Clearance => -FAR,
+            RowKind::Clearance if !constraints.is_equality(row) => -FAR,
             _ => f64::NEG_INFINITY,
         };
         Ok(Self {

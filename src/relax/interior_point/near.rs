@@ -1,0 +1,59 @@
+//! Rows that have a term.
+
+/// The rows at each point that have a term: most of those of a robot among obstacles are far from being active.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Near {
+    count: usize,
+    rows: Vec<Vec<usize>>,
+}
+
+/// What becomes of a row at a point.
+pub(super) enum Place {
+    /// It has a term.
+    Near,
+    /// Its barrier is constant.
+    Far,
+    /// It is not asked for.
+    Nowhere,
+}
+
+impl Near {
+    /// No rows yet of so many in all at so many points.
+    pub fn new(count: usize, points: usize) -> Self {
+        Self {
+            count,
+            rows: vec![Vec::new(); points],
+        }
+    }
+
+    /// The rows at a point, ascending.
+    pub fn at(&self, point: usize) -> &[usize] {
+        &self.rows[point]
+    }
+
+    /// Those of them below `states`.
+    pub fn of_state(&self, point: usize, states: usize) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.rows[point].iter().copied();
+        rows.take_while(move |row| *row < states)
+    }
+
+    /// The places of all rows at all points in what is filed row by row for each point, each with its row.
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (points, count) = (self.rows.iter().enumerate(), self.count);
+        points.flat_map(move |(g, rows)| rows.iter().map(move |row| (g * count + row, *row)))
+    }
+
+    /// Lists the rows at a point anew; returns the number of those that are far.
+    pub fn list(&mut self, point: usize, rows: impl Iterator<Item = Place>) -> usize {
+        let (near, mut far) = (&mut self.rows[point], 0);
+        near.clear();
+        for (row, place) in rows.enumerate() {
+            match place {
+                Place::Near => near.push(row),
+                Place::Far => far += 1,
+                Place::Nowhere => (),
+            }
+        }
+        far
+    }
+}

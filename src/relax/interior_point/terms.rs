@@ -1,0 +1,36 @@
+//! The terms of rows in the merit function.
+
+use super::barrier::{Barrier, Term};
+use super::equality::Equalities;
+use super::row::Kind;
+use crate::relax::tuning::FAR;
+
+/// What the term of a row depends on.
+#[derive(Clone, Copy)]
+pub(super) struct Terms<'a> {
+    pub barrier: Barrier,
+    pub equalities: &'a Equalities,
+    /// The kind of each row at each point.
+    pub kinds: &'a [Kind],
+    /// What a row is below where its barrier is constant.
+    pub floors: &'a [f64],
+}
+
+impl Terms<'_> {
+    /// The term of row `row` at `at` for the value `h`; nothing where none is asked for, or it is constant.
+    #[inline]
+    pub fn at(&self, at: usize, row: usize, h: f64) -> Option<Term> {
+        match self.kinds[at] {
+            Kind::Idle => None,
+            Kind::Inequality if h < self.floors[row] => None,
+            Kind::Inequality => Some(Term::Barrier(self.barrier.split(h))),
+            Kind::Equality => Some(self.equalities.term(at, h)),
+        }
+    }
+
+    /// The barrier of a row where it is constant.
+    pub fn far_value(&self) -> f64 {
+        let (value, of_logarithm) = Term::Barrier(self.barrier.split(-FAR)).value();
+        value - self.barrier.mu * of_logarithm.ln()
+    }
+}
