@@ -51,3 +51,22 @@ pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
     }
     (nodes, weights)
 }
+
+/// The `m` nodes, at least two, ascending with both ends, and weights of Gauss-Lobatto quadrature on `[-1, 1]`: exact for polynomials of
+/// degree `2 m - 3`. Newton's method from the extrema of the Chebyshev polynomial. Cost O(m^2).
+#[must_use]
+pub fn gauss_lobatto(m: usize) -> (Vec<f64>, Vec<f64>) {
+    let n = m - 1;
+    let mut values = vec![0.0; m];
+    let mut rule = |i: usize| {
+        let mut x = -(PI * i as f64 / n as f64).cos();
+        // Quadratic convergence, but for the ends, where the step vanishes.
+        for _ in 0..8 {
+            legendre(x, &mut values);
+            x -= (x * values[n] - values[n - 1]) / (m as f64 * values[n]);
+        }
+        legendre(x, &mut values);
+        (x, 2.0 / ((n * m) as f64 * values[n] * values[n]))
+    };
+    (0..m).map(&mut rule).unzip()
+}

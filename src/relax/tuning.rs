@@ -27,6 +27,9 @@ pub(super) const RESERVE: f64 = 2e-7;
 /// The distance from an obstacle beyond which more of it is worth nothing, m: the barrier of a clearance is constant there.
 pub(super) const FAR: f64 = 0.1;
 
+/// The distance up to which a row is listed, beyond [`FAR`] so that the list lasts.
+pub(super) const LISTED: f64 = 0.2;
+
 // Trust region.
 
 /// The part of the predicted decrease that a step has to make.
@@ -157,3 +160,9 @@ pub(super) const REACH: f64 = 0.25;
 pub(super) const TRIES: usize = 60;
 /// The relative exactness of the shortest horizon on which there is a motion: what is tried in vain below it takes long.
 pub(super) const POSSIBLE: f64 = 1e-3;
+
+pub(super) fn exp(name: &str, or: f64) -> f64 {
+    static ALL: std::sync::OnceLock<std::collections::HashMap<String, f64>> = std::sync::OnceLock::new();
+    let all = ALL.get_or_init(|| std::env::vars().filter(|(k, _)| k.starts_with("EXP_")).filter_map(|(k, v)| v.parse().ok().map(|v| (k, v))).collect());
+    all.get(name).copied().unwrap_or(or)
+}

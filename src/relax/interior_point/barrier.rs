@@ -1,6 +1,6 @@
 //! The barrier of a row that may be broken at a price.
 
-use crate::relax::tuning::{APART, INSIDE};
+use crate::relax::tuning::{FAR, INSIDE};
 
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
 /// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
@@ -26,6 +26,7 @@ pub(super) struct Split {
     excess: f64,
     mu: f64,
     nu: f64,
+    apart: f64,
 }
 
 /// The term of a row in the merit function.
@@ -33,6 +34,8 @@ pub(super) struct Split {
 pub(super) enum Term {
     /// The barrier of an inequality.
     Barrier(Split),
+    /// That of a clearance, which fades out as the distance becomes [`FAR`], with the distance relative to that.
+    Fading(Split, f64),
     /// $\lambda h + \tfrac12 \rho h^2$ of an equality.
     Dual {
         /// $\lambda$.
@@ -64,6 +67,7 @@ impl Barrier {
             excess: (2.0 * mu + more) * half,
             mu,
             nu,
+            apart: crate::relax::tuning::exp("EXP_APART", 1e4),
         }
     }
 }
@@ -83,6 +87,8 @@ impl Split {
     #[inline]
     fn safeguarded(&self, z: f64) -> f64 {
         let nu = self.nu;
+        #[allow(non_snake_case)]
+        let APART = self.apart;
         if self.slack > self.excess {
             let lower = self.mu / self.slack;
             z.max(lower / APART).min((lower * APART).min(0.5 * nu))
@@ -96,9 +102,24 @@ impl Split {
 impl Term {
     /// The first derivative in the row.
     #[inline]
+    pub fn slope(&self) -> f64 {
+        self.multiplier() - self.lift()
+    }
+
+    /// What a fading barrier has less of a slope than a logarithm.
+    #[inline]
+    fn lift(&self) -> f64 {
+        match self {
+            Self::Fading(split, share) => (2.0 - share) * split.mu / FAR,
+            _ => 0.0,
+        }
+    }
+
+    /// The multiplier that belongs to the row.
+    #[inline]
     pub fn multiplier(&self) -> f64 {
         match self {
-            Self::Barrier(split) => split.multiplier(),
+            Self::Barrier(split) | Self::Fading(split, _) => split.multiplier(),
             Self::Dual { dual, penalty, h } => dual + penalty * h,
         }
     }
@@ -108,16 +129,21 @@ impl Term {
     pub fn value(&self) -> (f64, f64) {
         match self {
             Self::Barrier(split) => (split.nu * split.excess, split.slack * split.excess),
+            Self::Fading(split, share) => {
+                let rest = 1.0 - share;
+                let value = split.nu * split.excess - split.mu * rest * (1.0 + 0.5 * rest);
+                (value, split.slack * split.excess)
+            }
             Self::Dual { dual, penalty, h } => ((dual + 0.5 * penalty * h) * h, 1.0),
         }
     }
 
-    /// The second derivative for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of each term of a
-    /// barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is $\psi''(h)$.
+    /// The rate of the multiplier in the row for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of
+    /// each term of a barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is $\psi''(h)$.
     #[inline]
-    pub fn curvature(&self, z: f64) -> f64 {
+    pub fn rate(&self, z: f64) -> f64 {
         match self {
-            Self::Barrier(split) => {
+            Self::Barrier(split) | Self::Fading(split, _) => {
                 let upper = split.nu - z;
                 z * upper / (split.slack * upper + split.excess * z)
             }
@@ -125,11 +151,31 @@ impl Term {
         }
     }
 
+    /// The second derivative likewise.
+    #[inline]
+    pub fn curvature(&self, z: f64) -> f64 {
+        match self {
+            Self::Fading(split, share) if *share > 0.0 => {
+                (self.rate(z) - split.mu / (FAR * FAR)).max(0.0)
+            }
+            _ => self.rate(z),
+        }
+    }
+
+    /// The weight of the second derivatives of the row.
+    #[inline]
+    pub fn weight(&self, z: f64) -> f64 {
+        match self {
+            Self::Fading(..) => (z - self.lift()).max(0.0),
+            _ => z,
+        }
+    }
+
     /// The multiplier nearest to `z` that an iterate may have.
     #[inline]
     pub fn safeguarded(&self, z: f64) -> f64 {
         match self {
-            Self::Barrier(split) => split.safeguarded(z),
+            Self::Barrier(split) | Self::Fading(split, _) => split.safeguarded(z),
             Self::Dual { .. } => self.multiplier(),
         }
     }

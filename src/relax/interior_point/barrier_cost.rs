@@ -1,15 +1,15 @@
 //! The running cost with the barriers of the rows.
 
-use super::barrier::Barrier;
+use super::barrier::{Barrier, Term};
 use super::equality::Equalities;
-use super::near::{Near, Place};
+use super::near::Near;
 use super::row::{Kind, kinds};
 use super::terms::Terms;
 use super::trial::Trial;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::transcription::{Grid, LANES, Rows, Wide, alone};
+use crate::relax::transcription::{Attributes, Grid, LANES, Rows, Wide, alone};
 use crate::relax::tuning::RESERVE;
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
@@ -43,6 +43,7 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(super) trial: Trial,
     /// True while a step is being tried.
     pub(super) trying: bool,
+    pub(super) by: (usize, f64, f64),
     /// The kind of each row at each point.
     pub(super) kinds: Vec<Kind>,
     /// The rows with their margins where the cost was evaluated last.
@@ -71,7 +72,7 @@ impl<'a, K: Constraint> BarrierCost<'a, K> {
         barrier: Barrier,
     ) -> Result<Self> {
         let rows = Rows::new(model, constraints, ControlEffort::new(model))?;
-        let kinds = rows.equalities.iter().map(|row| Kind::of(*row)).collect();
+        let kinds = rows.of().equalities.iter().map(|row| Kind::of(*row)).collect();
         Ok(Self::of(rows, barrier, kinds, vec![1.0]))
     }
 }
@@ -80,12 +81,12 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     /// That of rows on a grid, with the multipliers of the barrier of nothing.
     pub(super) fn new(rows: Rows<'a, K, P>, barrier: Barrier, grid: &Grid<f64>) -> Self {
         let weights = grid.weights.clone();
-        let kinds = kinds(&rows.equalities, &grid.collocated, grid.segments);
+        let kinds = kinds(&rows.of().equalities, &grid.collocated, grid.segments);
         Self::of(rows, barrier, kinds, weights)
     }
 
     fn of(rows: Rows<'a, K, P>, barrier: Barrier, kinds: Vec<Kind>, weights: Vec<f64>) -> Self {
-        let zeros = vec![Wide::splat(0.0); rows.count()];
+        let zeros = vec![Wide::splat(0.0); rows.constraints.state.dim()];
         let all = vec![0.0; kinds.len()];
         let of_kind = |kind: &Kind| {
             if *kind == Kind::Inequality {
@@ -96,7 +97,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         };
         let margins = kinds.iter().map(of_kind).collect();
         let count = rows.count();
-        let passive = (0..count).map(|row| rows.constraints.is_passive(row));
+        let passive = rows.ids.iter().map(|row| rows.constraints.is_passive(*row));
         let points = kinds.len() / count.max(1);
         Self {
             equalities: Equalities::new(passive.collect(), points),
@@ -109,6 +110,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             relaxations: all.clone(),
             trial: Trial::default(),
             trying: false,
+            by: (0, 0.0, 0.0),
             h: all,
             cost: 0.0,
             weights,
@@ -124,7 +126,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         let rows = self.h.iter().zip(&self.kinds).enumerate();
         let held = rows.filter(|(_, (_, kind))| **kind == Kind::Equality);
         held.fold(0.0, |most, (at, (h, _))| {
-            most.max(h.abs() * self.rows.units[at % count])
+            most.max(h.abs() * self.rows.of().units[at % count])
         })
     }
 
@@ -153,7 +155,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
 
     /// Takes the duals that the equalities ask for; see [`Equalities::update`].
     pub(super) fn update_duals(&mut self, feasible: f64, density: f64) {
-        let (h, kinds, units) = (&self.h, &self.kinds, &self.rows.units);
+        let (h, kinds, units) = (&self.h, &self.kinds, &self.rows.of().units);
         self.equalities.update(h, kinds, units, (feasible, density));
         self.set_barrier(self.barrier);
     }
@@ -170,24 +172,24 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             barrier: self.barrier,
             equalities: &self.equalities,
             kinds: &self.kinds,
-            floors: &self.rows.floors,
+            floors: &self.rows.of().floors,
         }
     }
 
-    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins; says how many barriers are constant.
-    pub(super) fn list_near(&mut self, point: usize) -> usize {
+    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins.
+    pub(super) fn list_near(&mut self, point: usize) {
         let count = self.rows.count();
         let own = point * count..(point + 1) * count;
         let rows = self.h[own.clone()].iter().zip(&self.kinds[own]);
-        let rows = rows.zip(&self.rows.floors);
+        let rows = rows.zip(&self.rows.of().floors);
         self.near.list(
             point,
             rows.map(|((h, kind), floor)| match kind {
-                Kind::Idle => Place::Nowhere,
-                Kind::Inequality if h < floor => Place::Far,
-                _ => Place::Near,
+                Kind::Idle => false,
+                Kind::Inequality => h >= floor,
+                Kind::Equality => true,
             }),
-        )
+        );
     }
 
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
@@ -196,7 +198,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             self.cost = 0.0;
         }
         let (count, barrier) = (self.rows.count(), self.barrier);
-        let far_value = self.terms().far_value();
+        let faded = self.terms().faded();
         for (g, cost) in costs.iter_mut().enumerate() {
             let (point, weight) = (points.first + g, self.weights[g]);
             self.cost += weight * *cost;
@@ -207,7 +209,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             if self.trying {
                 self.trial.relaxations[own.clone()].fill(0.0);
             }
-            let (mut far, mut product) = (self.list_near(point), 1.0_f64);
+            self.list_near(point);
+            let mut product = 1.0_f64;
             for row in self.near.at(point) {
                 let at = own.start + row;
                 if self.kinds[at] == Kind::Inequality {
@@ -223,14 +226,17 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     barrier,
                     equalities: &self.equalities,
                     kinds: &self.kinds,
-                    floors: &self.rows.floors,
+                    floors: &self.rows.of().floors,
                 };
                 let Some(term) = terms.at(at, *row, self.h[at]) else {
-                    far += 1;
                     continue;
                 };
                 let (value, of_logarithm) = term.value();
                 *cost += value;
+                if let Term::Fading(..) = term {
+                    // So that it has faded to nothing.
+                    *cost -= faded;
+                }
                 product *= of_logarithm;
                 // Long before it could leave the range of numbers.
                 if !(1e-150..1e150).contains(&product) {
@@ -238,7 +244,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                     product = 1.0;
                 }
             }
-            *cost += far as f64 * far_value - barrier.mu * product.ln();
+            *cost -= barrier.mu * product.ln();
         }
     }
 }
@@ -258,8 +264,15 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
         let count = self.rows.count();
         let own = points.first * count..(points.first + points.count()) * count;
+        if points.first == 0 {
+            self.rows.unlisted_highest = f64::NEG_INFINITY;
+        }
         self.rows.at(points, &mut self.h[own], costs)?;
         self.add_barriers(points, costs);
+        if self.rows.unlisted_highest > 0.0 {
+            // A step into something that was too far away to be listed.
+            costs.fill(f64::INFINITY);
+        }
         Ok(())
     }
 
@@ -276,16 +289,11 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
-        let Constraints { state, torque } = self.rows.constraints;
-        let (states, count) = (state.dim(), self.rows.count());
+        let Constraints { torque, .. } = self.rows.constraints;
+        let (states, count) = (self.rows.states, self.rows.count());
         let (multipliers, relaxations) = (&self.multipliers, &self.relaxations);
         let (rows, margins) = (&mut self.h, &self.margins);
-        let Rows {
-            cost,
-            scales,
-            floors,
-            ..
-        } = &mut self.rows;
+        let (cost, Attributes { scales, floors, .. }) = self.rows.cost_and_attributes();
         let terms = Terms {
             barrier: self.barrier,
             equalities: &self.equalities,
@@ -305,7 +313,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
                 let h = rows[at] + margins[at] - r;
                 if let Some(term) = terms.at(at, at % count, h) {
                     let c = term.curvature(z);
-                    out.gradient[i] += slope * (term.multiplier() + c * r);
+                    out.gradient[i] += slope * (term.slope() + c * r);
                     out.curvature_weights[i] += slope * z;
                     out.hessian[i] += slope * slope * c;
                 }
@@ -314,9 +322,12 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
         };
         cost.all_derivatives_with(points, out, &mut add)?;
         let own = points.first * count..(points.first + points.count()) * count;
+        if points.first == 0 {
+            self.rows.unlisted_highest = f64::NEG_INFINITY;
+        }
         self.rows.of_state(points, &mut self.h[own])?;
         self.add_barriers(points, &mut out.costs);
-        if states > 0 {
+        if !self.slopes.is_empty() {
             for start in (0..points.count()).step_by(LANES) {
                 self.add_state(points, start, out)?;
             }
@@ -335,7 +346,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
     ) -> Result<()> {
         let n = points.states.nrows();
         let found = LANES.min(points.count() - start);
-        let (states, count) = (self.rows.constraints.state.dim(), self.rows.count());
+        let (states, count) = (self.rows.states, self.rows.count());
         // Where there are fewer points than lanes the last one is in those that are left.
         let point = |lane: usize| points.first + start + lane.min(found - 1);
         for lane in 0..LANES {
@@ -345,20 +356,21 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
                     barrier: self.barrier,
                     equalities: &self.equalities,
                     kinds: &self.kinds,
-                    floors: &self.rows.floors,
+                    floors: &self.rows.of().floors,
                 };
                 if let Some(term) = terms.at(at, row, self.h[at]) {
-                    let (scale, z) = (self.rows.scales[row], self.multipliers[at]);
+                    let (scale, z) = (self.rows.of().scales[row], self.multipliers[at]);
+                    let (id, weight) = (self.rows.ids[row], term.weight(z));
                     let c = term.curvature(z);
                     let push = c * self.relaxations[at];
-                    self.slopes[row].0[lane] = (term.multiplier() + push) * scale;
-                    self.curvatures[row].0[lane] = c * scale * scale;
-                    self.weighted[row].0[lane] = z * scale;
+                    self.slopes[id].0[lane] = (term.slope() + push) * scale;
+                    self.curvatures[id].0[lane] = c * scale * scale;
+                    self.weighted[id].0[lane] = weight * scale * if self.rows.of().floors[row].is_finite() { crate::relax::tuning::exp("EXP_CURV", 1.0) } else { 1.0 };
                 }
             }
         }
         let gradient = Weights {
-            first_order: &self.slopes[..states],
+            first_order: &self.slopes,
             gauss_newton: None,
         };
         let pull = self.rows.weighted_derivatives(points, start, gradient)?;
@@ -368,8 +380,8 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
             }
         }
         let hessian = Weights {
-            first_order: &self.weighted[..states],
-            gauss_newton: Some(&self.curvatures[..states]),
+            first_order: &self.weighted,
+            gauss_newton: Some(&self.curvatures),
         };
         let pull = self.rows.weighted_derivatives(points, start, hessian)?;
         out.hessians.add_wide(start, pull.hessian());
@@ -380,7 +392,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
                     &mut self.curvatures,
                     &mut self.weighted,
                 ] {
-                    weights[row].0[lane] = 0.0;
+                    weights[self.rows.ids[row]].0[lane] = 0.0;
                 }
             }
         }

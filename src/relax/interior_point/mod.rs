@@ -21,6 +21,7 @@ mod barrier_cost;
 mod candidate;
 mod equality;
 mod iterate;
+mod listing;
 mod margins;
 mod near;
 mod newton;
@@ -90,7 +91,7 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
 ) -> Result<Candidate> {
     let degree = candidate.path.basis.degree();
     let kind = usize::from(context.rows.count() > 0);
-    candidate.points = (POINTS[kind] * degree as f64) as usize + 4;
+    candidate.points = (super::tuning::exp("EXP_POINTS", POINTS[kind]) * degree as f64) as usize + 4;
     loop {
         let end = search(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;

@@ -7,16 +7,6 @@ pub(super) struct Near {
     rows: Vec<Vec<usize>>,
 }
 
-/// What becomes of a row at a point.
-pub(super) enum Place {
-    /// It has a term.
-    Near,
-    /// Its barrier is constant.
-    Far,
-    /// It is not asked for.
-    Nowhere,
-}
-
 impl Near {
     /// No rows yet of so many in all at so many points.
     pub fn new(count: usize, points: usize) -> Self {
@@ -43,17 +33,10 @@ impl Near {
         points.flat_map(move |(g, rows)| rows.iter().map(move |row| (g * count + row, *row)))
     }
 
-    /// Lists the rows at a point anew; returns the number of those that are far.
-    pub fn list(&mut self, point: usize, rows: impl Iterator<Item = Place>) -> usize {
-        let (near, mut far) = (&mut self.rows[point], 0);
+    /// Lists the rows at a point anew, of which it is said whether they have a term.
+    pub fn list(&mut self, point: usize, rows: impl Iterator<Item = bool>) {
+        let near = &mut self.rows[point];
         near.clear();
-        for (row, place) in rows.enumerate() {
-            match place {
-                Place::Near => near.push(row),
-                Place::Far => far += 1,
-                Place::Nowhere => (),
-            }
-        }
-        far
+        near.extend(rows.enumerate().filter_map(|(row, has)| has.then_some(row)));
     }
 }

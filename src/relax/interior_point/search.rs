@@ -62,8 +62,10 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     } = context;
     let (n, horizon, points) = (problem.model().dof(), problem.horizon(), candidate.points);
     let basis = candidate.path.basis.clone();
-    let grid = if rows.equalities.contains(&true) {
+    let grid = if rows.of().equalities.contains(&true) {
         grids.collocated(&basis, points, horizon)
+    } else if rows.count() > 0 && crate::relax::tuning::exp("EXP_LOB", 1.0) > 0.0 {
+        grids.with_ends(&basis, points, horizon)
     } else {
         grids.get(&basis, points, horizon)
     };
@@ -122,6 +124,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
                 let peaks = self.look_between(&mut now)?;
                 let broken = now.violation > stage.feasible;
                 if broken && !out && self.mend(&peaks) {
+                    self.objective.cost_mut().list_those_near();
                     self.decrement = f64::INFINITY;
                 } else {
                     end = Some(End::Done);
@@ -134,6 +137,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
                 &mut now.iteration,
             )? {
                 std::mem::swap(&mut now.coefficients, &mut trial);
+                self.update_list(&now.coefficients)?;
                 self.after_step(&now, promised)?;
             } else {
                 // Rounding hides what is left to gain with this barrier.
@@ -253,11 +257,13 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         if !self.constrained {
             return Ok(Vec::new());
         }
+        self.objective.cost_mut().list_all();
+        self.objective.value(&now.coefficients)?;
         let peaks = self.peaks(&now.coefficients, 1)?;
         let cost = self.objective.cost_mut();
         let excesses = peaks
             .iter()
-            .map(|peak| peak.height * cost.rows.units[peak.row]);
+            .map(|peak| peak.height * cost.rows.of().units[peak.row]);
         now.violation = excesses.fold(cost.largest_equality(), f64::max);
         Ok(peaks)
     }
@@ -271,7 +277,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let density = cost.cost.max(SMALLEST_COST) / horizon;
         let [mu, nu] = candidate
             .barrier
-            .unwrap_or([FIRST_BARRIER / near, FIRST_PRICE]);
+            .unwrap_or([crate::relax::tuning::exp("EXP_FIRST", FIRST_BARRIER) / near, crate::relax::tuning::exp("EXP_PRICE", FIRST_PRICE)]);
         cost.barrier = Barrier {
             mu: mu * density,
             nu: nu * density,
@@ -292,13 +298,24 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         } else {
             cost.reset_multipliers();
         }
+        cost.list_those_near();
+        Ok(())
+    }
+
+    /// Lists anew the rows that matter where one has come near that was not listed.
+    fn update_list(&mut self, coefficients: &DMatrix<f64>) -> Result<()> {
+        if self.constrained && self.objective.cost_mut().is_list_old() {
+            self.objective.cost_mut().list_all();
+            self.objective.value(coefficients)?;
+            self.objective.cost_mut().list_those_near();
+        }
         Ok(())
     }
 
     /// The local maxima of rows near their bounds, between the points too.
     fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
         let cost = self.objective.cost_mut();
-        self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
+        self.scans[scan].peaks(&mut cost.rows, coefficients, crate::relax::tuning::exp("EXP_FLOOR", FLOOR))
     }
 
     /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
@@ -327,6 +344,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             let density = cost.cost.max(SMALLEST_COST) / horizon;
             candidate.barrier = Some([cost.barrier.mu / density, cost.barrier.nu / density]);
             candidate.penalties = Some(cost.equalities.penalties.clone());
+            cost.list_all();
             candidate.multipliers = Multipliers::new(times, &cost.multipliers, &cost.kinds);
         }
         candidate.path.coefficients = now.coefficients;

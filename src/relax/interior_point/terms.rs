@@ -23,14 +23,17 @@ impl Terms<'_> {
         match self.kinds[at] {
             Kind::Idle => None,
             Kind::Inequality if h < self.floors[row] => None,
+            Kind::Inequality if self.floors[row].is_finite() => {
+                Some(Term::Fading(self.barrier.split(h), (-h / FAR).max(0.0)))
+            }
             Kind::Inequality => Some(Term::Barrier(self.barrier.split(h))),
             Kind::Equality => Some(self.equalities.term(at, h)),
         }
     }
 
-    /// The barrier of a row where it is constant.
-    pub fn far_value(&self) -> f64 {
-        let (value, of_logarithm) = Term::Barrier(self.barrier.split(-FAR)).value();
+    /// The value of a barrier where it has faded out.
+    pub fn faded(&self) -> f64 {
+        let (value, of_logarithm) = Term::Fading(self.barrier.split(-FAR), 1.0).value();
         value - self.barrier.mu * of_logarithm.ln()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Scan;
 use super::packed_hessian::products;
-use crate::curve::{Basis, gauss_legendre};
+use crate::curve::{Basis, gauss_legendre, gauss_lobatto};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 use std::ops::Range;
@@ -37,6 +37,7 @@ pub struct Grid<S: Scalar> {
 #[derive(Default)]
 pub(in crate::relax) struct Grids {
     grids: Mutex<Vec<Made<Grid<f64>>>>,
+    with_ends: Mutex<Vec<Made<Grid<f64>>>>,
     collocated: Mutex<Vec<Made<Grid<f64>>>>,
     scans: Mutex<Vec<Made<Scan>>>,
 }
@@ -55,6 +56,11 @@ impl Grids {
     /// As [`Grid::new`].
     pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.grids, basis, points, horizon, Grid::new)
+    }
+
+    /// As [`Grid::with_ends`].
+    pub fn with_ends(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
+        get(&self.with_ends, basis, points, horizon, Grid::with_ends)
     }
 
     /// As [`Grid::collocated`].
@@ -95,7 +101,17 @@ impl Grid<f64> {
     /// `basis` on `[0, horizon]` with `points` points per segment.
     #[must_use]
     pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
-        let (nodes, weights) = gauss_legendre(points);
+        Self::of_rule(basis, gauss_legendre(points), horizon)
+    }
+
+    /// The same at Gauss-Lobatto points, of which the first and the last of a segment are its ends: where two segments meet velocities often
+    /// have a peak and the control jumps.
+    #[must_use]
+    pub fn with_ends(basis: &Basis, points: usize, horizon: f64) -> Self {
+        Self::of_rule(basis, gauss_lobatto(points), horizon)
+    }
+
+    fn of_rule(basis: &Basis, (nodes, weights): (Vec<f64>, Vec<f64>), horizon: f64) -> Self {
         let nodes = nodes.into_iter().zip(weights);
         let nodes = nodes.map(|(at, weight)| Node {
             at,

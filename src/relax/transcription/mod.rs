@@ -20,7 +20,7 @@ pub use point_cost::{
     PointsDerivatives,
 };
 pub(super) use point_cost::{LANES, Wide};
-pub(super) use rows::Rows;
+pub(super) use rows::{Attributes, Rows};
 pub(super) use scan::{Peak, Scan};
 
 use super::WeightedSquares;

@@ -22,6 +22,22 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at the points that are side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
+    /// The number of each row among those of the constraints, ascending: all of them, or those that are listed.
+    pub ids: Vec<usize>,
+    /// How many of them are rows of the state; those of the torque come after.
+    pub states: usize,
+    /// What all rows have, listed or not.
+    all: Attributes,
+    /// The rows of the state that are not listed, and the largest value of one since this was reset.
+    unlisted: Vec<usize>,
+    pub unlisted_highest: f64,
+    /// What the listed rows have.
+    of: Attributes,
+}
+
+/// What rows have, an entry each.
+#[derive(Clone, Debug, Default)]
+pub(in crate::relax) struct Attributes {
     /// The factor of a row: with it the row is of the order of 0.1 where it is badly violated.
     pub scales: Vec<f64>,
     /// True if a row is an equality.
@@ -42,10 +58,12 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
-            scales: self.scales.clone(),
-            equalities: self.equalities.clone(),
-            units: self.units.clone(),
-            floors: self.floors.clone(),
+            ids: self.ids.clone(),
+            states: self.states,
+            all: self.all.clone(),
+            unlisted: self.unlisted.clone(),
+            unlisted_highest: self.unlisted_highest,
+            of: self.of.clone(),
         }
     }
 }
@@ -63,32 +81,76 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             RowKind::Clearance if !constraints.is_equality(row) => -FAR,
             _ => f64::NEG_INFINITY,
         };
-        Ok(Self {
+        let all = Attributes {
             floors: (0..scales.len()).map(floor).collect(),
+            units,
+            equalities: equalities.collect(),
+            scales,
+        };
+        Ok(Self {
             constraints,
             cost,
             controls: DMatrix::zeros(n, 0),
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); state.dim()],
-            units,
-            equalities: equalities.collect(),
-            scales,
+            ids: (0..all.scales.len()).collect(),
+            states: state.dim(),
+            of: all.clone(),
+            all,
+            unlisted: Vec::new(),
+            unlisted_highest: f64::NEG_INFINITY,
         })
     }
 
+    /// The number of listed rows.
     pub fn count(&self) -> usize {
-        self.scales.len()
+        self.ids.len()
+    }
+
+    /// What the listed rows have.
+    pub fn of(&self) -> &Attributes {
+        &self.of
+    }
+
+    /// The running cost, to be evaluated, beside what the listed rows have.
+    pub fn cost_and_attributes(&mut self) -> (&mut P, &Attributes) {
+        (&mut self.cost, &self.of)
+    }
+
+    /// The number of all rows.
+    pub fn count_all(&self) -> usize {
+        self.all.scales.len()
+    }
+
+    /// Lists these rows of the state, ascending, and all of the torque: nothing is done for the others than to see how large they become.
+    pub fn list(&mut self, rows: &[usize]) {
+        let states = self.constraints.state.dim();
+        let mut listed = vec![false; states];
+        for row in rows {
+            listed[*row] = true;
+        }
+        self.unlisted = (0..states).filter(|row| !listed[*row]).collect();
+        self.unlisted_highest = f64::NEG_INFINITY;
+        self.states = rows.len();
+        self.ids = rows.iter().copied().chain(states..self.count_all()).collect();
+        let (ids, all) = (&self.ids, &self.all);
+        self.of = Attributes {
+            scales: ids.iter().map(|row| all.scales[*row]).collect(),
+            equalities: ids.iter().map(|row| all.equalities[*row]).collect(),
+            units: ids.iter().map(|row| all.units[*row]).collect(),
+            floors: ids.iter().map(|row| all.floors[*row]).collect(),
+        };
     }
 
     /// All rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;
-        let Constraints { state, torque } = self.constraints;
+        let torque = &self.constraints.torque;
         if torque.dim() == 0 {
             return self.cost.values(points, costs);
         }
-        let (states, count) = (state.dim(), self.count());
+        let (states, count) = (self.states, self.count());
         if self.controls.ncols() < points.count() {
             self.controls = DMatrix::zeros(points.states.nrows(), points.count());
         }
@@ -97,7 +159,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         for (h, u) in h.chunks_exact_mut(count).zip(self.controls.column_iter()) {
             let h = &mut h[states..];
             torque.value(u.as_slice(), h)?;
-            for (h, scale) in h.iter_mut().zip(&self.scales[states..]) {
+            for (h, scale) in h.iter_mut().zip(&self.of.scales[states..]) {
                 *h *= scale;
             }
         }
@@ -115,8 +177,8 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// The rows of the state alone; those of the control are left as they are.
     pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let (states, count) = (self.constraints.state.dim(), self.count());
-        if states == 0 {
+        let (states, count) = (self.states, self.count());
+        if self.wide.is_empty() {
             return Ok(());
         }
         let own = 2 * points.states.nrows();
@@ -127,9 +189,14 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             for lane in 0..found {
                 let first = (start + lane) * count;
                 let h = &mut h[first..first + states];
-                for ((h, wide), scale) in h.iter_mut().zip(&self.wide).zip(&self.scales) {
-                    *h = wide.0[lane] * scale;
+                for ((h, row), scale) in h.iter_mut().zip(&self.ids).zip(&self.of.scales) {
+                    *h = self.wide[*row].0[lane] * scale;
                 }
+            }
+            for row in &self.unlisted {
+                let [a, b, c, d] = self.wide[*row].0;
+                let highest = a.max(b).max(c.max(d)) * self.all.scales[*row];
+                self.unlisted_highest = self.unlisted_highest.max(highest);
             }
         }
         Ok(())

@@ -84,7 +84,7 @@ impl Scan {
                 }
                 for row in 0..count {
                     let (a, b, c) = (before[row], here[row], next[row]);
-                    if k == 0 || b <= floor || a > b || c >= b || rows.equalities[row] {
+                    if k == 0 || b <= floor || a > b || c >= b || rows.of().equalities[row] {
                         continue;
                     }
                     let (mut shift, mut height) = (0.0, b);
