@@ -8,6 +8,6 @@ mod piecewise;
 
 pub use basis::Basis;
 pub use chebyshev::Chebyshev;
-pub use legendre::{gauss_legendre, gauss_lobatto};
 pub(crate) use legendre::legendre;
+pub use legendre::{gauss_legendre, gauss_lobatto};
 pub use piecewise::Curve;

@@ -95,7 +95,8 @@ impl Region {
     /// Adapts the radius to what a step of this length gained of what was predicted.
     pub fn learn(&mut self, gain: f64, length: f64) {
         if gain > 0.75 && self.damping > 0.0 {
-            let grow: f64 = if gain > 0.9 { std::env::var("EXP_GROW").map_or(2.0, |x| x.parse().unwrap()) } else { 2.0 }; self.radius = self.radius.max(grow * length);
+            let growth = if gain > 0.9 { 4.0 } else { 2.0 };
+            self.radius = self.radius.max(growth * length);
         } else if gain < 0.25 || gain.is_nan() {
             self.radius = 0.3 * length;
         }

@@ -103,7 +103,7 @@ impl RelaxSettings {
             iterations: self.iterations,
             fresh: FRESH[usize::from(constrained)],
             quadrature_tolerance: self.quadrature_tolerance,
-            last_barrier: super::tuning::exp("EXP_LAST", LAST_BARRIER),
+            last_barrier: LAST_BARRIER.max(self.tolerance * self.tolerance),
             // Whoever looks at the motion by other means finds it within the tolerance as well.
             feasible: 0.5 * Self::FEASIBLE,
             slope: self.free_horizon.is_some(),

@@ -64,13 +64,13 @@ pub(super) const INSIDE: f64 = 1e-6;
 // Barrier. All relative to the cost per second.
 
 /// The first weight of the barriers of all rows together.
-pub(super) const FIRST_BARRIER: f64 = 0.1;
+pub(super) const FIRST_BARRIER: f64 = 1.0;
 /// The last one: how far the cost may be above its minimum.
 pub(super) const LAST_BARRIER: f64 = 1e-7;
 /// A weight that is this factor of another is that one.
 pub(super) const NEARLY: f64 = 1.01;
 /// The factor from one weight to the next.
-pub(super) const BARRIER_FACTOR: f64 = 0.1;
+pub(super) const BARRIER_FACTOR: f64 = 0.3;
 /// A weight is done with once the next step promises less than this, relative to the weight of all rows.
 pub(super) const BARRIER_DONE: f64 = 0.1;
 /// Below this weight of all rows margins only grow.
@@ -160,9 +160,3 @@ pub(super) const REACH: f64 = 0.25;
 pub(super) const TRIES: usize = 60;
 /// The relative exactness of the shortest horizon on which there is a motion: what is tried in vain below it takes long.
 pub(super) const POSSIBLE: f64 = 1e-3;
-
-pub(super) fn exp(name: &str, or: f64) -> f64 {
-    static ALL: std::sync::OnceLock<std::collections::HashMap<String, f64>> = std::sync::OnceLock::new();
-    let all = ALL.get_or_init(|| std::env::vars().filter(|(k, _)| k.starts_with("EXP_")).filter_map(|(k, v)| v.parse().ok().map(|v| (k, v))).collect());
-    all.get(name).copied().unwrap_or(or)
-}

@@ -1,6 +1,6 @@
 //! The barrier of a row that may be broken at a price.
 
-use crate::relax::tuning::{FAR, INSIDE};
+use crate::relax::tuning::{APART, FAR, INSIDE};
 
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
 /// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
@@ -26,7 +26,6 @@ pub(super) struct Split {
     excess: f64,
     mu: f64,
     nu: f64,
-    apart: f64,
 }
 
 /// The term of a row in the merit function.
@@ -67,7 +66,6 @@ impl Barrier {
             excess: (2.0 * mu + more) * half,
             mu,
             nu,
-            apart: crate::relax::tuning::exp("EXP_APART", 1e4),
         }
     }
 }
@@ -87,8 +85,6 @@ impl Split {
     #[inline]
     fn safeguarded(&self, z: f64) -> f64 {
         let nu = self.nu;
-        #[allow(non_snake_case)]
-        let APART = self.apart;
         if self.slack > self.excess {
             let lower = self.mu / self.slack;
             z.max(lower / APART).min((lower * APART).min(0.5 * nu))

@@ -43,7 +43,6 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(super) trial: Trial,
     /// True while a step is being tried.
     pub(super) trying: bool,
-    pub(super) by: (usize, f64, f64),
     /// The kind of each row at each point.
     pub(super) kinds: Vec<Kind>,
     /// The rows with their margins where the cost was evaluated last.
@@ -72,7 +71,12 @@ impl<'a, K: Constraint> BarrierCost<'a, K> {
         barrier: Barrier,
     ) -> Result<Self> {
         let rows = Rows::new(model, constraints, ControlEffort::new(model))?;
-        let kinds = rows.of().equalities.iter().map(|row| Kind::of(*row)).collect();
+        let kinds = rows
+            .of()
+            .equalities
+            .iter()
+            .map(|row| Kind::of(*row))
+            .collect();
         Ok(Self::of(rows, barrier, kinds, vec![1.0]))
     }
 }
@@ -110,7 +114,6 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             relaxations: all.clone(),
             trial: Trial::default(),
             trying: false,
-            by: (0, 0.0, 0.0),
             h: all,
             cost: 0.0,
             weights,
@@ -203,7 +206,10 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             let (point, weight) = (points.first + g, self.weights[g]);
             self.cost += weight * *cost;
             let own = point * count..(point + 1) * count;
-            for (h, margin) in self.h[own.clone()].iter_mut().zip(&self.margins[own.clone()]) {
+            for (h, margin) in self.h[own.clone()]
+                .iter_mut()
+                .zip(&self.margins[own.clone()])
+            {
                 *h += margin;
             }
             if self.trying {
@@ -365,7 +371,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
                     let push = c * self.relaxations[at];
                     self.slopes[id].0[lane] = (term.slope() + push) * scale;
                     self.curvatures[id].0[lane] = c * scale * scale;
-                    self.weighted[id].0[lane] = weight * scale * if self.rows.of().floors[row].is_finite() { crate::relax::tuning::exp("EXP_CURV", 1.0) } else { 1.0 };
+                    self.weighted[id].0[lane] = weight * scale;
                 }
             }
         }
@@ -387,11 +393,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         out.hessians.add_wide(start, pull.hessian());
         for lane in 0..LANES {
             for row in self.near.of_state(point(lane), states) {
-                for weights in [
-                    &mut self.slopes,
-                    &mut self.curvatures,
-                    &mut self.weighted,
-                ] {
+                for weights in [&mut self.slopes, &mut self.curvatures, &mut self.weighted] {
                     weights[self.rows.ids[row]].0[lane] = 0.0;
                 }
             }

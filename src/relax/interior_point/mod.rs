@@ -89,9 +89,12 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     stage: Stage,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Candidate> {
-    let degree = candidate.path.basis.degree();
+    let (segments, degree) = (
+        candidate.path.basis.segments(),
+        candidate.path.basis.degree(),
+    );
     let kind = usize::from(context.rows.count() > 0);
-    candidate.points = (super::tuning::exp("EXP_POINTS", POINTS[kind]) * degree as f64) as usize + 4;
+    candidate.points = (POINTS[kind] * degree as f64 / (segments as f64).sqrt()) as usize + 4;
     loop {
         let end = search(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;

@@ -112,7 +112,7 @@ impl Newton {
             let cut = cost.end_of_whole();
             let [price, back, work] = cost.price_of_relaxations();
             let (mut share, mut ratio) = (cut, f64::NAN);
-            for _ in 0..crate::relax::tuning::exp("EXP_CUTS", CUTS as f64) as usize {
+            for _ in 0..CUTS {
                 if share < 1.0 {
                     move_by(objective, from, &step, share, to);
                     objective.cost_mut().try_share(share);
@@ -132,12 +132,6 @@ impl Newton {
                     break;
                 }
                 share *= CUT;
-            }
-            if std::env::var("EXP_LOG").is_ok() {
-                let cost = objective.cost_mut();
-                let (at, r) = cost.relaxations.iter().enumerate().fold((0, 0.0), |a, (i, r)| if *r > a.1 { (i, *r) } else { a });
-                let rc = cost.relaxations.iter().filter(|r| **r > 0.0).count();
-                eprintln!("mu {:.1e} nu {:.1e} cost {:.3} merit {:.6} cut {:.2e} by {} {:.1e} {:.1e} share {:.2e} ratio {:.2} promised {:.2e} length {:.2e} damping {:.1e} relaxed {} {:.1e} at {} near {:.1}", cost.barrier.mu, cost.barrier.nu, iteration.cost, merit, cut, cost.by.0,cost.by.1,cost.by.2, share, ratio, promised, length, self.region.damping, rc, r, at % cost.rows.count(), cost.mean_count());
             }
             iteration.damping = self.region.damping;
             iteration.step = share * length;

@@ -30,14 +30,14 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let cost = self.objective.cost_mut();
         let all = cost.mean_count() * horizon;
         let Barrier { mu, nu } = cost.barrier;
-        if promised > crate::relax::tuning::exp("EXP_DONE", BARRIER_DONE) * mu * all {
+        if promised > BARRIER_DONE * mu * all {
             return false;
         }
         let least = last * cost.cost.max(SMALLEST_COST) / all;
         if mu <= NEARLY * least {
             return false;
         }
-        let mu = (crate::relax::tuning::exp("EXP_FACTOR", BARRIER_FACTOR) * mu).max(least);
+        let mu = (BARRIER_FACTOR * mu).max(least);
         cost.set_barrier(Barrier { mu, nu });
         self.update_duals();
         true

@@ -64,7 +64,7 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     let basis = candidate.path.basis.clone();
     let grid = if rows.of().equalities.contains(&true) {
         grids.collocated(&basis, points, horizon)
-    } else if rows.count() > 0 && crate::relax::tuning::exp("EXP_LOB", 1.0) > 0.0 {
+    } else if rows.count() > 0 {
         grids.with_ends(&basis, points, horizon)
     } else {
         grids.get(&basis, points, horizon)
@@ -277,7 +277,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let density = cost.cost.max(SMALLEST_COST) / horizon;
         let [mu, nu] = candidate
             .barrier
-            .unwrap_or([crate::relax::tuning::exp("EXP_FIRST", FIRST_BARRIER) / near, crate::relax::tuning::exp("EXP_PRICE", FIRST_PRICE)]);
+            .unwrap_or([FIRST_BARRIER / near, FIRST_PRICE]);
         cost.barrier = Barrier {
             mu: mu * density,
             nu: nu * density,
@@ -315,7 +315,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
     /// The local maxima of rows near their bounds, between the points too.
     fn peaks(&mut self, coefficients: &DMatrix<f64>, scan: usize) -> Result<Vec<Peak>> {
         let cost = self.objective.cost_mut();
-        self.scans[scan].peaks(&mut cost.rows, coefficients, crate::relax::tuning::exp("EXP_FLOOR", FLOOR))
+        self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
     }
 
     /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.

@@ -29,7 +29,7 @@ impl Trial {
     pub fn row(&mut self, at: usize, raw: f64) -> f64 {
         let before = self.before[at];
         let even = before + self.share * (self.whole[at] - before);
-        let h = if before < 0.0 && (even < 0.0 || crate::relax::tuning::exp("EXP_CUT", 0.0) > 0.0) {
+        let h = if before < 0.0 && even < 0.0 {
             raw.min(even.max(0.01 * before))
         } else {
             raw
@@ -60,17 +60,16 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
     /// After the cost was evaluated at the end of the whole step: the share of it that leaves every row inside that was
     /// inside before.
     pub(super) fn end_of_whole(&mut self) -> f64 {
-        let mut share = 1.0_f64; let mut by = (0, 0.0, 0.0);
+        let mut share = 1.0_f64;
         self.trial.whole.clone_from(&self.h);
         for (at, _) in self.near.places() {
             let (h, before) = (self.h[at], self.trial.before[at]);
             let inside = self.kinds[at] == Kind::Inequality && before < 0.0;
             if inside && h > (1.0 - TO_THE_WALL) * before {
-                let own = TO_THE_WALL * before / (before - h); if own < share { share = own; by = (at % self.rows.count(), before, h); }
+                share = share.min(TO_THE_WALL * before / (before - h));
             }
         }
-        self.by = by;
-        share.max(crate::relax::tuning::exp("EXP_CUT", 0.0))
+        share
     }
 
     /// Tries a share of the step.
@@ -91,10 +90,11 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         for (at, row) in self.near.places() {
             let (before, whole) = (self.trial.before[at], self.trial.whole[at]);
             let terms = self.terms();
-            self.multipliers[at] = match (terms.at(at, row, before), terms.at(at, row, self.h[at])) {
+            self.multipliers[at] = match (terms.at(at, row, before), terms.at(at, row, self.h[at]))
+            {
                 (Some(from), Some(to)) => {
                     let curvature = from.rate(known[at]);
-                    { let full = from.multiplier() + curvature * (whole - before); to.safeguarded(if crate::relax::tuning::exp("EXP_Z", 0.0) > 0.0 { known[at] + self.trial.share * (full - known[at]) } else { full }) }
+                    to.safeguarded(from.multiplier() + curvature * (whole - before))
                 }
                 (None, Some(to)) => to.multiplier(),
                 (_, None) => 0.0,

@@ -196,7 +196,6 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             let metric = |i, j| self.squares[squares(i, j)];
             let stiffness = |i, j| self.stiff[squares(i, j)];
             let hessians = &mut out.hessians;
-            let phi = if crate::relax::tuning::exp("EXP_GN", 0.0) > 0.0 { None } else { phi };
             match (phi, stiff) {
                 (None, false) => hessians.put([x, y], start, metric),
                 (Some(phi), false) => {

@@ -133,7 +133,11 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.unlisted = (0..states).filter(|row| !listed[*row]).collect();
         self.unlisted_highest = f64::NEG_INFINITY;
         self.states = rows.len();
-        self.ids = rows.iter().copied().chain(states..self.count_all()).collect();
+        self.ids = rows
+            .iter()
+            .copied()
+            .chain(states..self.count_all())
+            .collect();
         let (ids, all) = (&self.ids, &self.all);
         self.of = Attributes {
             scales: ids.iter().map(|row| all.scales[*row]).collect(),
