@@ -1,72 +1,123 @@
 //! A path as a curve in a basis.
 
-use super::shorten::Along;
+use super::{Checker, PlanSettings, between, distance};
+use crate::constraint::Constraint;
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_length};
 use crate::motion::{Path, Problem, curve_of};
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
-/// The weight of squared second derivatives beside squared distances, both in normalised time: it keeps high degrees from swinging.
-const STIFFNESS: f64 = 1e-8;
-/// Points of the fit for each function of the basis.
-const POINTS: usize = 6;
+/// The number of times that the slope at a breakpoint is halved before it vanishes.
+const HALVINGS: usize = 4;
+/// The number of intervals of a segment at the ends of which the curve is looked at.
+const LOOKS: usize = 24;
 
-/// The curve in a basis that is nearest to a path in the least squares of many points, with the states of the problem at its ends. The
-/// path is timed by its length as a cubic from rest to rest. Cost O($m^3$) for `m` functions of the basis.
+/// The curve of cubics along a path from start to goal of `problem`, in a basis that has at least a segment for each line of the path.
+///
+/// Breakpoints are at the waypoints, and evenly between those that are far apart. There the curve has the slope from the breakpoint before to
+/// the one after, or as much of it as leaves the curve as free as the lines of the path: without any slope it is the path itself. At the
+/// ends it has the velocities of the problem. Cost: some hundred configurations per segment.
 ///
 /// # Errors
-/// There is no waypoint, one does not have `N` entries, or the functions of the basis are not independent.
-pub fn curve_through(problem: &Problem<'_>, path: &[Vec<f64>], basis: Basis) -> Result<Curve> {
-    curve_of(problem, &fit(problem, path, basis)?)
+/// There are fewer than two waypoints or more lines than segments, a waypoint does not have `N` entries, or the constraint is for another
+/// robot.
+pub fn curve_along<K: Constraint + ?Sized>(
+    problem: &Problem<'_>,
+    constraint: &K,
+    path: &[Vec<f64>],
+    basis: Basis,
+    settings: &PlanSettings,
+) -> Result<Curve> {
+    curve_of(problem, &along(problem, constraint, path, basis, settings)?)
 }
 
 /// The same as coefficients.
-pub(crate) fn fit(problem: &Problem<'_>, path: &[Vec<f64>], basis: Basis) -> Result<Path> {
-    let n = problem.model().dof();
-    if path.is_empty() {
-        return Err(Error::input("path", "waypoints", "there is none"));
+pub(crate) fn along<K: Constraint + ?Sized>(
+    problem: &Problem<'_>,
+    constraint: &K,
+    path: &[Vec<f64>],
+    basis: Basis,
+    settings: &PlanSettings,
+) -> Result<Path> {
+    let (n, segments) = (problem.model().dof(), basis.segments());
+    let refuse = |condition: String| Err(Error::input("path", "waypoints", condition));
+    if path.len() < 2 {
+        return refuse(format!("there are {}, at least 2 are needed", path.len()));
+    }
+    if path.len() > segments + 1 {
+        let lines = path.len() - 1;
+        return refuse(format!(
+            "there are {lines} lines between them and {segments} segments of a curve"
+        ));
     }
     for waypoint in path {
         check_length("waypoint", n, waypoint.len())?;
     }
-    let (count, free) = (basis.count(), basis.free());
-    let points = POINTS * count;
-    let mut matrix = DMatrix::<f64>::zeros(count, count);
-    let mut right = DMatrix::<f64>::zeros(count, n);
-    let along = Along::new(path);
-    let weight = 1.0 / points as f64;
-    for i in 0..points {
-        let time = (i as f64 + 0.5) / points as f64;
-        let length = along.length() * time * time * (3.0 - 2.0 * time);
-        let (_, at) = along.at(path, length);
-        let e = ((time * basis.segments() as f64) as usize).min(basis.segments() - 1);
-        let s = time / basis.half() - (2 * e + 1) as f64;
-        let table = basis.local(s);
-        let first = basis.first(e);
-        for a in 0..table.ncols() {
-            for b in 0..table.ncols() {
-                let products = [0, 2].map(|d| table[(d, a)] * table[(d, b)]);
-                matrix[(first + a, first + b)] += weight * (products[0] + STIFFNESS * products[1]);
-            }
-            for (j, q) in at.iter().enumerate() {
-                right[(first + a, j)] += weight * table[(0, a)] * q;
+    let breakpoints = divide(path, segments);
+    let ends = [problem.start(), problem.goal()].map(|state| &state[..n]);
+    let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
+    checker.keep(settings.margin, ends)?;
+    let stride = basis.degree() - 1;
+    let mut shares = vec![1.0; segments + 1];
+    let mut halvings = vec![0; segments + 1];
+    loop {
+        let mut coefficients = DMatrix::zeros(n, basis.count());
+        for (i, q) in breakpoints.iter().enumerate() {
+            for j in 0..n {
+                coefficients[(j, i * stride + 1)] = q[j];
+                if (1..segments).contains(&i) {
+                    let rise = breakpoints[i + 1][j] - breakpoints[i - 1][j];
+                    coefficients[(j, i * stride)] = 0.5 * shares[i] * rise * segments as f64;
+                }
             }
         }
+        let curve = Path {
+            coefficients,
+            basis: basis.clone(),
+        }
+        .between_ends_of(problem);
+        let mut shorter = Vec::new();
+        for e in 0..segments {
+            let times = (1..LOOKS).map(|k| (e as f64 + k as f64 / LOOKS as f64) / segments as f64);
+            let configurations: Vec<Vec<f64>> = times
+                .map(|time| {
+                    let [q, ..] = basis.evaluate(&curve.coefficients, time);
+                    q.as_slice().to_vec()
+                })
+                .collect();
+            if !checker.are_free(&configurations)? {
+                shorter.extend([e, e + 1]);
+            }
+        }
+        shorter.dedup();
+        shorter.retain(|i| (1..segments).contains(i) && shares[*i] > 0.0);
+        if shorter.is_empty() {
+            return Ok(curve);
+        }
+        for i in shorter {
+            halvings[i] += 1;
+            let left = halvings[i] <= HALVINGS;
+            shares[i] = if left { 0.5 * shares[i] } else { 0.0 };
+        }
     }
-    // What is left to fit once value and slope at the ends are those of the problem.
-    let mut found = Path {
-        coefficients: DMatrix::zeros(n, count),
-        basis,
+}
+
+/// The waypoints and, on the longest lines, points between them: as many lines as segments.
+fn divide(path: &[Vec<f64>], segments: usize) -> Vec<Vec<f64>> {
+    let lengths: Vec<f64> = path
+        .windows(2)
+        .map(|line| distance(&line[0], &line[1]))
+        .collect();
+    let mut parts = vec![1_usize; lengths.len()];
+    for _ in lengths.len()..segments {
+        let part = |i: &usize| lengths[*i] / parts[*i] as f64;
+        let longest = (0..parts.len()).max_by(|a, b| part(a).total_cmp(&part(b)));
+        parts[longest.unwrap_or(0)] += 1;
     }
-    .between_ends_of(problem);
-    let right = right - &matrix * found.coefficients.transpose();
-    let own = matrix.view_range(free.clone(), free.clone()).into_owned();
-    let Some(cholesky) = Cholesky::new(own) else {
-        let condition = "it cannot hold a path: its functions are not independent";
-        return Err(Error::input("path", "basis", condition));
-    };
-    let solution = cholesky.solve(&right.rows_range(free.clone()).into_owned());
-    let mut own = found.coefficients.columns_range_mut(free);
-    own += solution.transpose();
-    Ok(found)
+    let mut points = vec![path[0].clone()];
+    for (line, parts) in path.windows(2).zip(parts) {
+        let shares = (1..=parts).map(|k| k as f64 / parts as f64);
+        points.extend(shares.map(|share| between(&line[0], &line[1], share)));
+    }
+    points
 }

@@ -7,7 +7,7 @@
 //! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown towards random
 //!    configurations and then towards the other.
 //! 2. `shorten.rs`: waypoints that are not needed go, random shortcuts, then corners are rounded.
-//! 3. `fit.rs`: the path, timed by its length with smooth ends, by least squares in a basis.
+//! 3. `fit.rs`: the path as a curve of cubics, as smooth as what is in the way lets it be.
 //!
 //! Every random number comes from the seed, and the budget is a number of configurations: the same problem has the same path on any
 //! machine.
@@ -18,8 +18,8 @@ mod shorten;
 mod tree;
 
 pub use checker::Checker;
-pub use fit::curve_through;
-pub(crate) use fit::fit;
+pub(crate) use fit::along;
+pub use fit::curve_along;
 
 use crate::constraint::Constraint;
 use crate::error::{Error, Result, check_count, check_positive};

@@ -31,7 +31,7 @@ pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
     StageInput, Weighted, WeightedSquares,
 };
-pub use settings::{Iteration, RelaxSettings, RelaxSolution};
+pub use settings::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution};
 pub(crate) use strategy::horizon_slope;
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 pub use transcription::{
@@ -43,7 +43,7 @@ use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use interior_point::{Candidate, Context, minimise};
-use strategy::{Tried, minimise_to_the_end, multistart, refine, search};
+use strategy::{Planned, Tried, minimise_to_the_end, multistart, refine, search};
 use transcription::{Grids, Rows};
 
 /// No constraints.
@@ -140,11 +140,22 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
-        let context = Context {
+        let given = Context {
             problem,
             grids: &grids,
             rows: &rows,
             watch: &watch,
+        };
+        let planned = Planned::new(given, settings)?;
+        let mut problem = problem.clone();
+        let longest = settings.free_horizon.map(|free| free.longest);
+        if let Some(longest) = longest.or(settings.longest_horizon) {
+            problem = problem.with_horizon(planned.horizon(longest)?)?;
+        }
+        let from = problem.clone();
+        let context = Context {
+            problem: &from,
+            ..given
         };
         let mut iterations = Vec::new();
         let observe = &mut self.observe;
@@ -152,7 +163,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             observe(&iteration);
             iterations.push(iteration);
         };
-        let (constrained, mut problem) = (rows.count() > 0, problem.clone());
+        let constrained = rows.count() > 0;
         let highest = settings.highest(constrained);
         let passive = self.constraints.torque.has_passive();
         let (mut starts, mut minima) = (Vec::new(), Vec::new());
@@ -165,6 +176,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
                 context,
                 settings,
                 &settings.rungs(constrained, passive),
+                &planned,
                 &mut log,
             )?;
             (starts, minima) = (outcome.first_costs, outcome.minima);
@@ -178,13 +190,20 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         })?;
         if let Some(free) = settings.free_horizon {
             let first = Tried::new(free, problem.horizon(), found);
-            let (best, settled) = search(free, constrained, first, &watch, |horizon, from| {
-                let problem = &problem.with_horizon(horizon)?;
-                let from = from.found.on_horizon(problem, horizon / from.horizon);
-                let context = Context { problem, ..context };
-                let found = minimise(context, from, highest, &mut log)?;
-                Ok(Tried::new(free, horizon, found))
-            })?;
+            let (best, settled) = search(
+                free,
+                constrained,
+                settings.tolerance,
+                first,
+                &watch,
+                |horizon, from| {
+                    let problem = &problem.with_horizon(horizon)?;
+                    let from = from.found.on_horizon(problem, horizon / from.horizon);
+                    let context = Context { problem, ..context };
+                    let found = minimise(context, from, highest, &mut log)?;
+                    Ok(Tried::new(free, horizon, found))
+                },
+            )?;
             problem = problem.with_horizon(best.horizon)?;
             found = best.found;
             found.converged &= settled;
@@ -199,6 +218,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             points: found.points,
             quadrature_error: found.quadrature_error,
             converged: found.converged,
+            kept: found.kept,
             stopped: watch.stopped(),
             adapted,
             unknowns: found.path.basis.free().len() * problem.model().dof(),

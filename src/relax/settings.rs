@@ -37,15 +37,31 @@ pub struct RelaxSettings {
     pub threads: usize,
     /// The amplitude of the bent ones, rad or m.
     pub start_amplitude: f64,
-    /// Whether a planner finds ways around what is in the way, for every other start beyond those of
-    /// [`num_starts`](Self::num_starts); see [`plan`](crate::plan). It does nothing where there are bounds of joints alone.
-    pub planned_starts: bool,
+    /// Whether a planner finds ways around what is in the way; see [`plan`](crate::plan). It does nothing where there are bounds of joints
+    /// alone.
+    pub planned_starts: PlannedStarts,
+    /// The longest horizon to which that of the problem is lengthened where a planned first start asks for that, s; that of a free horizon where
+    /// there is one.
+    pub longest_horizon: Option<f64>,
     /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
     pub start: Option<Curve>,
     /// True if the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
     pub free_final_velocity: bool,
     /// Whether the horizon is found as well; that of the problem is then where the search begins.
     pub free_horizon: Option<FreeHorizon>,
+}
+
+/// The starts that a planner finds a way for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlannedStarts {
+    /// None.
+    Never,
+    /// Every other start beyond those of [`num_starts`](RelaxSettings::num_starts), while none of these leads to a motion.
+    #[default]
+    Later,
+    /// The first start, on a longer horizon where its limits ask for that and [`longest_horizon`](RelaxSettings::longest_horizon) allows it; then as [`Later`](Self::Later).
+    /// Since it keeps what is asked of the motion before anything is minimised, so does the motion in the end.
+    First,
 }
 
 impl Default for RelaxSettings {
@@ -63,7 +79,8 @@ impl Default for RelaxSettings {
             interrupt: Interrupt::default(),
             threads: 1,
             start_amplitude: 2.5,
-            planned_starts: true,
+            planned_starts: PlannedStarts::default(),
+            longest_horizon: None,
             start: None,
             free_final_velocity: false,
             free_horizon: None,
@@ -156,18 +173,14 @@ impl RelaxSettings {
 
     /// The basis of the motion.
     pub(super) fn basis(&self) -> Basis {
-        self.basis_of(self.degree)
+        Basis::new(self.segments, self.degree, self.free_final_velocity)
     }
 
-    /// The same of another degree.
-    pub(super) fn basis_of(&self, degree: usize) -> Basis {
-        Basis::new(self.segments, degree, self.free_final_velocity)
-    }
-
-    /// The degrees after this one that an adaptive one may have.
-    pub(super) fn higher_degrees(&self) -> impl Iterator<Item = usize> {
-        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / self.segments);
-        let above = Basis::degrees().skip_while(|degree| *degree <= self.degree);
+    /// The degrees after that of a basis that an adaptive one may have.
+    pub(super) fn higher_degrees(&self, basis: &Basis) -> impl Iterator<Item = usize> + use<> {
+        let (degree, segments) = (basis.degree(), basis.segments());
+        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / segments);
+        let above = Basis::degrees().skip_while(move |higher| *higher <= degree);
         above.take_while(move |degree| *degree <= largest)
     }
 
@@ -210,6 +223,13 @@ impl RelaxSettings {
         check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
+        }
+        if let Some(longest) = self.longest_horizon {
+            let least = problem.horizon();
+            if !(longest.is_finite() && longest >= least) {
+                let condition = format!("it is {longest}, at least the horizon {least} is needed");
+                return Err(Error::input("settings", "longest_horizon", condition));
+            }
         }
         match &self.start {
             Some(curve) => problem.model().check("start", curve.dof()),
@@ -275,6 +295,9 @@ pub struct RelaxSolution {
     pub quadrature_error: f64,
     /// True if the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
     pub converged: bool,
+    /// True if the search did not come to a minimum, but the motion keeps the constraints. If a start keeps them, such as a
+    /// [planned first one](PlannedStarts::First), the motion does: where the search ends outside it is one on the way.
+    pub kept: bool,
     /// The reason why it was stopped, if it did not come to its end; the motion is then the best so far.
     pub stopped: Option<Stopped>,
     /// The degrees on the way, where the degree is adaptive.

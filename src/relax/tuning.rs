@@ -9,6 +9,9 @@ pub(super) const SMALLEST_COST: f64 = f64::EPSILON;
 
 /// Points of the quadrature to start with per degree without and with rows.
 pub(super) const POINTS: [f64; 2] = [3.0, 3.5];
+/// Points with rows on several segments where no more is asked for than this tolerance.
+pub(super) const ROUGH_POINTS: f64 = 1.2;
+pub(super) const ROUGH: f64 = 0.01;
 /// The most points per degree: beyond it the curve has corners that no quadrature of this kind sees.
 pub(super) const MOST_POINTS: [usize; 2] = [16, 64];
 /// The number of steps between two looks at the quadrature.
@@ -139,8 +142,11 @@ pub(super) const SEGMENT_STEPS: usize = 60;
 pub(super) const MORE_STARTS: usize = 2;
 /// The most starts while none of them ends within the constraints.
 pub(super) const MOST_STARTS: usize = 64;
-/// The number of intervals at the ends of which a planned start is looked at for what it runs into.
-pub(super) const PLANNED_SAMPLES: usize = 64;
+/// The least number of segments of a planned start, and their degree unless that many are asked for.
+pub(super) const PLANNED_SEGMENTS: usize = 8;
+pub(super) const PLANNED_DEGREE: usize = 6;
+/// The factor from one horizon of a planned start to the next.
+pub(super) const HORIZON_GROWTH: f64 = 1.15;
 /// The most steps while rows are relaxed: another start is worth more than many steps from one.
 pub(super) const CONSTRAINED_STEPS: usize = 150;
 /// The lowest degree without and with rows: within limits a polynomial of a lower degree often finds no room.

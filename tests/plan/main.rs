@@ -43,7 +43,7 @@ fn outside(centres: impl IntoIterator<Item = [f64; 2]>, radius: f64) -> Vec<AnyC
 /// A wall across the way from beyond one end of the range of y to beyond the other, open from 0.5 to 0.7.
 fn wall_with_a_gap() -> Vec<AnyConstraint> {
     let heights = (-24..=24).map(|k| 0.05 * f64::from(k));
-    let closed = heights.filter(|y| !(0.41..0.79).contains(y));
+    let closed = heights.filter(|y| !(0.46..0.74).contains(y));
     outside(closed.map(|y| [0.5, y]), 0.1)
 }
 

@@ -3,9 +3,13 @@
 use crate::common::relax::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
-use aghf::relax::{RelaxSettings, RelaxSolution};
+use aghf::relax::{PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
 
-fn solve(state: Vec<AnyConstraint>, planned_starts: bool, threads: usize) -> RelaxSolution {
+fn solve(
+    state: Vec<AnyConstraint>,
+    planned_starts: PlannedStarts,
+    threads: usize,
+) -> RelaxSolution {
     let model = point();
     let problem = across(&model);
     let kept = Constraints {
@@ -29,25 +33,88 @@ fn last_start(found: &RelaxSolution) -> Option<usize> {
 /// The line does not get through; one of the next two starts does, which bent ones alone do not, on any number of threads alike.
 #[test]
 fn a_planned_start_gets_through_a_gap() {
-    let [found, again] = [1, 3].map(|threads| solve(wall_with_a_gap(), true, threads));
+    let [found, again] =
+        [1, 3].map(|threads| solve(wall_with_a_gap(), PlannedStarts::Later, threads));
     assert!(found.converged, "{}", found.largest_violation);
     assert_eq!(last_start(&found), Some(2));
     assert_eq!(found.curve.x(), again.curve.x());
     assert_eq!(found.iterations, again.iterations);
     let (x, _) = found.curve.at(0.5);
     assert!((0.5..0.7).contains(&x[1]), "{x}");
-    let bent = solve(wall_with_a_gap(), false, 1);
-    assert!(last_start(&bent) > Some(2));
+    let bent = solve(wall_with_a_gap(), PlannedStarts::Never, 1);
+    assert!(last_start(&bent) > Some(2), "{:?}", last_start(&bent));
 }
 
 /// Where the first start gets there planned ones change nothing, and where there is no way all starts are tried.
 #[test]
 fn planned_starts_are_for_what_is_not_found() {
     let easy = || outside([[0.5, 0.05]], 0.1);
-    let [with, without] = [true, false].map(|planned| solve(easy(), planned, 1));
+    let [with, without] =
+        [PlannedStarts::Later, PlannedStarts::Never].map(|planned| solve(easy(), planned, 1));
     assert!(with.converged);
     assert_eq!(with.curve.x(), without.curve.x());
-    let none = solve(ring(), true, 2);
+    let none = solve(ring(), PlannedStarts::Later, 2);
     assert!(!none.converged && none.largest_violation > 0.01);
     assert_eq!(none.start_costs.len(), 64);
+}
+
+/// A first start that is planned keeps the constraints from the beginning: however few iterations there are, the motion keeps them.
+#[test]
+fn a_planned_first_start_keeps_what_is_asked() {
+    let model = point();
+    let problem = across(&model);
+    let kept = Constraints {
+        state: wall_with_a_gap(),
+        torque: TorqueLimits(Vec::new()),
+    };
+    let solve = |iterations| {
+        let settings = RelaxSettings {
+            planned_starts: PlannedStarts::First,
+            iterations,
+            ..RelaxSettings::constrained()
+        };
+        let solver = Relaxation::new(&problem).constraints(&kept);
+        let found = solver.settings(settings).solve().expect("valid");
+        assert!(found.largest_violation <= RelaxSettings::FEASIBLE);
+        assert_eq!(last_start(&found), Some(0));
+        found
+    };
+    let whole = solve(500);
+    assert!(whole.converged && !whole.kept);
+    let costs = [1, 5].map(|iterations| {
+        let found = solve(iterations);
+        assert!(!found.converged && found.kept);
+        found.cost
+    });
+    assert!(costs[0] >= costs[1] && costs[1] > whole.cost, "{costs:?}");
+}
+
+/// A first start that is too quick for its limits gets more time, as far as that is allowed, and no more than it needs.
+#[test]
+fn a_planned_first_start_has_the_time_that_it_needs() {
+    let model = point();
+    let problem = across(&model);
+    let solve = |longest| {
+        let kept = Constraints {
+            state: wall_with_a_gap(),
+            torque: TorqueLimits(vec![Some(3.0); 2]),
+        };
+        let settings = RelaxSettings {
+            planned_starts: PlannedStarts::First,
+            longest_horizon: longest,
+            tolerance: 0.3,
+            ..RelaxSettings::constrained()
+        };
+        let solver = Relaxation::new(&problem).constraints(&kept);
+        let found = solver.settings(settings).solve().expect("valid");
+        found.curve.horizon()
+    };
+    let horizon = problem.horizon();
+    assert_eq!(solve(None), horizon);
+    assert_eq!(solve(Some(1.1 * horizon)), 1.1 * horizon);
+    let [long, longer] = [50.0, 100.0].map(|most| solve(Some(most * horizon)));
+    assert!(
+        long > 1.1 * horizon && long < 20.0 * horizon && long == longer,
+        "{long}"
+    );
 }

@@ -211,7 +211,7 @@ fn an_arm_among_spheres_keeps_clear() {
 /// those that did.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
-    let scenario = Scenario::load("kinova_gap_06").expect("generated");
+    let scenario = Scenario::load("kinova_cross_08").expect("generated");
     let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
     let Details::Relax(details) = &report.summary.details else {
         panic!("it is a relaxation");

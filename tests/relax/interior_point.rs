@@ -151,7 +151,7 @@ fn derivatives_are_those_of_duals() {
     for (n, seed) in [(3, 1), (4, 2), (5, 7)] {
         let model = random_tree(n, seed).expect("n > 0");
         let kept = constraints(n, &mut rng);
-        let barrier = Barrier { mu: 0.3, nu: 7.0 };
+        let barrier = Barrier { mu: 3e-3, nu: 7.0 };
         let mut cost = BarrierCost::at_a_point(&model, &kept, barrier).expect("sizes agree");
         let rows = kept.dim();
         let equality = |j: usize| kept.is_equality(j);
@@ -171,22 +171,42 @@ fn derivatives_are_those_of_duals() {
             cost.equalities.duals.clone(),
             cost.equalities.penalties.clone(),
         );
-        // Beyond 0.1 m a barrier of a clearance is what it is there.
-        let clearance = |j: usize| kept.label(j, &model).kind == RowKind::Clearance;
+        // The barrier of a clearance fades: with the distance `x` relative to 0.1 m, from 0 to 1, it is mu (x - 1 - (x - 1)^2 / 2 - ln x), but
+        // for the part of the price, and nothing beyond. Where the bound is broken what is added to the logarithm is a line.
+        let clearance = |j: usize| !equality(j) && kept.label(j, &model).kind == RowKind::Clearance;
         let far = |j: usize, h: f64| clearance(j) && h < -0.1;
         let term = |j: usize, h: HyperDual64| {
             if far(j, h.re) {
-                psi(HyperDual64::from(-0.1), barrier)
+                HyperDual64::from(0.0)
+            } else if clearance(j) {
+                let rest = h / 0.1 + 1.0;
+                let added = if h.re < 0.0 {
+                    rest + rest * rest * 0.5
+                } else {
+                    h / 0.05 + 1.5
+                };
+                psi(h, barrier) - psi(HyperDual64::from(-0.1), barrier) - added * barrier.mu
             } else if equality(j) {
                 h * duals[j] + h * h * (0.5 * penalties[j])
             } else {
                 psi(h, barrier)
             }
         };
+        // That of the logarithm: what is added to it depends on nothing else.
         let multiplier = |j: usize| {
             let mut h = here[j];
             h.eps1 = 1.0;
-            term(j, h).eps1
+            if equality(j) || far(j, h.re) {
+                term(j, h).eps1
+            } else {
+                psi(h, barrier).eps1
+            }
+        };
+        let added = |j: usize, h: f64| {
+            let none = !clearance(j) || far(j, h);
+            let rest = if none { -1.0 } else { 1.0 + h.min(0.0) / 0.1 };
+            let bend = if none || h >= 0.0 { 0.0 } else { 100.0 };
+            [(1.0 + rest) / 0.1 * barrier.mu, bend * barrier.mu]
         };
         cost.multipliers = (0..rows).map(multiplier).collect();
         let with_barriers = |z: &[HyperDual64]| {
@@ -230,7 +250,8 @@ fn derivatives_are_those_of_duals() {
                 } else if equality(j) {
                     penalties[j]
                 } else {
-                    curvature(left[j], multipliers[j], barrier)
+                    let rate = curvature(left[j], multipliers[j], barrier);
+                    (rate - added(j, left[j])[1]).max(0.0)
                 }
             })
             .collect();
@@ -247,7 +268,13 @@ fn derivatives_are_those_of_duals() {
             let all = h.iter().enumerate();
             let of = |(j, h): (usize, &HyperDual64)| {
                 let moved = *h - here[j].re;
-                *h * multipliers[j] + moved * moved * (0.5 * c[j])
+                let weight = multipliers[j] - added(j, left[j])[0];
+                let weight = if clearance(j) {
+                    weight.max(0.0)
+                } else {
+                    weight
+                };
+                *h * weight + moved * moved * (0.5 * c[j])
             };
             effort + all.map(of).sum::<HyperDual64>()
         };

@@ -106,7 +106,7 @@ impl Term {
     #[inline]
     fn lift(&self) -> f64 {
         match self {
-            Self::Fading(split, share) => (2.0 - share) * split.mu / FAR,
+            Self::Fading(split, share) => (2.0 - share.max(0.0)) * split.mu / FAR,
             _ => 0.0,
         }
     }
@@ -126,8 +126,13 @@ impl Term {
         match self {
             Self::Barrier(split) => (split.nu * split.excess, split.slack * split.excess),
             Self::Fading(split, share) => {
-                let rest = 1.0 - share;
-                let value = split.nu * split.excess - split.mu * rest * (1.0 + 0.5 * rest);
+                // Beyond the bound the rest is a line.
+                let less = if *share > 0.0 {
+                    (1.0 - share) * (1.5 - 0.5 * share)
+                } else {
+                    1.5 - 2.0 * share
+                };
+                let value = split.nu * split.excess - split.mu * less;
                 (value, split.slack * split.excess)
             }
             Self::Dual { dual, penalty, h } => ((dual + 0.5 * penalty * h) * h, 1.0),

@@ -189,7 +189,8 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             point,
             rows.map(|((h, kind), floor)| match kind {
                 Kind::Idle => false,
-                Kind::Inequality => h >= floor,
+                // What is no number is not far either.
+                Kind::Inequality => h.is_nan() || h >= floor,
                 Kind::Equality => true,
             }),
         );
@@ -205,6 +206,9 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         for (g, cost) in costs.iter_mut().enumerate() {
             let (point, weight) = (points.first + g, self.weights[g]);
             self.cost += weight * *cost;
+            if count == 0 {
+                continue;
+            }
             let own = point * count..(point + 1) * count;
             for (h, margin) in self.h[own.clone()]
                 .iter_mut()

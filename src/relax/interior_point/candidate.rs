@@ -28,6 +28,8 @@ pub(in crate::relax) struct Candidate {
     pub horizon_slope: f64,
     /// True if everything that was asked for is met.
     pub converged: bool,
+    /// True if it keeps the constraints though not everything else that was asked for is met.
+    pub kept: bool,
 }
 
 /// Multipliers of all rows at times.
@@ -55,6 +57,7 @@ impl Candidate {
             quadrature_error: f64::NAN,
             horizon_slope: f64::NAN,
             converged: false,
+            kept: false,
         }
     }
 

@@ -6,12 +6,12 @@ use super::near::Near;
 use super::row::Kind;
 use crate::constraint::Constraint;
 use crate::relax::CostWithControl;
-use crate::relax::tuning::{LISTED, RESERVE};
+use crate::relax::tuning::{FAR, LISTED, RESERVE};
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
     /// Tells whether a row that is not listed has come so near that it would have a term.
     pub(super) fn is_list_old(&self) -> bool {
-        self.rows.unlisted_highest > -crate::relax::tuning::FAR
+        self.rows.unlisted_highest > -FAR
     }
 
     /// Lists all rows. The next evaluation tells what those are that were not.
@@ -24,7 +24,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
     }
 
     /// Lists of all rows, which were evaluated last, those that come near anywhere, and all that are not clearances. Where there are
-    /// equalities all rows stay.
+    /// equalities all rows stay. What is no number counts as near.
     pub(super) fn list_those_near(&mut self) {
         let (count, states) = (self.rows.count(), self.rows.states);
         if self.kinds.iter().any(|kind| *kind != Kind::Inequality) {
@@ -34,7 +34,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         let mut near: Vec<bool> = floors[..states].iter().map(|f| f.is_infinite()).collect();
         for rows in self.h.chunks_exact(count.max(1)) {
             for (near, h) in near.iter_mut().zip(rows) {
-                *near |= *h > -LISTED;
+                *near |= h.is_nan() || *h > -LISTED;
             }
         }
         let ids = self.rows.ids[..states].iter().zip(near);
@@ -50,9 +50,9 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
 
     /// Lists these rows of the state; what belongs to a row goes with it.
     fn list(&mut self, rows: &[usize]) {
-        let (before, count_before) = (self.rows.ids.clone(), self.rows.count());
+        let (before, points) = (self.rows.ids.clone(), self.near.points());
+        let count_before = before.len();
         self.rows.list(rows);
-        let points = self.h.len() / count_before.max(1);
         let mut places = vec![None; self.rows.count_all()];
         for (place, id) in before.iter().enumerate() {
             places[*id] = Some(place);

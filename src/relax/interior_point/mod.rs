@@ -38,7 +38,7 @@ pub use equality::Equalities;
 
 use super::running_cost::check_integral;
 use super::transcription::{Grids, Rows};
-use super::tuning::{FINE, PASSIVE_SHARE, POINTS};
+use super::tuning::{FINE, PASSIVE_SHARE, POINTS, ROUGH, ROUGH_POINTS};
 use super::{CostWithControl, Iteration};
 use crate::constraint::Constraint;
 use crate::error::Result;
@@ -94,9 +94,13 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         candidate.path.basis.degree(),
     );
     let kind = usize::from(context.rows.count() > 0);
-    candidate.points = (POINTS[kind] * degree as f64 / (segments as f64).sqrt()) as usize + 4;
+    let rough = kind == 1 && segments > 1 && stage.tolerance >= ROUGH;
+    let per_degree = if rough { ROUGH_POINTS } else { POINTS[kind] };
+    candidate.points = (per_degree * degree as f64) as usize + 4;
+    // Where it kept the constraints, as far as that was looked at, the last one last.
+    let mut kept = Vec::new();
     loop {
-        let end = search(context, &mut candidate, stage, observe)?;
+        let end = search(context, &mut candidate, &mut kept, stage, observe)?;
         check_integral(candidate.cost)?;
         match end {
             End::Done => {

@@ -16,6 +16,11 @@ impl Near {
         }
     }
 
+    /// The number of points.
+    pub fn points(&self) -> usize {
+        self.rows.len()
+    }
+
     /// The rows at a point, ascending.
     pub fn at(&self, point: usize) -> &[usize] {
         &self.rows[point]

@@ -44,6 +44,8 @@ pub(super) struct Search<'g, 'a, K, P> {
     constrained: bool,
     /// The gradient in the metric of the Hessian, with which rows come into it as well: what the last step promised, if it was a whole one.
     decrement: f64,
+    /// Curves that seem to keep the constraints.
+    kept: &'g mut Vec<DMatrix<f64>>,
     watch: &'g Watch,
 }
 
@@ -51,6 +53,7 @@ pub(super) struct Search<'g, 'a, K, P> {
 pub(super) fn search<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,
+    kept: &mut Vec<DMatrix<f64>>,
     stage: Stage,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<End> {
@@ -94,6 +97,7 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
         rates: stage.slope.then(|| candidate.path.rates(problem)),
         constrained: rows.count() > 0,
         decrement: f64::INFINITY,
+        kept,
         watch,
     }
     .run(candidate, observe)
@@ -108,6 +112,9 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let stage = self.stage;
         if self.constrained {
             self.start(candidate)?;
+            if self.kept.is_empty() {
+                self.kept.push(candidate.path.coefficients.clone());
+            }
         }
         let mut trial = candidate.path.coefficients.clone();
         let mut now = Iterate::new(candidate.path.coefficients.clone());
@@ -153,12 +160,19 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             steps += 1;
         }
         let mut end = end.unwrap_or(End::Done);
+        let mut fell_back = false;
+        if stage.last && matches!(end, End::Done) && now.violation > stage.feasible {
+            fell_back = self.fall_back(&mut now)?;
+        }
         candidate.violation = now.violation;
         candidate.converged = matches!(end, End::Done)
+            && !fell_back
             && now.at_last_barrier
             && now.iteration.gradient_norm <= stage.tolerance
             && now.violation <= stage.feasible
             && now.finer[1] <= stage.quadrature_tolerance;
+        candidate.kept =
+            self.constrained && !candidate.converged && now.violation <= stage.feasible;
         if stage.last && matches!(end, End::Done) {
             let (curvature, direction) = self.newton.smallest_curvature();
             candidate.smallest_curvature = curvature;
@@ -233,6 +247,9 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         if !now.at_last_barrier && self.reduce_barrier(promised) {
             self.decrement = f64::INFINITY;
             let peaks = self.peaks(&now.coefficients, 0)?;
+            if self.stage.last && peaks.iter().all(|peak| peak.height <= 0.0) {
+                self.kept.push(now.coefficients.clone());
+            }
             let late = self.total_barrier() < LATE * cost;
             // What is broken because that is cheap says nothing of what is between the points.
             if !(late && self.is_priced() && self.raise_price()) {
@@ -266,6 +283,23 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             .map(|peak| peak.height * cost.rows.of().units[peak.row]);
         now.violation = excesses.fold(cost.largest_equality(), f64::max);
         Ok(peaks)
+    }
+
+    /// Goes back to the last curve that kept the constraints; says whether there is one.
+    fn fall_back(&mut self, now: &mut Iterate) -> Result<bool> {
+        let left = (now.coefficients.clone(), now.violation);
+        while let Some(coefficients) = self.kept.pop() {
+            now.coefficients = coefficients;
+            self.look_between(now)?;
+            if now.violation <= self.stage.feasible {
+                self.is_coarse(now, true)?;
+                now.iteration.cost = now.finer[0];
+                return Ok(true);
+            }
+        }
+        (now.coefficients, now.violation) = left;
+        self.objective.value(&now.coefficients)?;
+        Ok(false)
     }
 
     /// The first barrier, margins and multipliers.

@@ -24,7 +24,7 @@ impl Terms<'_> {
             Kind::Idle => None,
             Kind::Inequality if h < self.floors[row] => None,
             Kind::Inequality if self.floors[row].is_finite() => {
-                Some(Term::Fading(self.barrier.split(h), (-h / FAR).max(0.0)))
+                Some(Term::Fading(self.barrier.split(h), -h / FAR))
             }
             Kind::Inequality => Some(Term::Barrier(self.barrier.split(h))),
             Kind::Equality => Some(self.equalities.term(at, h)),

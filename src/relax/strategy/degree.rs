@@ -41,11 +41,18 @@ pub(in crate::relax) fn refine(
         costs: vec![found.cost],
         converged: false,
     };
-    for degree in settings.higher_degrees() {
+    for degree in settings.higher_degrees(&found.path.basis) {
         if !found.converged || adapted.converged {
             break;
         }
-        let higher = next(&found, settings.basis_of(degree))?;
+        let higher = next(
+            &found,
+            Basis::new(
+                found.path.basis.segments(),
+                degree,
+                settings.free_final_velocity,
+            ),
+        )?;
         adapted.degrees.push(degree);
         adapted.costs.push(higher.cost);
         if !higher.converged {

@@ -132,7 +132,7 @@ impl Tried {
 
     /// Tells whether it is worth anything: where it is not the horizon is taken to be too short.
     fn sound(&self) -> bool {
-        self.found.converged
+        self.found.converged || self.found.kept
     }
 
     /// The slope, or one that asks for more time.
@@ -146,18 +146,20 @@ impl Tried {
 }
 
 /// Looks for a horizon at which the cost is stationary, or a bound that keeps it from falling further; says whether there is one.
+/// The cost is stationary where its slope in the logarithm of the horizon is small, or at most the `tolerance`, relative to the cost.
 /// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near. The best so far is not settled when
 /// the search is stopped.
 pub(in crate::relax) fn search(
     free: FreeHorizon,
     constrained: bool,
+    tolerance: f64,
     first: Tried,
     watch: &Watch,
     mut attempt: impl FnMut(f64, &Tried) -> Result<Tried>,
 ) -> Result<(Tried, bool)> {
     let kind = usize::from(constrained);
     let settled = |tried: &Tried| {
-        let most = HORIZON_SLOPE[kind] * tried.cost.abs().max(SMALLEST_COST);
+        let most = HORIZON_SLOPE[kind].max(tolerance) * tried.cost.abs().max(SMALLEST_COST);
         tried.sound() && tried.slope.abs() <= most
     };
     // Away from where it begins, until the slope changes its sign.

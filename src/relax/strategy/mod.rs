@@ -14,3 +14,4 @@ pub(super) use horizon::{Tried, search};
 pub use multistart::LocalMinimum;
 pub(super) use multistart::multistart;
 pub(super) use passive::minimise_to_the_end;
+pub(super) use planned::Planned;

@@ -6,7 +6,7 @@ use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::Path;
 use crate::relax::interior_point::{Candidate, Context, minimise};
-use crate::relax::settings::Rung;
+use crate::relax::settings::{PlannedStarts, Rung};
 use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
     HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
@@ -40,11 +40,12 @@ pub(in crate::relax) struct Outcome {
 /// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
 /// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
 /// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints. Beyond those that
-/// were asked for every other start is planned where there is something to go around.
+/// were asked for every other start is planned where there is something to go around, or the first one if that is asked for.
 pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
     rungs: &[Rung],
+    planned: &Planned<'_, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
     let stopped = || context.watch.stopped().is_some();
@@ -57,12 +58,14 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let free_end = settings.free_final_velocity;
     let line = Basis::new(1, rungs[0].basis.degree(), free_end);
     let line = Path::line(context.problem, line);
-    let planned = Planned::new(context, settings, rungs);
+    // Who asks for a start that keeps the constraints is content with a motion that does.
+    let content = settings.planned_starts == PlannedStarts::First;
+    let is_found = |end: &Candidate| end.converged || (content && end.kept);
     let mut least = vec![f64::INFINITY; rungs.len()];
     let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
     let mut next = 0;
     loop {
-        let found_before = ends.iter().any(|end| end.converged);
+        let found_before = ends.iter().any(is_found);
         // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
         let wave = match settings.time_limit {
             _ if next < settings.num_starts => next..settings.num_starts.min(next + WAVE),
@@ -71,25 +74,29 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         };
         next = wave.end;
         let start = |number| {
-            let (level, path) = planned.start(number)?.unwrap_or_else(|| {
-                let bends = planned.bends(number);
-                (
-                    0,
-                    line.start(settings.start_amplitude, settings.seed, bends),
-                )
-            });
+            // A planned start has a basis of its own and comes in at the top.
+            let (level, path) = match planned.start(number, context.problem)? {
+                Some(path) => (rungs.len() - 1, path),
+                None => {
+                    let bends = planned.bends(number);
+                    let path = line.start(settings.start_amplitude, settings.seed, bends);
+                    (0, path.in_basis(rungs[0].basis.clone()))
+                }
+            };
             Ok((number, level, Candidate::new(path)))
         };
         let starts = side_by_side(wave.collect(), settings.threads, start);
         let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
         for (level, rung) in rungs.iter().enumerate() {
-            // Those that come in higher up wait.
+            // Those that come in at the top wait.
             let (waiting, here) = climbing
                 .into_iter()
                 .partition(|(_, first, _)| *first > level);
             climbing = waiting;
             let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
-                candidate.path = candidate.path.in_basis(rung.basis.clone());
+                if first < level {
+                    candidate.path = candidate.path.in_basis(rung.basis.clone());
+                }
                 let mut iterations = Vec::new();
                 let mut log = |iteration| iterations.push(iteration);
                 let found = if level + 1 == rungs.len() {
@@ -130,7 +137,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             climbing.sort_by_key(|(number, ..)| *number);
         }
         ends.extend(climbing.into_iter().map(|(.., end)| end));
-        let found = ends.iter().any(|end| end.converged);
+        let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
             Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
             None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),

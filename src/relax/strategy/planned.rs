@@ -1,29 +1,29 @@
 //! Starts that a planner finds a way for.
 
 use crate::constraint::{Constraint, RowKind};
+use crate::curve::Basis;
 use crate::error::Result;
-use crate::motion::Path;
-use crate::plan::{Checker, Plan, PlanSettings, fit, plan};
+use crate::motion::{Path, Problem};
+use crate::plan::{Plan, PlanSettings, along, plan};
 use crate::relax::interior_point::Context;
-use crate::relax::settings::Rung;
-use crate::relax::tuning::PLANNED_SAMPLES;
+use crate::relax::settings::PlannedStarts;
+use crate::relax::transcription::{place, points};
+use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_SEGMENTS};
 use crate::relax::{CostWithControl, RelaxSettings};
+use nalgebra::DMatrix;
 
-/// Planned starts among those beyond the ones that were asked for: the first, the third and so on.
-pub(super) struct Planned<'c, 'a, K, P> {
+/// Planned starts: the first one, or among those beyond the ones that were asked for the first, the third and so on.
+pub(in crate::relax) struct Planned<'c, 'a, K, P> {
     context: Context<'c, 'a, K, P>,
     settings: &'c RelaxSettings,
-    rungs: &'c [Rung],
     /// True if there is anything to go around.
     wanted: bool,
+    /// The first start, if that is a planned one.
+    first: Option<Path>,
 }
 
 impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
-    pub fn new(
-        context: Context<'c, 'a, K, P>,
-        settings: &'c RelaxSettings,
-        rungs: &'c [Rung],
-    ) -> Self {
+    pub fn new(context: Context<'c, 'a, K, P>, settings: &'c RelaxSettings) -> Result<Self> {
         let (state, model) = (&context.rows.constraints.state, context.problem.model());
         let rows = 0..state.dim();
         let bounds = |row: usize| {
@@ -32,36 +32,47 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 RowKind::Position(_) | RowKind::Velocity(_)
             )
         };
-        let wanted = settings.planned_starts
+        let wanted = settings.planned_starts != PlannedStarts::Never
             && !rows.clone().any(|row| state.is_equality(row))
             && !rows.clone().all(bounds);
-        Self {
+        let mut planned = Self {
             context,
             settings,
-            rungs,
             wanted,
+            first: None,
+        };
+        if wanted && settings.planned_starts == PlannedStarts::First {
+            planned.first = planned.path(0)?;
         }
+        Ok(planned)
     }
 
     /// The number of the path of a start that is planned.
     fn number(&self, start: usize) -> Option<u64> {
+        let first = u64::from(self.first.is_some());
         let beyond = start.checked_sub(self.settings.num_starts)?;
-        (self.wanted && beyond.is_multiple_of(2)).then_some(beyond as u64 / 2)
+        (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
     /// The number of the bends of a start that is not.
     pub fn bends(&self, start: usize) -> u64 {
         let beyond = start.saturating_sub(self.settings.num_starts);
         let planned = if self.wanted { beyond.div_ceil(2) } else { 0 };
-        (start - planned) as u64
+        (start - planned - usize::from(self.first.is_some())) as u64
     }
 
-    /// The curve of a planned start and the lowest rung whose basis holds it free of obstacles, or the highest where none does; nothing
-    /// where the start is not a planned one, no path was found, or the line is free.
-    pub fn start(&self, start: usize) -> Result<Option<(usize, Path)>> {
-        let Some(number) = self.number(start) else {
-            return Ok(None);
+    /// The curve of a planned start of a problem like that of the context; nothing where the start is not a planned one or no path was found.
+    pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Path>> {
+        let path = match (&self.first, self.number(start)) {
+            (Some(first), _) if start == 0 => Some(first.clone()),
+            (_, Some(number)) => self.path(number)?,
+            _ => None,
         };
+        Ok(path.map(|path| path.between_ends_of(problem)))
+    }
+
+    /// The curve along a path of this number; nothing where there is none.
+    fn path(&self, number: u64) -> Result<Option<Path>> {
         let Context {
             problem,
             rows,
@@ -69,34 +80,62 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             ..
         } = self.context;
         let constraint = &rows.constraints.state;
-        let settings = PlanSettings {
+        let plans = PlanSettings {
             seed: self.settings.seed,
             number,
+            // Slopes make the curve round.
+            roundings: 0,
             ..PlanSettings::default()
         };
         let stopped = || watch.stopped().is_some();
-        let Plan::Found(path) = plan(problem, constraint, &settings, &stopped)? else {
+        let Plan::Found(path) = plan(problem, constraint, &plans, &stopped)? else {
             return Ok(None);
         };
-        // A line that is free is the first start.
-        if path.len() == 2 {
-            return Ok(None);
-        }
-        let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
-        let mut last = None;
-        for (level, rung) in self.rungs.iter().enumerate() {
-            let found = fit(problem, &path, rung.basis.clone())?;
-            let times = (1..PLANNED_SAMPLES).map(|k| k as f64 / PLANNED_SAMPLES as f64);
-            let samples: Vec<_> = times
-                .map(|time| rung.basis.evaluate(&found.coefficients, time))
-                .collect();
-            let samples: Vec<&[f64]> = samples.iter().map(|[q, ..]| q.as_slice()).collect();
-            let free = checker.are_free(&samples)?;
-            last = Some((level, found));
-            if free {
+        let segments = PLANNED_SEGMENTS.max(path.len() - 1);
+        let basis = if self.settings.segments >= segments {
+            self.settings.basis()
+        } else {
+            let free_end = self.settings.free_final_velocity;
+            Basis::new(segments, PLANNED_DEGREE, free_end)
+        };
+        along(problem, constraint, &path, basis, &plans).map(Some)
+    }
+
+    /// The horizon to begin with where the first start is planned: that of the problem, or longer, as far as may be, until velocities and
+    /// torques of that start keep their limits.
+    pub fn horizon(&self, longest: f64) -> Result<f64> {
+        let Context {
+            problem,
+            grids,
+            rows,
+            ..
+        } = self.context;
+        let mut horizon = problem.horizon();
+        let (Some(first), mut rows) = (&self.first, rows.clone()) else {
+            return Ok(horizon);
+        };
+        let basis = &first.basis;
+        let n = problem.model().dof();
+        while horizon < longest {
+            let grid = grids.with_ends(basis, 2 * basis.degree(), horizon);
+            let mut states = DMatrix::zeros(n, grid.table.ncols());
+            let mut h = vec![0.0; grid.points() * rows.count()];
+            let mut kept = true;
+            let path = first
+                .clone()
+                .between_ends_of(&problem.with_horizon(horizon)?);
+            for e in 0..basis.segments() {
+                place(&path.coefficients, grid.first(e), &grid.table, &mut states);
+                let mut here = points(&grid, &states, e);
+                here.first = 0;
+                rows.of_all(here, &mut h)?;
+                kept &= h.iter().all(|h| *h <= 0.0);
+            }
+            if kept {
                 break;
             }
+            horizon = (HORIZON_GROWTH * horizon).min(longest);
         }
-        Ok(last)
+        Ok(horizon)
     }
 }
