@@ -19,6 +19,8 @@ pub(crate) struct Region {
     pub damping: f64,
     /// The size that multipliers have times that of the region.
     pub scale: f64,
+    /// The factor by which the radius grows where a step gained nearly all that was predicted.
+    pub growth: f64,
 }
 
 /// A step and its length.
@@ -33,6 +35,7 @@ impl Default for Region {
             radius: 1.0,
             damping: 0.0,
             scale: 1.0,
+            growth: 2.0,
         }
     }
 }
@@ -95,7 +98,7 @@ impl Region {
     /// Adapts the radius to what a step of this length gained of what was predicted.
     pub fn learn(&mut self, gain: f64, length: f64) {
         if gain > 0.75 && self.damping > 0.0 {
-            let growth = if gain > 0.9 { 4.0 } else { 2.0 };
+            let growth = if gain > 0.9 { self.growth } else { 2.0 };
             self.radius = self.radius.max(growth * length);
         } else if gain < 0.25 || gain.is_nan() {
             self.radius = 0.3 * length;

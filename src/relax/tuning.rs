@@ -35,6 +35,8 @@ pub(super) const LISTED: f64 = 0.2;
 
 // Trust region.
 
+/// The factor by which the region grows with rows after a step that gained nearly all that was predicted.
+pub(super) const GROWTH: f64 = 4.0;
 /// The part of the predicted decrease that a step has to make.
 pub(super) const SUFFICIENT: f64 = 1e-3;
 /// The part of the cost that rounding can hide.

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, LATE, LEAVE, LEAVE_FACTOR,
+    CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, GROWTH, LATE, LEAVE, LEAVE_FACTOR,
     LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
@@ -85,11 +85,15 @@ pub(super) fn search<K: Constraint, P: CostWithControl>(
     let cost = BarrierCost::new(rows.clone(), barrier, &grid);
     let objective = Objective::new(&grid, cost, n);
     let kind = usize::from(rows.count() > 0);
+    let mut newton = Newton::new(&objective);
+    if rows.count() > 0 {
+        newton.region.growth = GROWTH;
+    }
     Search {
         grid: &grid,
         scans: scans.each_ref().map(|scan| &**scan),
         finer: Objective::new(&finer, rows.cost.clone(), n),
-        newton: Newton::new(&objective),
+        newton,
         objective,
         stage,
         refinable: points < MOST_POINTS[kind] * basis.degree(),
