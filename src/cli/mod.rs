@@ -1,5 +1,6 @@
 //! The command line: reads arguments, calls the library, prints.
 
+mod benchmark;
 mod check;
 mod choice;
 mod degrees;
@@ -60,6 +61,7 @@ enum Command {
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
     Judge(judge::Judge),
+    Benchmark(benchmark::Benchmark),
     Pairs(pairs::Pairs),
     Eval(eval::Eval),
     Check(check::Check),
@@ -158,6 +160,7 @@ pub fn main() -> ExitCode {
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
         Command::Judge(judge) => judge.run(),
+        Command::Benchmark(benchmark) => benchmark.run(),
         Command::Pairs(pairs) => pairs.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),

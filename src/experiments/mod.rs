@@ -1,5 +1,6 @@
-//! Experiments: grids of parameters, effort against degree, and those of the paper.
+//! Experiments: grids of parameters, effort against degree, those of the paper, and benchmarks of planning problems.
 
+pub mod benchmark;
 mod degree_study;
 pub mod reproduce;
 pub mod sweep;

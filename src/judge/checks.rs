@@ -126,7 +126,16 @@ pub(super) fn consistency(
             }
             if trajectory.has_accelerations {
                 let off = (mean(v, k, i) - ends(a)).abs();
-                let explained = 0.5 * spread(&mut (first..=last + 1).map(|k| a[k][i]));
+                // Where it jumps in this interval it is on either side what those before or after lead to.
+                let mut led = [None; 2];
+                if k > 0 {
+                    led[0] = Some(2.0 * a[k][i] - a[k - 1][i]);
+                }
+                if k + 1 < intervals {
+                    led[1] = Some(2.0 * a[k + 1][i] - a[k + 2][i]);
+                }
+                let samples = (first..=last + 1).map(|k| a[k][i]);
+                let explained = 0.5 * spread(&mut samples.chain(led.into_iter().flatten()));
                 let unit = unit_of(joint, ACCELERATION);
                 second.take(difference(beyond(off, explained), unit, at_s), name);
             }

@@ -14,7 +14,7 @@
 //! | horizon | the time from the first to the last sample with `horizon_s`, or with the bounds of `free_horizon` |
 //! | start, goal | the first and last positions and velocities with those of the scenario; angles count as they are, without whole turns taken off; of a free final velocity nothing |
 //! | v is the rate of q | on each interval the mean velocity with half of the sum of the velocities at its ends, but for what accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
-//! | a is the rate of v | likewise, but for half of the spread of the accelerations at the two samples and their neighbours, so that accelerations may jump |
+//! | a is the rate of v | likewise, but for half of the spread of the accelerations at the two samples and their neighbours and of what the two before and the two after lead to, so that accelerations may jump |
 //! | u is inverse dynamics | at the samples, with their accelerations |
 //! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic half-way between them |
 //! | position and velocity limits | the extrema of the cubics, in closed form |

@@ -1,0 +1,148 @@
+//! The problems of a benchmark.
+
+use crate::error::{Error, Result};
+use crate::scenario::{MoveIt, MoveItHorizon, Scenario};
+use crate::urdf::Mimic;
+use std::path::{Path, PathBuf};
+
+/// The spacing of the balls that cover shapes other than spheres, m.
+const SPACING: f64 = 0.05;
+
+/// A problem of a benchmark.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The family that it belongs to.
+    pub family: String,
+    /// Its name, which no other has.
+    pub name: String,
+    files: Files,
+}
+
+/// Where a problem is.
+#[derive(Clone, Debug)]
+enum Files {
+    Scenario(PathBuf),
+    MoveIt(Box<MoveIt>),
+}
+
+impl Problem {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// Names the file and what is wrong with it.
+    pub fn load(&self) -> Result<Scenario> {
+        match &self.files {
+            Files::Scenario(path) => Scenario::load(&path.display().to_string()),
+            Files::MoveIt(files) => files.scenario(&self.name),
+        }
+    }
+}
+
+/// The problems in `folder`, by family and name.
+///
+/// Either it has scenarios, `FAMILY_NUMBER.json`; or, itself or in `problems`, a folder for each family, `FAMILY` or `FAMILY_ROBOT`, with the
+/// scenes and requests of MoveIt, `sceneNUMBER.yaml` and `requestNUMBER.yaml`, and beside them the SRDF `ROBOT.srdf`. `robot` is built in
+/// or the path of a URDF file; scenarios name their own.
+///
+/// # Errors
+/// The folder cannot be read, has neither, or a request is missing.
+pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
+    let mut found = Vec::new();
+    for path in entries(folder)? {
+        if extension(&path) == "json" {
+            let name = stem(&path);
+            let family = name
+                .rsplit_once('_')
+                .map_or(name.as_str(), |(family, _)| family);
+            found.push(Problem {
+                family: family.to_owned(),
+                files: Files::Scenario(path),
+                name,
+            });
+        }
+    }
+    if found.is_empty() {
+        let srdf = folder.join(format!("{}.srdf", stem(Path::new(robot))));
+        let inner = folder.join("problems");
+        let of_families = if inner.is_dir() {
+            inner
+        } else {
+            folder.to_owned()
+        };
+        for family in entries(&of_families)? {
+            if family.is_dir() {
+                found.extend(of_moveit(&family, robot, &srdf)?);
+            }
+        }
+    }
+    if found.is_empty() {
+        let condition = "it has neither scenarios nor folders of scenes and requests";
+        return Err(Error::input(
+            folder.display().to_string(),
+            "folder",
+            condition,
+        ));
+    }
+    Ok(found)
+}
+
+/// The problems of a family in the files of MoveIt.
+fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
+    let name = folder
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let name = name.unwrap_or_default();
+    let suffix = format!("_{}", stem(Path::new(robot)));
+    let family = name.strip_suffix(&suffix).unwrap_or(&name);
+    let mut found = Vec::new();
+    for scene in entries(folder)? {
+        let stem = stem(&scene);
+        let Some(number) = stem.strip_prefix("scene") else {
+            continue;
+        };
+        let request = folder.join(format!("request{number}.yaml"));
+        if !request.is_file() {
+            let condition = format!("there is no '{}' for it", request.display());
+            return Err(Error::input(
+                scene.display().to_string(),
+                "scene",
+                condition,
+            ));
+        }
+        let files = MoveIt {
+            scene,
+            request,
+            urdf: robot.to_owned(),
+            mimic: Mimic::default(),
+            srdf: srdf.is_file().then(|| srdf.to_owned()),
+            spacing: SPACING,
+            horizon: MoveItHorizon::Free,
+        };
+        found.push(Problem {
+            family: family.to_owned(),
+            name: format!("{family}_{number}"),
+            files: Files::MoveIt(Box::new(files)),
+        });
+    }
+    Ok(found)
+}
+
+/// What is in a folder, by name.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let of = |error| Error::io(folder, error);
+    let entries = std::fs::read_dir(folder).map_err(of)?;
+    let paths = entries.map(|entry| Ok(entry.map_err(of)?.path()));
+    let mut paths = paths.collect::<Result<Vec<_>>>()?;
+    paths.sort();
+    Ok(paths)
+}
+
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().into_owned()
+}

@@ -1,0 +1,100 @@
+//! What a benchmark comes to.
+
+use super::{End, Row};
+
+/// The rows of a family in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// Its name.
+    pub name: String,
+    /// The number of problems.
+    pub problems: usize,
+    /// The number of problems whose motion is valid.
+    pub valid: usize,
+    /// The number of problems that are known to have no solution.
+    pub impossible: usize,
+    /// The number of valid motions that are minima.
+    pub minima: usize,
+    /// The median, the 90th and the 99th percentile and the largest of the solve times, s.
+    pub seconds: [f64; 4],
+    /// The median effort, N^2 m^2 s.
+    pub effort: f64,
+    /// The median duration, s.
+    pub duration: f64,
+    /// The least clearance of all, m.
+    pub clearance: Option<f64>,
+}
+
+/// The families of the rows, in the order in which they come, and all together.
+#[must_use]
+pub fn families(rows: &[Row]) -> Vec<Family> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.family.as_str()) {
+            names.push(&row.family);
+        }
+    }
+    let of = |name: &&str| {
+        let own = rows.iter().filter(|row| row.family == *name);
+        family(name, own)
+    };
+    let mut found: Vec<_> = names.iter().map(of).collect();
+    found.push(family("all", rows.iter()));
+    found
+}
+
+fn family<'r>(name: &str, rows: impl Iterator<Item = &'r Row>) -> Family {
+    let rows: Vec<&Row> = rows.collect();
+    let valid: Vec<&&Row> = rows.iter().filter(|row| row.end == End::Valid).collect();
+    let sorted = |value: &dyn Fn(&Row) -> f64| {
+        let mut values: Vec<f64> = valid.iter().map(|row| value(row)).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let seconds = sorted(&|row| row.solve_seconds);
+    let clearances = valid.iter().filter_map(|row| row.least_clearance_m);
+    Family {
+        name: name.to_owned(),
+        problems: rows.len(),
+        valid: valid.len(),
+        impossible: rows.iter().filter(|row| row.end == End::Impossible).count(),
+        minima: valid.iter().filter(|row| row.minimum).count(),
+        seconds: [0.5, 0.9, 0.99, 1.0].map(|share| percentile(&seconds, share)),
+        effort: percentile(&sorted(&|row| row.control_effort), 0.5),
+        duration: percentile(&sorted(&|row| row.duration_s), 0.5),
+        clearance: clearances.reduce(f64::min),
+    }
+}
+
+/// The least of ascending values that at least this share of them is not above; not a number if there is none.
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    let found = sorted.get(rank.saturating_sub(1));
+    found.copied().unwrap_or(f64::NAN)
+}
+
+/// The families as a table in Markdown.
+#[must_use]
+pub fn table(families: &[Family]) -> String {
+    let mut text = String::from(
+        "| family | problems | valid | no solution | minima | median ms | 90 % | 99 % | worst | effort N²m²s | duration s | least clearance mm |\n\
+         | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
+    );
+    for family in families {
+        let [median, ninety, ninety_nine, worst] = family.seconds.map(|s| 1e3 * s);
+        let clearance = family
+            .clearance
+            .map_or_else(String::new, |m| format!("{:.2}", 1e3 * m));
+        text += &format!(
+            "| {} | {} | {} | {} | {} | {median:.0} | {ninety:.0} | {ninety_nine:.0} | {worst:.0} | {:.0} | {:.2} | {clearance} |\n",
+            family.name,
+            family.problems,
+            family.valid,
+            family.impossible,
+            family.minima,
+            family.effort,
+            family.duration,
+        );
+    }
+    text
+}
