@@ -48,7 +48,7 @@ struct FromMoveIt {
     /// The horizon, s [default: free].
     #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
     horizon: Option<f64>,
-    /// The bounds of a free horizon, s [default: the least that the velocity limits allow, and five times that].
+    /// The bounds of a free horizon, s [default: the least that the velocity limits allow, and fifteen times that].
     #[arg(long, num_args = 2, value_names = ["SHORTEST", "LONGEST"], allow_negative_numbers = true)]
     horizon_bounds: Option<Vec<f64>>,
     /// The file for the scenario.

@@ -9,7 +9,8 @@
 //! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are minimised at a low degree.
 //!    Those that cost hardly more than the best before them go on to the next degree, from where they ended, and so on up to the degree
 //!    and the segments of the settings. While none of them ends within the constraints there are more, every other one along a path
-//!    that [`plan`](crate::plan) finds around what is in the way.
+//!    that [`plan`](crate::plan) finds around what is in the way. If it is the first start that is planned it keeps all constraints, and so
+//!    does the motion in the end, a minimum or not.
 //! 2. `interior_point`: one minimisation. Rows of constraints at the points of the quadrature become barriers that are finite
 //!    everywhere, a trust region with the exact Hessian does the rest, and a dense look finds what rows do between the points. Without
 //!    rows it is Newton's method.

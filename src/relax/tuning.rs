@@ -28,10 +28,10 @@ pub(super) const FLOOR: f64 = -0.05;
 pub(super) const RESERVE: f64 = 2e-7;
 
 /// The distance from an obstacle beyond which more of it is worth nothing, m: the barrier of a clearance is constant there.
-pub(super) const FAR: f64 = 0.1;
+pub(super) const FAR: f64 = 0.05;
 
 /// The distance up to which a row is listed, beyond [`FAR`] so that the list lasts.
-pub(super) const LISTED: f64 = 0.2;
+pub(super) const LISTED: f64 = 0.12;
 
 // Trust region.
 

@@ -4,6 +4,7 @@
 mod command;
 
 mod bad_input;
+mod benchmark;
 mod bounds;
 mod check;
 mod eval;

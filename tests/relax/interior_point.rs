@@ -171,21 +171,21 @@ fn derivatives_are_those_of_duals() {
             cost.equalities.duals.clone(),
             cost.equalities.penalties.clone(),
         );
-        // The barrier of a clearance fades: with the distance `x` relative to 0.1 m, from 0 to 1, it is mu (x - 1 - (x - 1)^2 / 2 - ln x), but
+        // The barrier of a clearance fades: with the distance `x` relative to 0.05 m, from 0 to 1, it is mu (x - 1 - (x - 1)^2 / 2 - ln x), but
         // for the part of the price, and nothing beyond. Where the bound is broken what is added to the logarithm is a line.
         let clearance = |j: usize| !equality(j) && kept.label(j, &model).kind == RowKind::Clearance;
-        let far = |j: usize, h: f64| clearance(j) && h < -0.1;
+        let far = |j: usize, h: f64| clearance(j) && h < -0.05;
         let term = |j: usize, h: HyperDual64| {
             if far(j, h.re) {
                 HyperDual64::from(0.0)
             } else if clearance(j) {
-                let rest = h / 0.1 + 1.0;
+                let rest = h / 0.05 + 1.0;
                 let added = if h.re < 0.0 {
                     rest + rest * rest * 0.5
                 } else {
-                    h / 0.05 + 1.5
+                    h / 0.025 + 1.5
                 };
-                psi(h, barrier) - psi(HyperDual64::from(-0.1), barrier) - added * barrier.mu
+                psi(h, barrier) - psi(HyperDual64::from(-0.05), barrier) - added * barrier.mu
             } else if equality(j) {
                 h * duals[j] + h * h * (0.5 * penalties[j])
             } else {
@@ -204,9 +204,9 @@ fn derivatives_are_those_of_duals() {
         };
         let added = |j: usize, h: f64| {
             let none = !clearance(j) || far(j, h);
-            let rest = if none { -1.0 } else { 1.0 + h.min(0.0) / 0.1 };
-            let bend = if none || h >= 0.0 { 0.0 } else { 100.0 };
-            [(1.0 + rest) / 0.1 * barrier.mu, bend * barrier.mu]
+            let rest = if none { -1.0 } else { 1.0 + h.min(0.0) / 0.05 };
+            let bend = if none || h >= 0.0 { 0.0 } else { 400.0 };
+            [(1.0 + rest) / 0.05 * barrier.mu, bend * barrier.mu]
         };
         cost.multipliers = (0..rows).map(multiplier).collect();
         let with_barriers = |z: &[HyperDual64]| {

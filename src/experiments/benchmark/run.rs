@@ -12,12 +12,12 @@ use std::path::Path;
 use std::time::Instant;
 
 /// How far from its minimum a motion may be, as a [tolerance](RelaxSettings::tolerance): that it keeps what is asked of it does not depend on it.
-const TOLERANCE: f64 = 0.5;
+const TOLERANCE: f64 = 0.7;
 /// The most iterations from a start.
 const ITERATIONS: usize = 120;
-/// The intervals of each segment in the table that is judged, and the part of one before its end at which there is a row as well: accelerations
-/// may jump where two segments meet.
-const INTERVALS: usize = 256;
+/// The longest interval of the table that is judged, s, and the part of one before the end of a segment at which there is a row as well:
+/// accelerations may jump there.
+const INTERVAL: f64 = 1e-3;
 const BEFORE: f64 = 1e-4;
 
 /// How a problem ended.
@@ -153,10 +153,12 @@ fn solve(problem: &Problem) -> Result<Row> {
     // By way of the table, as the motion of another tool would come.
     let (model, curve) = (&scenario.model, &solution.curve);
     let mut text = Vec::new();
-    let step = curve.horizon() / (curve.segments() * INTERVALS) as f64;
-    let times = (0..curve.segments() * INTERVALS).flat_map(|k| {
-        let last = (k + 1).is_multiple_of(INTERVALS);
-        let before = last.then(|| (k as f64 + 1.0 - BEFORE) * step);
+    let segment = curve.horizon() / curve.segments() as f64;
+    let intervals = (segment / INTERVAL).ceil().max(1.0) as usize;
+    let step = segment / intervals as f64;
+    let times = (0..curve.segments() * intervals).flat_map(|k| {
+        let last = (k + 1).is_multiple_of(intervals);
+        let before = last.then_some((k as f64 + 1.0 - BEFORE) * step);
         [Some(k as f64 * step), before].into_iter().flatten()
     });
     let times = times.chain([curve.horizon()]);

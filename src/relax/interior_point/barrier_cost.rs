@@ -179,23 +179,6 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins.
-    pub(super) fn list_near(&mut self, point: usize) {
-        let count = self.rows.count();
-        let own = point * count..(point + 1) * count;
-        let rows = self.h[own.clone()].iter().zip(&self.kinds[own]);
-        let rows = rows.zip(&self.rows.of().floors);
-        self.near.list(
-            point,
-            rows.map(|((h, kind), floor)| match kind {
-                Kind::Idle => false,
-                // What is no number is not far either.
-                Kind::Inequality => h.is_nan() || h >= floor,
-                Kind::Equality => true,
-            }),
-        );
-    }
-
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
     fn add_barriers(&mut self, points: Points<'_, f64>, costs: &mut [f64]) {
         if points.first == 0 {

@@ -48,6 +48,23 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         }
     }
 
+    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins.
+    pub(super) fn list_near(&mut self, point: usize) {
+        let count = self.rows.count();
+        let own = point * count..(point + 1) * count;
+        let rows = self.h[own.clone()].iter().zip(&self.kinds[own]);
+        let rows = rows.zip(&self.rows.of().floors);
+        self.near.list(
+            point,
+            rows.map(|((h, kind), floor)| match kind {
+                Kind::Idle => false,
+                // What is no number is not far either.
+                Kind::Inequality => h.is_nan() || h >= floor,
+                Kind::Equality => true,
+            }),
+        );
+    }
+
     /// Lists these rows of the state; what belongs to a row goes with it.
     fn list(&mut self, rows: &[usize]) {
         let (before, points) = (self.rows.ids.clone(), self.near.points());

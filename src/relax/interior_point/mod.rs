@@ -8,13 +8,17 @@
 //! and a trust region does it. The Hessian is that of primal-dual interior points, whose multipliers are iterates of their own, so
 //! that few steps are needed when $\mu$ becomes smaller.
 //!
+//! The barrier of a clearance fades out at a distance, with two continuous derivatives, and rows that are far from everywhere on the curve are
+//! left out until they come near: of hundreds a few dozen matter.
+//!
 //! 1. A step is made with the weight $\mu$ as it is. When the next promises little, $\mu$ becomes smaller.
 //! 2. With each new $\mu$ the rows are looked at between the points as well. What a row exceeds there is a margin at the points beside.
 //! 3. Every few steps a finer quadrature looks at the cost; where the two do not agree there are more points.
 //! 4. At the last $\mu$ the gradient has to vanish. If a row is still broken its price $\nu$ was too low, and grows.
 //! 5. Equalities have the terms of an augmented Lagrangian ([`Equalities`]) at the collocated points. Their duals follow with each new $\mu$, and
 //!    at the last one until the equalities hold.
-//! 6. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
+//! 6. Where the search ends outside the constraints the motion is the last one on the way that kept them, if there was any.
+//! 7. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
 
 mod barrier;
 mod barrier_cost;

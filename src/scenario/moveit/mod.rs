@@ -26,7 +26,7 @@ const SHORTEST: f64 = 0.1;
 /// The horizon with which a search begins where none is given, and the longest, as multiples of the least that the
 /// velocity limits allow.
 const FIRST: f64 = 2.0;
-const LONGEST: f64 = 5.0;
+const LONGEST: f64 = 15.0;
 
 /// The files of a planning problem of MoveIt, and how to make a scenario of it.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ pub struct MoveIt {
 /// The horizon of a scenario that is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveItHorizon {
-    /// Free, from the least that the velocity limits allow, but 0.1 s at least, to five times that.
+    /// Free, from the least that the velocity limits allow, but 0.1 s at least, to fifteen times that.
     Free,
     /// Free between these bounds, s.
     Between(f64, f64),
