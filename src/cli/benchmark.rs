@@ -8,7 +8,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// What to do where the folder is not there.
+/// The commands that get the problems.
 const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-planner vamp-planner==0.6.4; tar xzf vamp_planner-0.6.4.tar.gz; \
 tar xjf vamp_planner-0.6.4/resources/panda/problems.tar.bz2 -C vamp_planner-0.6.4/resources/panda; then name vamp_planner-0.6.4/resources/panda";
 

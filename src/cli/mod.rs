@@ -69,7 +69,7 @@ enum Command {
     Reproduce(reproduce::Reproduce),
 }
 
-/// How to read a robot.
+/// Options of reading a robot.
 #[derive(Debug, Args)]
 struct UrdfArgs {
     /// What to do with the mimic joints of a URDF file: refuse the robot, or let them move by themselves.

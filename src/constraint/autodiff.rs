@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::scalar::{AlgebraOver, Jet, Scalar};
 use crate::spatial::Placement;
 
-/// How many tangents one pass carries.
+/// The number of tangents of a pass.
 const LANES: usize = 4;
 
 /// What gradients are computed with.

@@ -35,7 +35,7 @@ pub struct WeightedDerivatives<S: Scalar> {
     second: bool,
 }
 
-/// What the points of one body, then of a subtree, add up to.
+/// The sums over the points of one body, then of a subtree.
 #[derive(Clone, Copy, Debug)]
 struct Load<S: Scalar> {
     force: Force<S>,

@@ -160,7 +160,7 @@ const PAIRS: [(Kind, Kind); 6] = [
     (Kind::Q, Kind::A),
 ];
 
-/// What the bodies after a joint add up to.
+/// The sums over the bodies after a joint.
 struct Subtree<S: Scalar> {
     inertia: Inertia<S>,
     coriolis: Coriolis<S>,

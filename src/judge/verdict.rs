@@ -1,8 +1,8 @@
-//! What the judge has to say.
+//! The judgement of a trajectory, check by check.
 
 use serde::Serialize;
 
-/// What is accepted.
+/// The accepted deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tolerances {
     /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s as they are; torques and
@@ -49,7 +49,7 @@ pub struct Judgement {
 pub struct Row {
     /// What was checked.
     pub check: Check,
-    /// What came of it.
+    /// Its outcome.
     pub outcome: Outcome,
     /// The worst place; `None` where nothing was checked.
     #[serde(flatten)]
@@ -99,7 +99,7 @@ impl Worst {
     }
 }
 
-/// What came of a check.
+/// The outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {

@@ -90,7 +90,7 @@ impl PlanSettings {
     }
 }
 
-/// What a planner comes to.
+/// The result of a planner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plan {
     /// Waypoints from start to goal, `N` entries each; straight lines between them are free.

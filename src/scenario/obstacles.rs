@@ -125,20 +125,20 @@ pub enum SelfCollision {
     IgnoredPairsFile(String),
 }
 
-/// What is wrong with an obstacle, in words.
+/// The fault of an obstacle, in words.
 type Checked<T> = std::result::Result<T, String>;
 
 /// An obstacle as it is in space.
 pub(super) trait Obstacle {
     /// The key of a scenario.
     const KEY: &'static str;
-    /// What it is in space.
+    /// The solid that it is.
     type Placed;
 
     /// The name it was given.
     fn name(&self) -> Option<&String>;
 
-    /// What it is in space, unless it makes no sense.
+    /// The solid that it is, unless it makes no sense.
     fn placed(&self) -> Checked<Self::Placed>;
 }
 
@@ -149,7 +149,7 @@ pub(super) struct Named<T> {
     pub key: String,
     /// The name it was given.
     pub name: Option<String>,
-    /// What it is in space.
+    /// The solid that it is.
     pub placed: T,
 }
 
@@ -314,7 +314,7 @@ fn check_lengths(key: &str, lengths: &[f64]) -> Checked<()> {
     }
 }
 
-/// Where an obstacle is.
+/// The pose of an obstacle.
 fn placement(center: [f64; 3], orientation: Option<[f64; 4]>) -> Checked<Placement<f64>> {
     if !bounded(&center) {
         return Err(format!(

@@ -193,7 +193,7 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
     })
 }
 
-/// What a method found.
+/// The result of a method.
 pub(super) struct Solution {
     pub curve: Curve,
     pub effort: EffortSummary,
@@ -204,7 +204,7 @@ pub(super) struct Solution {
     pub stopped: Option<Stopped>,
 }
 
-/// What can be measured of a curve, whatever found it.
+/// The measures of a curve, whatever found it.
 pub(super) fn report_of(
     scenario: &Scenario,
     options: &SolveOptions,

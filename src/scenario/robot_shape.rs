@@ -70,7 +70,7 @@ fn cover(collision: &Collision, folder: &Path, spacing: f64) -> Result<Cover> {
     }
 }
 
-/// What of the robot keeps clear.
+/// The part of the robot that keeps clear.
 #[derive(Clone, Debug)]
 pub(super) enum Body {
     /// Capsules, and the distance between the balls that cover them.

@@ -127,12 +127,12 @@ pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
     Ok(robot)
 }
 
-/// Whether this is a command to the macro processor that writes many URDFs.
+/// Tells whether this is a command to the macro processor that writes many URDFs.
 fn is_xacro(node: &Node<'_, '_>) -> bool {
     (node.tag_name().namespace()).is_some_and(|namespace| namespace.contains("xacro"))
 }
 
-/// What is read of an element, or what is wrong with it.
+/// The content of an element, or its fault.
 pub(super) type Read<T> = std::result::Result<T, String>;
 
 fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {

@@ -75,7 +75,7 @@ pub fn parse_urdf_with(
     Ok((model, loader.report))
 }
 
-/// What has been read so far.
+/// The elements read so far.
 struct Loader<'a> {
     file: &'a str,
     options: UrdfOptions,
@@ -319,7 +319,7 @@ impl Loader<'_> {
     }
 }
 
-/// Whether products of finite numbers stayed finite.
+/// Tells whether products of finite numbers stayed finite.
 fn is_finite(inertia: &Inertia<f64>) -> bool {
     let numbers = inertia.first_moment.iter().chain(&inertia.rotational);
     numbers.chain([&inertia.mass]).all(|x| x.is_finite())

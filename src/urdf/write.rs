@@ -148,7 +148,7 @@ impl Model<f64> {
     }
 }
 
-/// Whether two matrices are the same but for rounding.
+/// Tells whether two matrices are the same but for rounding.
 fn close<R: nalgebra::Dim, C: nalgebra::Dim, T: nalgebra::RawStorage<f64, R, C>>(
     a: &nalgebra::Matrix<f64, R, C, T>,
     b: &nalgebra::Matrix<f64, R, C, T>,

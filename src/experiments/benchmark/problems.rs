@@ -18,7 +18,7 @@ pub struct Problem {
     files: Files,
 }
 
-/// Where a problem is.
+/// The files of a problem.
 #[derive(Clone, Debug)]
 enum Files {
     Scenario(PathBuf),
@@ -127,7 +127,7 @@ fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
     Ok(found)
 }
 
-/// What is in a folder, by name.
+/// The entries of a folder, by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let of = |error| Error::io(folder, error);
     let entries = std::fs::read_dir(folder).map_err(of)?;

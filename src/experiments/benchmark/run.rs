@@ -11,7 +11,7 @@ use std::fs::OpenOptions;
 use std::path::Path;
 use std::time::Instant;
 
-/// How far from its minimum a motion may be, as a [tolerance](RelaxSettings::tolerance): that it keeps what is asked of it does not depend on it.
+/// The distance from its minimum that a motion may have, as a [tolerance](RelaxSettings::tolerance): that it keeps what is asked of it does not depend on it.
 const TOLERANCE: f64 = 0.7;
 /// The most iterations from a start.
 const ITERATIONS: usize = 120;
@@ -20,7 +20,7 @@ const ITERATIONS: usize = 120;
 const INTERVAL: f64 = 1e-3;
 const BEFORE: f64 = 1e-4;
 
-/// How a problem ended.
+/// The end of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
@@ -34,7 +34,7 @@ pub enum End {
     Impossible,
 }
 
-/// What came out of a problem.
+/// The result of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The family.
@@ -53,7 +53,7 @@ pub struct Row {
     pub duration_s: f64,
     /// Its least clearance from obstacles and of the robot from itself as the judge proved it, m.
     pub least_clearance_m: Option<f64>,
-    /// Why it is not valid.
+    /// The reason why it is not valid.
     pub reason: String,
 }
 
@@ -153,13 +153,11 @@ fn solve(problem: &Problem) -> Result<Row> {
     // By way of the table, as the motion of another tool would come.
     let (model, curve) = (&scenario.model, &solution.curve);
     let mut text = Vec::new();
-    let segment = curve.horizon() / curve.segments() as f64;
-    let intervals = (segment / INTERVAL).ceil().max(1.0) as usize;
-    let step = segment / intervals as f64;
-    let times = (0..curve.segments() * intervals).flat_map(|k| {
-        let last = (k + 1).is_multiple_of(intervals);
-        let before = last.then_some((k as f64 + 1.0 - BEFORE) * step);
-        [Some(k as f64 * step), before].into_iter().flatten()
+    let times = curve.breakpoints().windows(2).flat_map(|ends| {
+        let (begin, length) = (ends[0], ends[1] - ends[0]);
+        let intervals = (length / INTERVAL).ceil().max(1.0);
+        let inner = (0..intervals as usize).map(move |k| begin + k as f64 / intervals * length);
+        inner.chain([begin + (1.0 - BEFORE / intervals) * length])
     });
     let times = times.chain([curve.horizon()]);
     write_trajectory(model, curve, times, None, &mut text)

@@ -1,4 +1,4 @@
-//! What a benchmark comes to.
+//! The results of a benchmark, summed up.
 
 use super::{End, Row};
 

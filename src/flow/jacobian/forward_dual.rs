@@ -7,7 +7,7 @@ use crate::model::Model;
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 
-/// How many tangents one pass carries.
+/// The number of tangents of a pass.
 const CHUNK: usize = 8;
 
 /// A number with [`CHUNK`] tangents.

@@ -28,7 +28,7 @@ pub struct Action<'g, S: Scalar, L> {
     room: Option<Room<S>>,
 }
 
-/// What derivatives and metrics are made of.
+/// Scratch space of derivatives and metrics.
 struct Room<S: Scalar> {
     at_points: LagrangianDerivatives<S>,
     metrics: DMatrix<S>,

@@ -26,7 +26,7 @@ pub struct Objective<'g, S: Scalar, P> {
     room: Option<Room<S>>,
 }
 
-/// What derivatives are made of.
+/// Scratch space of derivatives.
 struct Room<S: Scalar> {
     at_points: PointsDerivatives<S>,
     sums: [DMatrix<S>; 2],

@@ -27,7 +27,7 @@ use witness::Witness;
 
 /// The number of draws of a motion and obstacles before a family gives a seed up.
 const ATTEMPTS: usize = 5000;
-/// How many scenarios of a family are listed.
+/// The number of scenarios of a family that are listed.
 const LISTED: u64 = 10;
 /// The path that is known to be free stays this far from every obstacle, m.
 const CLEAR: f64 = 0.03;
@@ -59,7 +59,7 @@ pub struct Family {
     attempt: fn(&Model, &mut ChaCha8Rng) -> Result<Option<Candidate>>,
 }
 
-/// What a family chooses.
+/// The choices of a family.
 struct Candidate {
     ends: [Vec<f64>; 2],
     /// The velocities at start and goal.

@@ -221,7 +221,7 @@ impl Positions {
     }
 }
 
-/// Whether the robot has a joint of this name, one that moves or a fixed one.
+/// Tells whether the robot has a joint of this name, one that moves or a fixed one.
 fn has_joint(model: &Model, name: &str) -> bool {
     let carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
     let mut names = carriers.map(|carrier| carrier.joint.as_str());
@@ -267,7 +267,7 @@ fn goal_of(request: &Request, model: &Model, file: &str) -> Result<BTreeMap<Stri
     Ok(positions)
 }
 
-/// Whether anything in a message is no empty list or text.
+/// Tells whether anything in a message is no empty list or text.
 fn has_entries(value: &serde_json::Value) -> bool {
     use serde_json::Value;
     match value {

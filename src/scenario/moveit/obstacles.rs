@@ -52,7 +52,7 @@ pub(super) fn add_obstacles(scene: &Scene, file: &str, to: &mut ScenarioFile) ->
     Ok(())
 }
 
-/// Where a shape is in the frame of the scene: at its pose in that of the object.
+/// The pose of a shape in the frame of the scene: at its pose in that of the object.
 type Placed = (Vector3<f64>, UnitQuaternion<f64>);
 
 fn place(object: Option<&Pose>, primitive: &Pose) -> std::result::Result<Placed, String> {
