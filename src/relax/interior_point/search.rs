@@ -278,9 +278,13 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         if !self.constrained {
             return Ok(Vec::new());
         }
-        self.objective.cost_mut().list_all();
-        self.objective.value(&now.coefficients)?;
-        let peaks = self.peaks(&now.coefficients, 1)?;
+        self.objective.cost_mut().rows.unlisted_highest = f64::NEG_INFINITY;
+        let mut peaks = self.peaks(&now.coefficients, 1)?;
+        if self.objective.cost_mut().is_list_old() {
+            self.objective.cost_mut().list_all();
+            self.objective.value(&now.coefficients)?;
+            peaks = self.peaks(&now.coefficients, 1)?;
+        }
         let cost = self.objective.cost_mut();
         let excesses = peaks
             .iter()
