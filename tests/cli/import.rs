@@ -110,7 +110,7 @@ fn a_problem_becomes_a_scenario() {
         [&json!([-0.5]), &json!([1.0])]
     );
     // At 1.5 rad/s the way takes a second.
-    let free = json!({ "shortest_s": 1.0, "longest_s": 5.0, "weight": 0.0 });
+    let free = json!({ "shortest_s": 1.0, "longest_s": 15.0, "weight": 0.0 });
     assert_eq!(
         [&file["free_horizon"], &file["horizon_s"]],
         [&free, &json!(2.0)]
