@@ -24,7 +24,7 @@ pub(super) struct Judge {
     /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; torques as a share of the largest one of the motion.
     #[arg(long, default_value_t = Tolerances::default().tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// How deep balls of the robot may be in obstacles or in each other, m; clearances are proved to a tenth of it.
+    /// The depth that balls of the robot may have in obstacles or in each other, m; clearances are proved to a tenth of it.
     #[arg(long, default_value_t = Tolerances::default().overlap_m, allow_negative_numbers = true)]
     overlap: f64,
     /// A file for the verdict as JSON.

@@ -1,4 +1,4 @@
-//! What is checked joint by joint.
+//! The checks joint by joint.
 
 use super::{Check, Intervals, Row, Trajectory, Worst, joint_name, unit_of};
 use crate::dynamics::{Data, rnea};
@@ -12,26 +12,7 @@ const TORQUE: [&str; 2] = ["N m", "N"];
 
 /// A difference, which should be zero.
 fn difference(value: f64, unit: &'static str, at_s: f64) -> Worst {
-    Worst {
-        value,
-        at_least: None,
-        at_most: Some(0.0),
-        unit,
-        at_s,
-        place: None,
-    }
-}
-
-/// A value between two bounds, each of which may be infinite.
-fn bounded(value: f64, [least, most]: [f64; 2], unit: &'static str, at_s: f64) -> Worst {
-    Worst {
-        value,
-        at_least: least.is_finite().then_some(least),
-        at_most: most.is_finite().then_some(most),
-        unit,
-        at_s,
-        place: None,
-    }
+    Worst::between(value, [f64::NEG_INFINITY, 0.0], unit, at_s)
 }
 
 /// The duration, and the states at both ends.
@@ -42,7 +23,7 @@ pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: 
         None => [file.horizon_s; 2],
     };
     let mut horizon = Row::new(Check::Horizon, tolerance);
-    let whole = bounded(duration, bounds, "s", duration);
+    let whole = Worst::between(duration, bounds, "s", duration);
     horizon.take(whole, || "duration".to_owned());
     let mut rows = vec![horizon];
     let last = trajectory.times.len() - 1;
@@ -91,7 +72,7 @@ pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: 
     rows
 }
 
-/// Whether velocities and accelerations are the rates that they should be.
+/// The checks that velocities and accelerations are the rates that they should be.
 pub(super) fn consistency(
     scenario: &Scenario,
     trajectory: &Trajectory,
@@ -127,15 +108,11 @@ pub(super) fn consistency(
             if trajectory.has_accelerations {
                 let off = (mean(v, k, i) - ends(a)).abs();
                 // Where it jumps in this interval it is on either side what those before or after lead to.
-                let mut led = [None; 2];
-                if k > 0 {
-                    led[0] = Some(2.0 * a[k][i] - a[k - 1][i]);
-                }
-                if k + 1 < intervals {
-                    led[1] = Some(2.0 * a[k + 1][i] - a[k + 2][i]);
-                }
+                let before = (k > 0).then(|| 2.0 * a[k][i] - a[k - 1][i]);
+                let after = (k + 1 < intervals).then(|| 2.0 * a[k + 1][i] - a[k + 2][i]);
+                let led = [before, after].into_iter().flatten();
                 let samples = (first..=last + 1).map(|k| a[k][i]);
-                let explained = 0.5 * spread(&mut samples.chain(led.into_iter().flatten()));
+                let explained = 0.5 * spread(&mut samples.chain(led));
                 let unit = unit_of(joint, ACCELERATION);
                 second.take(difference(beyond(off, explained), unit, at_s), name);
             }
@@ -150,7 +127,7 @@ pub(super) fn consistency(
     vec![rates, second]
 }
 
-/// What of a difference is not explained; a number that is none stays none.
+/// The part of a difference that is not explained; a number that is none stays none.
 fn beyond(off: f64, explained: f64) -> f64 {
     let left = off - explained;
     if left < 0.0 { 0.0 } else { left }
@@ -185,7 +162,7 @@ pub(super) fn torques(
             if passive_joints.contains(&i) {
                 passive.take(difference(torque[i].abs(), unit, at_s), name);
             } else if let Some(bounds) = scenario.bound(Limit::Torque, i) {
-                limits.take(bounded(torque[i], bounds, unit, at_s), name);
+                limits.take(Worst::between(torque[i], bounds, unit, at_s), name);
             }
         }
     };
@@ -230,7 +207,7 @@ pub(super) fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64)
             if let Some(bounds) = bound(Limit::Position) {
                 for s in ends.into_iter().chain(cubic.turns()).flatten() {
                     let (q, unit) = (cubic.position(s), unit_of(joint, POSITION));
-                    position.take(bounded(q, bounds, unit, intervals.time(k, s)), name);
+                    position.take(Worst::between(q, bounds, unit, intervals.time(k, s)), name);
                 }
             }
             if let Some(bounds) = bound(Limit::Velocity) {
@@ -240,7 +217,7 @@ pub(super) fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64)
                     .flatten()
                 {
                     let (v, unit) = (cubic.velocity(s), unit_of(joint, VELOCITY));
-                    velocity.take(bounded(v, bounds, unit, intervals.time(k, s)), name);
+                    velocity.take(Worst::between(v, bounds, unit, intervals.time(k, s)), name);
                 }
             }
         }

@@ -11,19 +11,19 @@ use nalgebra::{Matrix3, Vector3};
 /// The gaps that are computed at most beyond those of the samples and the middles of their intervals: some ten seconds.
 const MOST_GAPS: usize = 50_000_000;
 
-/// What placing a robot counts for among gaps.
+/// The number of gaps that placing a robot counts for.
 const PLACING: usize = 20;
 
 /// The share of the least clearance to which it is found, where that is positive.
 const PRECISION: f64 = 0.05;
 
-/// What is in the way.
+/// An obstacle.
 enum Obstacle {
     Solid(Solid),
     HalfSpace { normal: Vector3<f64>, offset: f64 },
 }
 
-/// What has to be apart.
+/// Two things that have to be apart.
 enum Gap {
     /// A ball and an obstacle.
     Obstacle { ball: usize, obstacle: usize },
@@ -135,9 +135,9 @@ struct Search<'a> {
     least: f64,
     /// Which one that is, and its time.
     at: (usize, f64),
-    /// What no gap is below, m.
+    /// The bound that no gap is below, m.
     proved: f64,
-    /// What may be spent on halving.
+    /// The number of gaps that may be spent on halving.
     budget: usize,
     q: Vec<f64>,
     ways: Vec<f64>,
@@ -257,18 +257,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What came of it.
+    /// The row of the check.
     fn row(self, check: Check, place: impl Fn(&Gap) -> String) -> Row {
         let (gap, at_s) = self.at;
         let mut row = Row::new(check, self.overlap);
-        let least = Worst {
-            value: self.least,
-            at_least: Some(0.0),
-            at_most: None,
-            unit: "m",
-            at_s,
-            place: None,
-        };
+        let least = Worst::between(self.least, [0.0, f64::INFINITY], "m", at_s);
         row.take(least, || place(&self.gaps[gap]));
         // A bound may be met by a gap that was found later.
         let proved = self.proved.min(self.least);

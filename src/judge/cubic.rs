@@ -1,4 +1,4 @@
-//! What is between two samples.
+//! The motion between two samples.
 
 /// The cubic polynomial of one joint between two samples that has their positions and velocities (Hermite), in the
 /// share `s` of the time between them, from 0 to 1.
@@ -48,7 +48,7 @@ impl Cubic {
         (2.0 * c + 6.0 * d * s) / (self.interval * self.interval)
     }
 
-    /// Where the velocity has its extremum, if that is inside of `range`.
+    /// The share at which the velocity has its extremum, if that is inside of `range`.
     #[must_use]
     pub fn fastest(&self, range: [f64; 2]) -> Option<f64> {
         let [_, _, c, d] = self.coefficients;
@@ -56,7 +56,7 @@ impl Cubic {
         (s > range[0] && s < range[1]).then_some(s)
     }
 
-    /// Where the joint turns back between the samples: the zeros of the velocity, each `None` where it is not inside.
+    /// The shares at which the joint turns back between the samples: the zeros of the velocity, each `None` where it is not inside.
     #[must_use]
     pub fn turns(&self) -> [Option<f64>; 2] {
         let [_, b, c, d] = self.coefficients;

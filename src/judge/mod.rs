@@ -27,7 +27,7 @@
 //! joints move are looked at, and pairs as [`Environment::self_pairs`](crate::scenario::Environment::self_pairs) has
 //! them. Where the work is more than a bound the check is undecided, and says what was proved.
 //!
-//! What is exceeded by no more than the [`Tolerances`] passes.
+//! An excess of no more than the [`Tolerances`] passes.
 
 mod checks;
 mod clearance;
@@ -102,9 +102,8 @@ pub fn judge(
         ),
     ];
     let derived = given.into_iter().filter(|(given, _)| !given);
-    let good = |row: &Row| matches!(row.outcome, Outcome::Pass | Outcome::NotChecked);
     Ok(Judgement {
-        valid: rows.iter().all(good),
+        valid: rows.iter().all(|row| row.outcome.is_good()),
         scenario: scenario.name.clone(),
         samples: trajectory.times.len(),
         duration_s: trajectory.duration(),

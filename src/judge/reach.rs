@@ -1,4 +1,4 @@
-//! How far the balls of a robot can have moved.
+//! Bounds on the motion of the balls of a robot.
 
 use crate::constraint::CollisionSphere;
 use crate::dynamics::forward_kinematics;

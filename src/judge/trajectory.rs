@@ -27,10 +27,10 @@ pub struct Trajectory {
     pub a: Vec<Vec<f64>>,
     /// The torques or forces; `None` where the table has none.
     pub u: Option<Vec<Vec<f64>>>,
-    /// Whether the velocities are given; else they are those of the polynomials of degree four through five
+    /// True if the velocities are given; else they are those of the polynomials of degree four through five
     /// neighbouring samples of the positions.
     pub has_velocities: bool,
-    /// Whether the accelerations are given; else they come from the velocities in the same way.
+    /// True if the accelerations are given; else they come from the velocities in the same way.
     pub has_accelerations: bool,
 }
 
@@ -130,7 +130,7 @@ impl Trajectory {
     }
 }
 
-/// Where the quantities are in a line.
+/// The places of the quantities in a line.
 struct Columns {
     time: usize,
     /// For each of [`QUANTITIES`] the columns of all joints, `None` where the table does not have it.

@@ -26,7 +26,7 @@ impl Default for Tolerances {
 /// The judgement of a trajectory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// Whether no check fails or is undecided.
+    /// True if no check fails or is undecided.
     pub valid: bool,
     /// The scenario.
     pub scenario: String,
@@ -34,11 +34,11 @@ pub struct Judgement {
     pub samples: usize,
     /// The time from the first to the last one, s.
     pub duration_s: f64,
-    /// What is taken for the motion between samples, in words.
+    /// The motion that is assumed between samples, in words.
     pub between_samples: &'static str,
-    /// What the table did not have and was derived, in words.
+    /// The quantities that the table did not have and were derived, in words.
     pub derived: Vec<&'static str>,
-    /// What was accepted.
+    /// The accepted deviations.
     pub tolerances: Tolerances,
     /// The checks.
     pub checks: Vec<Row>,
@@ -47,7 +47,7 @@ pub struct Judgement {
 /// The result of a kind of check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// What was checked.
+    /// The kind of check.
     pub check: Check,
     /// Its outcome.
     pub outcome: Outcome,
@@ -64,7 +64,7 @@ pub struct Row {
     pub note: Option<String>,
 }
 
-/// Where something is nearest to its bound, or farthest beyond.
+/// The place at which something is nearest to its bound, or farthest beyond.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
     /// The value.
@@ -85,6 +85,23 @@ pub struct Worst {
 }
 
 impl Worst {
+    /// A value between two bounds, each of which may be infinite.
+    pub(super) fn between(
+        value: f64,
+        [least, most]: [f64; 2],
+        unit: &'static str,
+        at_s: f64,
+    ) -> Self {
+        Self {
+            value,
+            at_least: least.is_finite().then_some(least),
+            at_most: most.is_finite().then_some(most),
+            unit,
+            at_s,
+            place: None,
+        }
+    }
+
     /// The amount by which the value is beyond a bound, negative within; infinite where it is no number.
     fn excess(&self) -> f64 {
         let below = self.at_least.map(|least| least - self.value);
@@ -111,6 +128,14 @@ pub enum Outcome {
     Undecided,
     /// There is nothing to check.
     NotChecked,
+}
+
+impl Outcome {
+    /// Tells whether a trajectory may have it and be valid.
+    #[must_use]
+    pub fn is_good(self) -> bool {
+        matches!(self, Self::Pass | Self::NotChecked)
+    }
 }
 
 /// The kinds of checks.

@@ -8,7 +8,7 @@ use crate::motion::{Path, Problem, curve_of};
 use nalgebra::DMatrix;
 
 /// The number of times that the slope at a breakpoint is halved before it vanishes.
-const HALVINGS: usize = 4;
+const HALVINGS: i32 = 4;
 /// The number of intervals of a segment at the ends of which the curve is looked at.
 const LOOKS: usize = 24;
 
@@ -58,8 +58,11 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     checker.keep(settings.margin, ends)?;
     let stride = basis.degree() - 1;
-    let mut shares = vec![1.0; segments + 1];
     let mut halvings = vec![0; segments + 1];
+    let share = |halvings: i32| match halvings {
+        0..=HALVINGS => 0.5_f64.powi(halvings),
+        _ => 0.0,
+    };
     loop {
         let mut coefficients = DMatrix::zeros(n, basis.count());
         for (i, q) in breakpoints.iter().enumerate() {
@@ -67,7 +70,8 @@ pub(crate) fn along<K: Constraint + ?Sized>(
                 coefficients[(j, i * stride + 1)] = q[j];
                 if (1..segments).contains(&i) {
                     let rise = breakpoints[i + 1][j] - breakpoints[i - 1][j];
-                    coefficients[(j, i * stride)] = 0.5 * shares[i] * rise * segments as f64;
+                    coefficients[(j, i * stride)] =
+                        0.5 * share(halvings[i]) * rise * segments as f64;
                 }
             }
         }
@@ -90,14 +94,12 @@ pub(crate) fn along<K: Constraint + ?Sized>(
             }
         }
         shorter.dedup();
-        shorter.retain(|i| (1..segments).contains(i) && shares[*i] > 0.0);
+        shorter.retain(|i| (1..segments).contains(i) && share(halvings[*i]) > 0.0);
         if shorter.is_empty() {
             return Ok(curve);
         }
         for i in shorter {
             halvings[i] += 1;
-            let left = halvings[i] <= HALVINGS;
-            shares[i] = if left { 0.5 * shares[i] } else { 0.0 };
         }
     }
 }

@@ -37,7 +37,7 @@ pub struct RelaxSettings {
     pub threads: usize,
     /// The amplitude of the bent ones, rad or m.
     pub start_amplitude: f64,
-    /// Whether a planner finds ways around what is in the way; see [`plan`](crate::plan). It does nothing where there are bounds of joints
+    /// The starts for which a planner finds ways around what is in the way; see [`plan`](crate::plan). It does nothing where there are bounds of joints
     /// alone.
     pub planned_starts: PlannedStarts,
     /// The longest horizon to which that of the problem is lengthened where a planned first start asks for that, s; that of a free horizon where
@@ -177,7 +177,7 @@ impl RelaxSettings {
     }
 
     /// The degrees after that of a basis that an adaptive one may have.
-    pub(super) fn higher_degrees(&self, basis: &Basis) -> impl Iterator<Item = usize> + use<> {
+    pub(super) fn higher_degrees(basis: &Basis) -> impl Iterator<Item = usize> + use<> {
         let (degree, segments) = (basis.degree(), basis.segments());
         let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / segments);
         let above = Basis::degrees().skip_while(move |higher| *higher <= degree);

@@ -9,9 +9,7 @@ use crate::error::Result;
 use crate::flow::rest::RestRecord;
 use crate::flow::{EffortSummary, FlowRecord, effort_of};
 use crate::motion::{Feedback, Stopped, replay_error, simulate};
-use crate::relax::{
-    ControlEffort, Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation,
-};
+use crate::relax::{ControlEffort, Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
 /// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
@@ -147,7 +145,6 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         smallest_curvature,
         largest_violation,
         start_costs,
-        kept,
         ..
     } = solution;
     if *largest_violation > RelaxSettings::FEASIBLE {
@@ -161,9 +158,6 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         return Some(format!(
             "{starts} to a motion within the constraints, which is the end of the search and no proof that there is none"
         ));
-    }
-    if *kept && settings.planned_starts == PlannedStarts::First {
-        return None;
     }
     if !converged {
         let off = [

@@ -1,6 +1,7 @@
 //! The problems of a benchmark.
 
 use crate::error::{Error, Result};
+use crate::input::name_of;
 use crate::scenario::{MoveIt, MoveItHorizon, Scenario};
 use crate::urdf::Mimic;
 use std::path::{Path, PathBuf};
@@ -49,8 +50,8 @@ impl Problem {
 pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
     let mut found = Vec::new();
     for path in entries(folder)? {
-        if extension(&path) == "json" {
-            let name = stem(&path);
+        if path.extension().is_some_and(|ending| ending == "json") {
+            let name = name_of(&path.to_string_lossy());
             let family = name
                 .rsplit_once('_')
                 .map_or(name.as_str(), |(family, _)| family);
@@ -62,7 +63,7 @@ pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
         }
     }
     if found.is_empty() {
-        let srdf = folder.join(format!("{}.srdf", stem(Path::new(robot))));
+        let srdf = folder.join(format!("{}.srdf", name_of(robot)));
         let inner = folder.join("problems");
         let of_families = if inner.is_dir() {
             inner
@@ -92,11 +93,11 @@ fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());
     let name = name.unwrap_or_default();
-    let suffix = format!("_{}", stem(Path::new(robot)));
+    let suffix = format!("_{}", name_of(robot));
     let family = name.strip_suffix(&suffix).unwrap_or(&name);
     let mut found = Vec::new();
     for scene in entries(folder)? {
-        let stem = stem(&scene);
+        let stem = name_of(&scene.to_string_lossy());
         let Some(number) = stem.strip_prefix("scene") else {
             continue;
         };
@@ -135,14 +136,4 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut paths = paths.collect::<Result<Vec<_>>>()?;
     paths.sort();
     Ok(paths)
-}
-
-fn stem(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
-}
-
-fn extension(path: &Path) -> String {
-    let extension = path.extension().unwrap_or_default();
-    extension.to_string_lossy().into_owned()
 }

@@ -2,7 +2,7 @@
 
 use super::Problem;
 use crate::error::{Error, Result};
-use crate::judge::{Check, Outcome, Tolerances, Trajectory, judge};
+use crate::judge::{Check, Tolerances, Trajectory, judge};
 use crate::output::write_trajectory;
 use crate::relax::{PlannedStarts, RelaxSettings, Relaxation};
 use crate::scenario::Scenario;
@@ -175,10 +175,7 @@ fn solve(problem: &Problem) -> Result<Row> {
     } else {
         End::Invalid
     };
-    let failed = judgement
-        .checks
-        .iter()
-        .filter(|row| !matches!(row.outcome, Outcome::Pass | Outcome::NotChecked));
+    let failed = judgement.checks.iter().filter(|row| !row.outcome.is_good());
     let failed: Vec<_> = failed.map(|row| row.check.name()).collect();
     row.reason = failed.join("; ");
     Ok(row)

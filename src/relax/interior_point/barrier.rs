@@ -102,7 +102,7 @@ impl Term {
         self.multiplier() - self.lift()
     }
 
-    /// What a fading barrier has less of a slope than a logarithm.
+    /// The part of the slope of a logarithm that a fading barrier has not got.
     #[inline]
     fn lift(&self) -> f64 {
         match self {

@@ -15,6 +15,7 @@ use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
+use std::ops::Range;
 
 /// The running cost $l_0$ and the [`Barrier`] of each row at each point,
 ///
@@ -23,6 +24,9 @@ use crate::relax::{
 /// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or a torque above its limit divided by the
 /// limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it. Multipliers $z_j$ belong to a point, so that the
 /// integral over time makes densities of them, which do not depend on the number of points.
+///
+/// The barrier of a clearance fades out at the distance `F`: with $x = -h / F$ between 0 and 1 it has
+/// $\mu ((x - 1) - \tfrac12 (x - 1)^2)$ besides, the line that goes on from there where $x < 0$, and from $x = 1$ on it is nothing.
 ///
 /// The gradient is that of `l`, and where rows are relaxed by $r$ it has the push $\sum_j c_j r_j \nabla h_j$ besides, which takes that back. The
 /// Hessian is the primal-dual one: $z$ weighs the second derivatives of the rows in place of $\psi'$, and
@@ -142,9 +146,14 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
     pub(super) fn reset_multipliers(&mut self) {
         self.multipliers.fill(0.0);
         for (at, row) in self.near.places() {
-            let term = self.terms().at(at, row, self.h[at]);
-            self.multipliers[at] = term.map_or(0.0, |term| term.multiplier());
+            self.multipliers[at] = self.multiplier(at, row);
         }
+    }
+
+    /// The multiplier that a row asks for.
+    pub(super) fn multiplier(&self, at: usize, row: usize) -> f64 {
+        let term = self.terms().at(at, row, self.h[at]);
+        term.map_or(0.0, |term| term.multiplier())
     }
 
     /// Changes the barrier; multipliers stay as near as they may.
@@ -165,11 +174,10 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
 
     /// The mean number of rows at a point that have a term, at least one.
     pub(super) fn mean_count(&self) -> f64 {
-        let points = self.h.len() / self.rows.count().max(1);
-        (self.near.places().count() as f64 / points.max(1) as f64).max(1.0)
+        (self.near.places().count() as f64 / self.near.points().max(1) as f64).max(1.0)
     }
 
-    /// What makes the terms of rows.
+    /// The maker of the terms of rows.
     pub(super) fn terms(&self) -> Terms<'_> {
         Terms {
             barrier: self.barrier,
@@ -177,6 +185,15 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
             kinds: &self.kinds,
             floors: &self.rows.of().floors,
         }
+    }
+
+    /// The places of the rows at `points`. With the first of all points what rows that are not listed come to begins anew.
+    fn begin_points(&mut self, points: Points<'_, f64>) -> Range<usize> {
+        if points.first == 0 {
+            self.rows.unlisted_highest = f64::NEG_INFINITY;
+        }
+        let count = self.rows.count();
+        points.first * count..(points.first + points.count()) * count
     }
 
     /// Adds up the running cost, and the barriers of the rows at `points` to it.
@@ -215,13 +232,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
                         self.h[at] - self.relaxations[at]
                     };
                 }
-                let terms = Terms {
-                    barrier,
-                    equalities: &self.equalities,
-                    kinds: &self.kinds,
-                    floors: &self.rows.of().floors,
-                };
-                let Some(term) = terms.at(at, *row, self.h[at]) else {
+                let Some(term) = self.terms().at(at, *row, self.h[at]) else {
                     continue;
                 };
                 let (value, of_logarithm) = term.value();
@@ -255,11 +266,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
     }
 
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
-        let count = self.rows.count();
-        let own = points.first * count..(points.first + points.count()) * count;
-        if points.first == 0 {
-            self.rows.unlisted_highest = f64::NEG_INFINITY;
-        }
+        let own = self.begin_points(points);
         self.rows.at(points, &mut self.h[own], costs)?;
         self.add_barriers(points, costs);
         if self.rows.unlisted_highest > 0.0 {
@@ -314,10 +321,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
             torque.dim() > 0
         };
         cost.all_derivatives_with(points, out, &mut add)?;
-        let own = points.first * count..(points.first + points.count()) * count;
-        if points.first == 0 {
-            self.rows.unlisted_highest = f64::NEG_INFINITY;
-        }
+        let own = self.begin_points(points);
         self.rows.of_state(points, &mut self.h[own])?;
         self.add_barriers(points, &mut out.costs);
         if !self.slopes.is_empty() {
@@ -345,13 +349,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         for lane in 0..LANES {
             for row in self.near.of_state(point(lane), states) {
                 let at = point(lane) * count + row;
-                let terms = Terms {
-                    barrier: self.barrier,
-                    equalities: &self.equalities,
-                    kinds: &self.kinds,
-                    floors: &self.rows.of().floors,
-                };
-                if let Some(term) = terms.at(at, row, self.h[at]) {
+                if let Some(term) = self.terms().at(at, row, self.h[at]) {
                     let (scale, z) = (self.rows.of().scales[row], self.multipliers[at]);
                     let (id, weight) = (self.rows.ids[row], term.weight(z));
                     let c = term.curvature(z);

@@ -42,8 +42,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         self.list(&listed);
         for (at, row) in self.near.places() {
             if self.multipliers[at] == 0.0 {
-                let term = self.terms().at(at, row, self.h[at]);
-                self.multipliers[at] = term.map_or(0.0, |term| term.multiplier());
+                self.multipliers[at] = self.multiplier(at, row);
             }
         }
     }

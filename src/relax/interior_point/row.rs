@@ -1,4 +1,4 @@
-//! What the rows at the points are.
+//! The kinds of the rows at the points.
 
 /// The kind of a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -116,7 +116,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let stage = self.stage;
         if self.constrained {
             self.start(candidate)?;
-            if self.kept.is_empty() {
+            if stage.last && self.kept.is_empty() {
                 self.kept.push(candidate.path.coefficients.clone());
             }
         }

@@ -5,14 +5,14 @@ use super::equality::Equalities;
 use super::row::Kind;
 use crate::relax::tuning::FAR;
 
-/// What the term of a row depends on.
+/// All that the term of a row depends on.
 #[derive(Clone, Copy)]
 pub(super) struct Terms<'a> {
     pub barrier: Barrier,
     pub equalities: &'a Equalities,
     /// The kind of each row at each point.
     pub kinds: &'a [Kind],
-    /// What a row is below where its barrier is constant.
+    /// The value of a row below which its barrier is constant.
     pub floors: &'a [f64],
 }
 

@@ -41,18 +41,12 @@ pub(in crate::relax) fn refine(
         costs: vec![found.cost],
         converged: false,
     };
-    for degree in settings.higher_degrees(&found.path.basis) {
+    let (segments, free_end) = (found.path.basis.segments(), settings.free_final_velocity);
+    for degree in RelaxSettings::higher_degrees(&found.path.basis) {
         if !found.converged || adapted.converged {
             break;
         }
-        let higher = next(
-            &found,
-            Basis::new(
-                found.path.basis.segments(),
-                degree,
-                settings.free_final_velocity,
-            ),
-        )?;
+        let higher = next(&found, Basis::new(segments, degree, free_end))?;
         adapted.degrees.push(degree);
         adapted.costs.push(higher.cost);
         if !higher.converged {

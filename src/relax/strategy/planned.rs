@@ -7,7 +7,7 @@ use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan};
 use crate::relax::interior_point::Context;
 use crate::relax::settings::PlannedStarts;
-use crate::relax::transcription::{place, points};
+use crate::relax::transcription::{Grid, place, points};
 use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_SEGMENTS};
 use crate::relax::{CostWithControl, RelaxSettings};
 use nalgebra::DMatrix;
@@ -104,12 +104,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The horizon to begin with where the first start is planned: that of the problem, or longer, as far as may be, until velocities and
     /// torques of that start keep their limits.
     pub fn horizon(&self, longest: f64) -> Result<f64> {
-        let Context {
-            problem,
-            grids,
-            rows,
-            ..
-        } = self.context;
+        let Context { problem, rows, .. } = self.context;
         let mut horizon = problem.horizon();
         let (Some(first), mut rows) = (&self.first, rows.clone()) else {
             return Ok(horizon);
@@ -117,7 +112,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let basis = &first.basis;
         let n = problem.model().dof();
         while horizon < longest {
-            let grid = grids.with_ends(basis, 2 * basis.degree(), horizon);
+            let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
             let mut states = DMatrix::zeros(n, grid.table.ncols());
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;

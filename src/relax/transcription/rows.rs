@@ -24,18 +24,18 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     wide: Vec<Wide<f64>>,
     /// The number of each row among those of the constraints, ascending: all of them, or those that are listed.
     pub ids: Vec<usize>,
-    /// How many of them are rows of the state; those of the torque come after.
+    /// The number of them that are rows of the state; those of the torque come after.
     pub states: usize,
-    /// What all rows have, listed or not.
+    /// The attributes of all rows, listed or not.
     all: Attributes,
     /// The rows of the state that are not listed, and the largest value of one since this was reset.
     unlisted: Vec<usize>,
     pub unlisted_highest: f64,
-    /// What the listed rows have.
+    /// The attributes of the listed rows.
     of: Attributes,
 }
 
-/// What rows have, an entry each.
+/// The attributes of rows, an entry each.
 #[derive(Clone, Debug, Default)]
 pub(in crate::relax) struct Attributes {
     /// The factor of a row: with it the row is of the order of 0.1 where it is badly violated.
@@ -44,7 +44,7 @@ pub(in crate::relax) struct Attributes {
     pub equalities: Vec<bool>,
     /// One of the multiplied row in rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
-    /// What a multiplied row is below where its barrier is constant; minus infinity where that is nowhere.
+    /// The value of a multiplied row below which its barrier is constant; minus infinity where that is nowhere.
     pub floors: Vec<f64>,
 }
 
@@ -108,7 +108,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.ids.len()
     }
 
-    /// What the listed rows have.
+    /// The attributes of the listed rows.
     pub fn of(&self) -> &Attributes {
         &self.of
     }
