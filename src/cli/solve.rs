@@ -10,7 +10,7 @@ use crate::flow::rest::RestRecord;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
-use crate::relax::Iteration;
+use crate::relax::{Iteration, PlannedStarts};
 use crate::scenario::{FlowVariant, Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -28,7 +28,7 @@ use std::time::Duration;
 pub(super) struct Solve {
     /// A scenario that is built in, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of a solve, which
     /// is repeated.
-    #[arg(default_value = "kinova_free_01")]
+    #[arg(default_value = "kinova_table_01")]
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
@@ -56,6 +56,9 @@ pub(super) struct Solve {
     /// Of relax and of the flow to rest: the number from which the starts are drawn [default: 0].
     #[arg(long)]
     seed: Option<u64>,
+    /// Of relax: the starts for which ways around obstacles are planned [default: later].
+    #[arg(long, value_parser = choice::<PlannedStarts>())]
+    planned_starts: Option<PlannedStarts>,
     /// Stop after so long, s, as by Ctrl-C, with the best motion so far. Until then relax tries further starts.
     #[arg(long)]
     seconds: Option<f64>,
@@ -99,7 +102,7 @@ impl Default for Solve {
     /// What runs without arguments.
     fn default() -> Self {
         Self {
-            scenario: "kinova_free_01".to_owned(),
+            scenario: "kinova_table_01".to_owned(),
             robot: RobotArgs::default(),
             method: None,
             variant: None,
@@ -109,6 +112,7 @@ impl Default for Solve {
             tolerance: None,
             starts: None,
             seed: None,
+            planned_starts: None,
             seconds: None,
             threads: None,
             jacobian: None,
@@ -217,6 +221,7 @@ impl Solve {
             c_cons: self.c_cons.or(other.c_cons),
             threads: self.threads.or(other.threads),
             seed: self.seed.or(other.seed),
+            planned_starts: self.planned_starts.or(other.planned_starts),
             time_limit: time_limit.or(other.time_limit),
             interrupt: other.interrupt,
         })

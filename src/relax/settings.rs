@@ -38,7 +38,8 @@ pub struct RelaxSettings {
     /// The amplitude of the bent ones, rad or m.
     pub start_amplitude: f64,
     /// The starts for which a planner finds ways around what is in the way; see [`plan`](crate::plan). It does nothing where there are bounds of joints
-    /// alone.
+    /// alone. A [first](PlannedStarts::First) one takes a horizon up to [`longest_horizon`](Self::longest_horizon). Since it keeps what is asked of
+    /// the motion before anything is minimised, so does the motion in the end.
     pub planned_starts: PlannedStarts,
     /// The longest horizon to which that of the problem is lengthened where a planned first start asks for that, s; that of a free horizon where
     /// there is one.
@@ -51,17 +52,16 @@ pub struct RelaxSettings {
     pub free_horizon: Option<FreeHorizon>,
 }
 
-/// The starts that a planner finds a way for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PlannedStarts {
+crate::names::named_enum! {
+/// The starts for which a planner looks for a way around what is in the way.
+pub enum PlannedStarts("planned starts") {
+    /// Every other start beyond those that were asked for, while none of these leads to a motion.
+    Later = "later",
+    /// The first start, on a longer horizon where limits ask for that, and later ones; a motion that keeps all constraints will do.
+    First = "first",
     /// None.
-    Never,
-    /// Every other start beyond those of [`num_starts`](RelaxSettings::num_starts), while none of these leads to a motion.
-    #[default]
-    Later,
-    /// The first start, on a longer horizon where its limits ask for that and [`longest_horizon`](RelaxSettings::longest_horizon) allows it; then as [`Later`](Self::Later).
-    /// Since it keeps what is asked of the motion before anything is minimised, so does the motion in the end.
-    First,
+    Never = "never",
+}
 }
 
 impl Default for RelaxSettings {

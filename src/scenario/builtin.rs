@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 29] = scenarios!(
+const SCENARIOS: [(&str, &str); 30] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -26,6 +26,7 @@ const SCENARIOS: [(&str, &str); 29] = scenarios!(
     "kinova_gen3" / "kinova_obstacles_03",
     "kinova_gen3" / "kinova_obstacles_04",
     "kinova_gen3" / "kinova_obstacles_05",
+    "kinova_gen3" / "kinova_table_01",
     "digit_v3_pinned" / "digit_obstacles_2",
     "digit_v3_pinned" / "digit_obstacles_4",
     "kinova_gen3_2arms" / "two_arms_01",

@@ -82,6 +82,7 @@ pub(super) fn solve_by_flow(
         details,
         solve_seconds,
         failure,
+        note: None,
         stopped,
     };
     report_of(scenario, options, found)
@@ -130,6 +131,7 @@ pub(super) fn solve_by_flow_to_rest(
         details,
         solve_seconds,
         failure,
+        note: None,
         stopped: solution.stopped,
     };
     report_of(scenario, options, found)

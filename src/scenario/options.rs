@@ -8,7 +8,7 @@ use crate::flow::weak::AnalyticLagrangian;
 use crate::flow::{FlowSettings, Penalty};
 use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
-use crate::relax::RelaxSettings;
+use crate::relax::{PlannedStarts, RelaxSettings};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -87,6 +87,9 @@ pub struct SolveOptions {
     /// Of the relaxation: the number from which its starts are drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
+    /// Of the relaxation: the starts for which ways around obstacles are planned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planned_starts: Option<PlannedStarts>,
     /// The wall time after which a flow stops, as a failure, and a relaxation with the best motion so far; until then it tries starts.
     #[serde(
         rename = "time_limit_s",
@@ -201,6 +204,7 @@ impl SolveOptions {
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             num_starts: self.num_starts.unwrap_or(default.num_starts),
             seed: self.seed.unwrap_or(default.seed),
+            planned_starts: self.planned_starts.unwrap_or_default(),
             time_limit: self.time_limit,
             interrupt: self.interrupt.clone(),
             threads: self.threads.unwrap_or_else(all_cores),
@@ -232,6 +236,7 @@ impl SolveOptions {
                     tolerance: Some(settings.tolerance),
                     num_starts: Some(settings.num_starts),
                     seed: Some(settings.seed),
+                    planned_starts: Some(settings.planned_starts),
                     ..common
                 }
             }
@@ -285,6 +290,7 @@ impl SolveOptions {
             Method::Flow if self.flows_to_rest() => {
                 let foreign = [
                     ("degree_tolerance", self.degree_tolerance.is_some()),
+                    ("planned_starts", self.planned_starts.is_some()),
                     ("threads", self.threads.is_some()),
                     ("jacobian", self.jacobian.is_some()),
                     ("integrator", self.integrator.is_some()),
@@ -301,6 +307,7 @@ impl SolveOptions {
                     ("degree_tolerance", self.degree_tolerance.is_some()),
                     ("num_starts", self.num_starts.is_some()),
                     ("seed", self.seed.is_some()),
+                    ("planned_starts", self.planned_starts.is_some()),
                     ("threads", self.threads.is_some()),
                 ];
                 ("flow", foreign.to_vec())

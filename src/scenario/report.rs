@@ -9,7 +9,9 @@ use crate::error::Result;
 use crate::flow::rest::RestRecord;
 use crate::flow::{EffortSummary, FlowRecord, effort_of};
 use crate::motion::{Feedback, Stopped, replay_error, simulate};
-use crate::relax::{ControlEffort, Iteration, RelaxSettings, RelaxSolution, Relaxation};
+use crate::relax::{
+    ControlEffort, Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation,
+};
 use std::time::Instant;
 
 /// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
@@ -90,12 +92,16 @@ fn solve_by_relaxation(
         .solve()?;
     let solve_seconds = started.elapsed().as_secs_f64();
     let stopped = solution.stopped;
-    let failure = failure_of(&solution, settings);
-    let failure = match (failure, stopped) {
-        (Some(failure), Some(stopped)) => Some(format!(
-            "{stopped}: the motion is the best until then; {failure}"
-        )),
-        (failure, _) => failure,
+    let missed = failure_of(&solution, settings);
+    // Who plans the first start is content with a motion that keeps the constraints.
+    let content = settings.planned_starts == PlannedStarts::First && solution.kept;
+    let (failure, note) = match (missed, stopped) {
+        (Some(missed), _) if content => (None, Some(format!("no minimum: {missed}"))),
+        (Some(missed), Some(stopped)) => {
+            let failure = format!("{stopped}: the motion is the best until then; {missed}");
+            (Some(failure), None)
+        }
+        (missed, _) => (missed, None),
     };
     let RelaxSolution {
         curve, iterations, ..
@@ -131,6 +137,7 @@ fn solve_by_relaxation(
         details,
         solve_seconds,
         failure,
+        note,
         stopped,
     };
     report_of(scenario, options, found)
@@ -195,6 +202,8 @@ pub(super) struct Solution {
     pub details: Details,
     pub solve_seconds: f64,
     pub failure: Option<String>,
+    /// What is to be known of it though it is no failure.
+    pub note: Option<String>,
     pub stopped: Option<Stopped>,
 }
 
@@ -211,6 +220,7 @@ pub(super) fn report_of(
         details,
         solve_seconds,
         failure,
+        note,
         stopped,
     } = found;
     let (model, passive) = (&scenario.model, scenario.passive());
@@ -240,6 +250,7 @@ pub(super) fn report_of(
     let simulated = method == Method::Flow || !passive.is_empty();
     let success = completed && feasible && (reached || !simulated);
     let mut notes = scenario.notes(options);
+    notes.extend(note);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }

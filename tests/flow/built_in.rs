@@ -7,7 +7,7 @@ use aghf::scenario::{Limit, Method, Scenario, SolveOptions, builtin_scenarios};
 const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
 
 /// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told above and those with
-/// passive joints, which it refuses.
+/// passive joints or a free horizon, which it refuses.
 #[test]
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {
@@ -19,6 +19,11 @@ fn every_built_in_scenario_succeeds() {
         let outcome = aghf::scenario::solve(&scenario, &options, &mut |_| ());
         if !scenario.passive().is_empty() {
             let words = format!("{name}: passive: the published flow does not know it");
+            assert_refused(outcome, &words);
+            continue;
+        }
+        if scenario.file.free_horizon.is_some() {
+            let words = format!("{name}: free_horizon: the method 'flow' does not know it");
             assert_refused(outcome, &words);
             continue;
         }

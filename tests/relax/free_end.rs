@@ -242,6 +242,34 @@ fn a_free_horizon_within_constraints() {
     }
 }
 
+/// Whoever may take longer than a horizon on which there is a motion pays no more, though what held a motion on one horizon breaks
+/// limits on a shorter one.
+#[test]
+fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
+    let mut scenario = Scenario::load("limits_11").expect("generated");
+    let given = scenario.file.horizon_s;
+    let weight = 100.0;
+    let solved = |scenario: &Scenario, free_horizon| {
+        let settings = RelaxSettings {
+            num_starts: 1,
+            free_horizon,
+            ..RelaxSettings::constrained()
+        };
+        let kept = scenario.constraints().expect("valid");
+        let problem = scenario.problem().expect("valid");
+        let solution = solved_within(&problem, &settings, &kept);
+        assert!(solution.converged, "{solution:?}");
+        solution.cost + weight * solution.curve.horizon()
+    };
+    let at_the_given = solved(&scenario, None);
+    scenario.file.horizon_s = 1.6 * given;
+    let at_the_best = solved(
+        &scenario,
+        horizon(0.5 * given, 4.0 * given, weight).free_horizon,
+    );
+    assert!(at_the_best <= at_the_given, "{at_the_best} {at_the_given}");
+}
+
 #[test]
 fn bad_horizons_are_errors() {
     let model = slider(1.0);

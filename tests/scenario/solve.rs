@@ -1,17 +1,18 @@
 //! Scenarios that are built in load, and a solve tells the truth about itself.
 
 use aghf::flow::FlowRecord;
+use aghf::relax::PlannedStarts;
 use aghf::scenario::{
     Details, FlowDetails, Method, Record, Scenario, SolveOptions, SolveReport, builtin_scenarios,
     solve,
 };
 use aghf::urdf::builtin_robots;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::Path;
 
 #[test]
 fn all_that_are_built_in_load_and_fit_their_robots() {
-    assert_eq!(builtin_scenarios().count(), 29);
+    assert_eq!(builtin_scenarios().count(), 30);
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).unwrap_or_else(|e| panic!("{e}"));
         let (file, n) = (&scenario.file, scenario.model.dof());
@@ -360,4 +361,32 @@ fn the_same_solve_gives_the_same_bits() {
         );
         assert_eq!(shown(&solved(name, &options)), first, "{name}");
     }
+}
+
+/// Who plans the first start is content with a motion that keeps the constraints and is told that it is no minimum.
+#[test]
+fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
+    let scenario = json!({
+        "robot": "pendulum_2", "horizon_s": 2.0,
+        "q_start": [0, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
+        "sphere_obstacles": [{ "center_m": [0.5, 0.0, -1.5], "radius_m": 0.3 }],
+        "enforced_limits": { "position": false, "velocity": false, "torque": false }
+    });
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("planned_first.json");
+    std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
+    let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
+    let found = |tolerance| {
+        let options = SolveOptions {
+            planned_starts: Some(PlannedStarts::First),
+            num_starts: Some(1),
+            tolerance: Some(tolerance),
+            ..Default::default()
+        };
+        let report = solve(&scenario, &options, &mut |_| ()).expect("valid");
+        assert!(report.summary.success, "{:?}", report.summary.failure);
+        let notes = report.summary.notes;
+        notes.iter().any(|note| note.starts_with("no minimum: "))
+    };
+    // Rounding alone leaves more of the gradient than the first asks for.
+    assert!(found(1e-30) && !found(1e-6));
 }

@@ -364,7 +364,7 @@ fn bad_surroundings_are_refused_by_key() {
         (
             with(
                 shape(json!({ "collision": {} })),
-                json!({ "robot": "kinova_gen3" }),
+                json!({ "robot": "pendulum_1" }),
             ),
             "robot_shape: ;no;collision element",
         ),

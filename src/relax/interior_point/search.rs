@@ -11,7 +11,7 @@ use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
     CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, GROWTH, LATE, LEAVE, LEAVE_FACTOR,
-    LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, SCAN, SMALLEST_COST,
+    LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, ROOM, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
@@ -317,13 +317,12 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         let cost = self.objective.cost_mut();
         let (rows, near) = (cost.rows.count(), cost.mean_count());
         let density = cost.cost.max(SMALLEST_COST) / horizon;
-        let [mu, nu] = candidate
-            .barrier
-            .unwrap_or([FIRST_BARRIER / near, FIRST_PRICE]);
-        cost.barrier = Barrier {
+        let scaled = |[mu, nu]: [f64; 2]| Barrier {
             mu: mu * density,
             nu: nu * density,
         };
+        let first = scaled([FIRST_BARRIER / near, FIRST_PRICE]);
+        cost.barrier = candidate.barrier.map_or(first, scaled);
         cost.equalities.start(density);
         if let Some(known) = &candidate.penalties {
             cost.equalities.penalties.clone_from(known);
@@ -335,9 +334,11 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             cost.multipliers = known;
         }
         cost.relax();
-        if warm {
+        if warm && cost.largest_relaxation() <= ROOM {
             cost.set_barrier(cost.barrier);
         } else {
+            // A weak barrier holds a curve that breaks its rows where it is.
+            cost.barrier = first;
             cost.reset_multipliers();
         }
         cost.list_those_near();
