@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use std::io::{self, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// The path that stands for the standard input.
@@ -54,6 +54,17 @@ pub(crate) fn name_of(path: &str) -> String {
     }
     let stem = Path::new(path).file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
+}
+
+/// The entries of a folder, by name.
+#[cfg(feature = "output")]
+pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let of = |error| Error::io(folder, error);
+    let entries = std::fs::read_dir(folder).map_err(of)?;
+    let paths = entries.map(|entry| Ok(entry.map_err(of)?.path()));
+    let mut paths = paths.collect::<Result<Vec<_>>>()?;
+    paths.sort();
+    Ok(paths)
 }
 
 /// The bytes of a file.

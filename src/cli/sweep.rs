@@ -24,7 +24,7 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// relaxation. A sweep that was interrupted goes on where it was.
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
-    /// A sweep that is built in, or the path of a TOML file, "-" for the standard input.
+    /// A sweep that is built in, the path of a TOML file, "-" for the standard input, or a folder, of which all scenarios are solved by the relaxation.
     sweep: String,
     /// How many solves run at a time [default: as many as there are cores].
     #[arg(long)]

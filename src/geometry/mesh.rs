@@ -2,12 +2,15 @@
 
 use super::cover::{check, check_number};
 use super::{Ball, Cover};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// A triangle by its corners, in m.
 pub type Triangle = [Vector3<f64>; 3];
+
+/// The largest coordinate in units of the spacing: halves of an edge differ from it by far more than by rounding.
+const FURTHEST: f64 = 1e12;
 
 /// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than
 /// `spacing`, those with their middles in one cell of a grid of that width share a ball about the box around them. Each
@@ -16,13 +19,22 @@ pub type Triangle = [Vector3<f64>; 3];
 /// spacing^2).
 ///
 /// # Errors
-/// `spacing` is not positive and finite, a coordinate is not finite, or more than 1e5 balls are needed.
+/// `spacing` is not positive and finite, a coordinate is not finite or above 1e12 times `spacing`, or more than 1e5 balls are needed.
 pub fn cover_triangles(triangles: &[Triangle], spacing: f64) -> Result<Cover> {
     check(spacing, &[])?;
-    let points = triangles.iter().flatten();
-    if !points.flat_map(|p| p.iter()).all(|x| x.is_finite()) {
-        let condition = "a coordinate is not a finite number";
-        return Err(Error::input("cover by balls", "triangles", condition));
+    let coordinates = triangles.iter().flatten().flat_map(|p| p.iter());
+    let refuse = |condition: String| Err(Error::input("cover by balls", "triangles", condition));
+    // Not by the largest, which is blind to what is not a number.
+    if !coordinates.clone().all(|x| x.is_finite()) {
+        return refuse("a coordinate is not a finite number".to_owned());
+    }
+    let largest = coordinates.fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    if largest > FURTHEST * spacing {
+        let [largest, spacing] = [largest, spacing].map(plain);
+        let condition = format!(
+            "a coordinate is {largest} m, which rounding moves by more than is halved at a spacing of {spacing} m"
+        );
+        return refuse(condition);
     }
     let mut cells: BTreeMap<[i64; 3], Vec<Vector3<f64>>> = BTreeMap::new();
     let mut pending = triangles.to_vec();

@@ -286,12 +286,18 @@ pub fn scenario_table() -> Result<String> {
     let builtin = builtin_scenarios().map(str::to_owned);
     for name in builtin.chain(generated_scenarios()) {
         let Scenario { file, .. } = Scenario::load(&name)?;
-        let mut obstacles = Vec::new();
-        match file.sphere_obstacles.len() {
-            0 => {}
-            1 => obstacles.push("1 sphere".to_owned()),
-            n => obstacles.push(format!("{n} spheres")),
-        }
+        let counts = [
+            (file.sphere_obstacles.len(), "sphere", "spheres"),
+            (file.box_obstacles.len(), "box", "boxes"),
+            (file.cylinder_obstacles.len(), "cylinder", "cylinders"),
+            (file.capsule_obstacles.len(), "capsule", "capsules"),
+        ];
+        let there = counts.into_iter().filter(|(count, ..)| *count > 0);
+        let counted = there.map(|(count, one, more)| match count {
+            1 => format!("1 {one}"),
+            _ => format!("{count} {more}"),
+        });
+        let mut obstacles: Vec<String> = counted.collect();
         if !file.half_spaces.is_empty() {
             obstacles.push("floor".to_owned());
         }
@@ -301,7 +307,10 @@ pub fn scenario_table() -> Result<String> {
             RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
             RobotShape::Collision { .. } => "collision shapes".to_owned(),
         };
-        let horizon = format!("{} s", file.horizon_s);
+        let horizon = match file.free_horizon {
+            None => format!("{} s", file.horizon_s),
+            Some(free) => format!("{} to {} s", free.shortest_s, free.longest_s),
+        };
         table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);
     }
     let families = FAMILIES

@@ -177,6 +177,12 @@ fn bad_problems_are_refused_by_file_and_element_and_nothing_is_written() {
         ),
         (
             "request.yaml",
+            "position: 1.0",
+            "position: 1e300",
+            "request.yaml: goal_constraints: ; so far from the start that it would take up to ",
+        ),
+        (
+            "request.yaml",
             "goal_constraints:\n",
             "goal_constraints:\n  - joint_constraints: []\n",
             "request.yaml: goal_constraints: it has 2 goals",

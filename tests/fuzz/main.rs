@@ -22,6 +22,8 @@ use targets::{Outcome, Target};
 
 /// An input that takes longer is taken for a hang: the slowest that are known take a second in a debug build.
 const HANG: Duration = Duration::from_secs(120);
+/// The number of formats.
+const FORMATS: f64 = 9.0;
 /// The most inputs that are kept to be mutated further.
 const POOL: usize = 2000;
 
@@ -45,6 +47,31 @@ fn eval() {
     fuzz("eval", targets::eval);
 }
 
+#[test]
+fn scene() {
+    fuzz("scene", targets::scene);
+}
+
+#[test]
+fn request() {
+    fuzz("request", targets::request);
+}
+
+#[test]
+fn srdf() {
+    fuzz("srdf", targets::srdf);
+}
+
+#[test]
+fn trajectory() {
+    fuzz("trajectory", targets::trajectory);
+}
+
+#[test]
+fn mesh() {
+    fuzz("mesh", targets::mesh);
+}
+
 /// A number from the environment.
 fn from_environment<T: FromStr>(name: &str, default: T) -> T {
     match std::env::var(name) {
@@ -55,7 +82,7 @@ fn from_environment<T: FromStr>(name: &str, default: T) -> T {
     }
 }
 
-/// Tries the corpus of a format and its mutations for a quarter of the time.
+/// Tries the corpus of a format and its mutations for an equal part of the time.
 fn fuzz(format: &'static str, target: Target) {
     let seconds: f64 = from_environment("AGHF_FUZZ_SECONDS", 10.0);
     let seed: u64 = from_environment("AGHF_FUZZ_SEED", 1);
@@ -69,7 +96,7 @@ fn fuzz(format: &'static str, target: Target) {
     let worker = std::thread::spawn({
         let (current, tried) = (current.clone(), Arc::clone(&tried));
         move || {
-            let run = || run(corpus, target, &current, seed, seconds / 4.0, &tried);
+            let run = || run(corpus, target, &current, seed, seconds / FORMATS, &tried);
             catch_unwind(AssertUnwindSafe(run))
         }
     });

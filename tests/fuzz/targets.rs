@@ -3,12 +3,16 @@
 use aghf::constraint::{Capsule, Constraint};
 use aghf::dynamics::{Data, crba, rnea};
 use aghf::experiments::sweep::Sweep;
+use aghf::geometry::cover_triangles;
+use aghf::judge::{Tolerances, Trajectory, judge};
 use aghf::model::Model;
 use aghf::motion::sample;
 use aghf::output::{evaluate, robot_table};
-use aghf::scenario::{Scenario, ScenarioFile, SolveOptions, Solved, solve};
-use aghf::urdf::{Mimic, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with, summarised};
-use nalgebra::DMatrix;
+use aghf::scenario::{MoveIt, MoveItHorizon, Scenario, ScenarioFile, SolveOptions, Solved, solve};
+use aghf::urdf::{
+    Mimic, Srdf, UrdfOptions, builtin_robot, load_mesh, load_urdf_with, parse_urdf_with, summarised,
+};
+use nalgebra::{DMatrix, Vector3};
 use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -28,8 +32,14 @@ const SOLVED_JOINTS: usize = 3;
 
 /// Checks that a message names the file.
 fn refused(file: &str, error: &aghf::Error) -> Result<Outcome, String> {
+    refused_of(&[file], error)
+}
+
+/// Checks that a message names one of the files that were read.
+fn refused_of(files: &[&str], error: &aghf::Error) -> Result<Outcome, String> {
     let message = error.to_string();
-    match message.strip_prefix(file) {
+    let rest = files.iter().find_map(|file| message.strip_prefix(file));
+    match rest {
         Some(rest) if rest.starts_with(": ") && rest.trim_end().len() > 2 => {
             Ok(Outcome::Refused(rest.to_owned()))
         }
@@ -142,4 +152,116 @@ pub fn eval(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
             .map_err(|e| e.to_string()),
         Err(error) => refused(file, &error),
     }
+}
+
+/// The robot of the scenes, requests and SRDFs.
+const ROBOT: &str = r#"<robot name="small">
+  <link name="base"/>
+  <link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0.3 0 0"/><geometry><cylinder radius="0.04" length="0.2"/></geometry></collision></link>
+  <link name="hand"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1.5" effort="50"/></joint>
+  <joint name="wrist" type="revolute"><origin xyz="0.5 0 0"/><parent link="arm"/><child link="hand"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="50"/></joint>
+</robot>"#;
+
+/// The files of a problem beside the one that is mutated.
+const BESIDE: [(&str, &str); 3] = [
+    ("robot.urdf", ROBOT),
+    ("scene.yaml", include_str!("corpus/scene/shelf.yaml")),
+    ("request.yaml", include_str!("corpus/request/to.yaml")),
+];
+
+/// A planning problem of MoveIt of which the file called `mutated` is the one at `path`.
+fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
+    let folder = path.parent().ok_or("it is in a folder")?;
+    let [urdf, scene, request] = BESIDE.map(|(name, _)| match name == mutated {
+        true => path.to_owned(),
+        false => folder.join(name),
+    });
+    for (name, text) in BESIDE {
+        std::fs::write(folder.join(name), text).map_err(|e| e.to_string())?;
+    }
+    let [scene_name, request_name] = [&scene, &request].map(|path| path.display().to_string());
+    let files = MoveIt {
+        scene,
+        request,
+        urdf: urdf.display().to_string(),
+        mimic: Mimic::Refuse,
+        srdf: None,
+        spacing: 0.05,
+        horizon: MoveItHorizon::Free,
+    };
+    let made = folder.join("scenario.json");
+    let scenario = match files.scenario(&made.display().to_string()) {
+        Ok(scenario) => scenario,
+        Err(error) => return refused_of(&[&scene_name, &request_name], &error),
+    };
+    let failed = unexpected("what was accepted cannot be used");
+    scenario.constraints().map_err(failed)?;
+    serde_json::to_string(&scenario.file).map_err(|e| e.to_string())?;
+    Ok(Outcome::Accepted)
+}
+
+/// A planning scene.
+pub fn scene(path: &Path, _: &[u8]) -> Result<Outcome, String> {
+    moveit(path, "scene.yaml")
+}
+
+/// A planning request.
+pub fn request(path: &Path, _: &[u8]) -> Result<Outcome, String> {
+    moveit(path, "request.yaml")
+}
+
+/// An SRDF.
+pub fn srdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
+    let file = path.to_str().ok_or("the path is text")?;
+    let (model, _) = parse_urdf_with(ROBOT, "robot.urdf", UrdfOptions::default())
+        .map_err(unexpected("the robot"))?;
+    let read = Srdf::load(path, &model).and_then(|srdf| srdf.with_spheres(model));
+    match read {
+        Ok(model) => evaluated(&model).map(|()| Outcome::Accepted),
+        Err(error) => refused(file, &error),
+    }
+}
+
+/// A table of a motion, which is judged as well.
+pub fn trajectory(path: &Path, _: &[u8]) -> Result<Outcome, String> {
+    static SCENARIO: OnceLock<Scenario> = OnceLock::new();
+    let file = path.to_str().ok_or("the path is text")?;
+    let of = || Scenario::load("pendulum_2_swingup").expect("it is built in");
+    let scenario = SCENARIO.get_or_init(of);
+    match Trajectory::load(path, &scenario.model) {
+        // What cannot be judged, such as numbers that overflow, is an error too.
+        Ok(trajectory) => {
+            let _ = judge(scenario, &trajectory, Tolerances::default());
+            Ok(Outcome::Accepted)
+        }
+        Err(error) => refused(file, &error),
+    }
+}
+
+/// A mesh, in each of the formats.
+pub fn mesh(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
+    let folder = path.parent().ok_or("it is in a folder")?;
+    let mut outcome = Outcome::Refused("none".to_owned());
+    for name in ["mesh.stl", "mesh.obj"] {
+        let file = folder.join(name);
+        std::fs::write(&file, bytes).map_err(|e| e.to_string())?;
+        match load_mesh(name, folder, &Vector3::repeat(1.0)) {
+            // Large ones take long, until there are too many balls.
+            Ok(triangles) => {
+                let corners = triangles.iter().flatten();
+                let largest = corners.fold(0.0, |largest, p| p.amax().max(largest));
+                let _ = cover_triangles(&triangles, 0.1 * largest);
+                outcome = Outcome::Accepted;
+            }
+            Err(error) => {
+                refused(&file.display().to_string(), &error)?;
+            }
+        }
+    }
+    Ok(outcome)
 }

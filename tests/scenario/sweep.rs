@@ -5,7 +5,8 @@ use aghf::experiments::sweep::{
     FlowWork, Ranked, RelaxWork, Row, RowOutcome, Sweep, Work, best, builtin_sweeps, ranking,
     ranking_of, ranking_table, write_ranking, write_rows,
 };
-use aghf::scenario::Method;
+use aghf::relax::PlannedStarts;
+use aghf::scenario::{Method, SolveOptions};
 use serde_json::Value;
 
 /// A row with a value in every column.
@@ -51,7 +52,7 @@ fn a_json_file_has_what_a_csv_has() {
     });
     for (grid, work, columns) in [
         (flow.expect("good"), work_of_flow, 20),
-        (relax.expect("good"), work_of_relaxation, 29),
+        (relax.expect("good"), work_of_relaxation, 30),
     ] {
         let full = full(&grid, 1, work);
         let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
@@ -235,4 +236,55 @@ fn sweeps_of_the_flow_are_what_they_were() {
     let header = "set,scenario,p,k,s_max,guess,k_cons,c_cons,outcome,reason,final_error_inf,open_loop_error_inf,\
          control_effort,action,dynamics_defect,smallest_clearance_m,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
     assert_eq!(text.lines().next(), Some(header));
+}
+
+/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as it is.
+#[test]
+fn a_folder_is_swept_and_stands_for_its_scenarios() {
+    let folder = folder("of_a_folder").join("problems");
+    std::fs::create_dir_all(&folder).expect("it is writable");
+    for name in ["pendulum_3_swingup", "pendulum_2_swingup"] {
+        let path = format!("robots/{}/{name}.json", &name[..10]);
+        std::fs::copy(path, folder.join(format!("own_{name}.json"))).expect("both are there");
+    }
+    std::fs::write(folder.join("notes.txt"), "no scenario").expect("it is writable");
+    let names = |sweep: &Sweep| -> Vec<String> {
+        let scenarios = sweep.scenarios.iter();
+        scenarios.map(|scenario| scenario.name.clone()).collect()
+    };
+    let sweep = Sweep::load(folder.to_str().expect("it is text")).expect("good");
+    let expected = ["own_pendulum_2_swingup", "own_pendulum_3_swingup"];
+    assert_eq!(names(&sweep), expected);
+    assert_eq!(
+        (sweep.name.as_str(), sweep.method()),
+        ("problems", Method::Relax)
+    );
+    assert_eq!(sweep.sets.len(), 2);
+    let options = sweep.options(&sweep.sets[0].parameters);
+    let usual = SolveOptions {
+        threads: Some(1),
+        ..Default::default()
+    };
+    assert_eq!(format!("{options:?}"), format!("{usual:?}"));
+
+    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntimeout_s = 9\nplanned_starts = [\"later\", \"first\"]";
+    let sweep = load("of_a_folder", grid).expect("good");
+    assert_eq!(names(&sweep), expected);
+    let planned = |i: usize| sweep.options(&sweep.sets[i].parameters).planned_starts;
+    assert_eq!(
+        [0, 1, 2, 3].map(planned),
+        [
+            PlannedStarts::Later,
+            PlannedStarts::First,
+            PlannedStarts::Later,
+            PlannedStarts::First
+        ]
+        .map(Some)
+    );
+
+    let empty = folder.join("empty");
+    std::fs::create_dir_all(&empty).expect("it is writable");
+    let error = Sweep::load(empty.to_str().expect("it is text")).expect_err("nothing is in it");
+    let words = "scenarios[0]: the folder '.' has no scenario";
+    assert!(error.to_string().contains(words), "{error}");
 }

@@ -22,6 +22,7 @@ segments = [1, 2]
 starts = [1, 3]
 tolerance = [1e-6]
 seed = [7, 8]
+planned_starts = ["later"]
 running_cost = { torque = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }
 enforced_limits = { position = [true], velocity = [true, 0.5], torque = [false, 1.0] }
 "#;

@@ -5,6 +5,7 @@ use aghf::experiments::sweep::{
     ParameterSet, Parameters, Ranked, RelaxPoint, Results, Row, RowOutcome, Shard, Sweep, Work,
     best, merge, ranking, ranking_table, run, shard_files,
 };
+use aghf::relax::PlannedStarts;
 use aghf::scenario::{Enforced, Method, PerJoint, SolveOptions, solve};
 use std::path::Path;
 use std::sync::Mutex;
@@ -37,6 +38,7 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
         starts: Some(1),
         tolerance: Some(1e-6),
         seed: Some(7),
+        planned_starts: Some(PlannedStarts::Later),
         cost_torque: Some(0.0),
         cost_velocity: Some(0.5),
         cost_acceleration: Some(0.1),

@@ -163,6 +163,16 @@ fn senseless_spacings_and_shapes_are_refused() {
         .expect_err("senseless")
         .to_string();
     assert!(error.contains("not a finite number"), "{error}");
+    // Such an edge has no middle: halves of it would never end.
+    let far = Vector3::x() * 1e30;
+    let next = Vector3::x() * 1e30_f64.next_up();
+    let error = cover_triangles(&[[far, next, far]], 0.1).expect_err("senseless");
+    assert!(
+        error
+            .to_string()
+            .contains("a coordinate is 1.0000000000000002e30 m"),
+        "{error}"
+    );
 }
 
 /// The faces of a tetrahedron with corners at the origin and on the axes.

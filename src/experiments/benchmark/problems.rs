@@ -1,7 +1,7 @@
 //! The problems of a benchmark.
 
 use crate::error::{Error, Result};
-use crate::input::name_of;
+use crate::input::{entries, name_of};
 use crate::scenario::{MoveIt, MoveItHorizon, Scenario};
 use crate::urdf::Mimic;
 use std::path::{Path, PathBuf};
@@ -126,14 +126,4 @@ fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
         });
     }
     Ok(found)
-}
-
-/// The entries of a folder, by name.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
-    let of = |error| Error::io(folder, error);
-    let entries = std::fs::read_dir(folder).map_err(of)?;
-    let paths = entries.map(|entry| Ok(entry.map_err(of)?.path()));
-    let mut paths = paths.collect::<Result<Vec<_>>>()?;
-    paths.sort();
-    Ok(paths)
 }

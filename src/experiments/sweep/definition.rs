@@ -3,7 +3,7 @@
 use super::SweepFile;
 use super::grid::Parameters;
 use crate::error::{Error, Result};
-use crate::input::{name_of, read_named};
+use crate::input::{entries, name_of, read_named};
 use crate::scenario::{
     Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
 };
@@ -65,7 +65,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The sweep that is built in under this name, or else the one in the file at this path.
+    /// The sweep that is built in under this name, or else the one in the file at this path; of a folder, all scenarios in it by the relaxation
+    /// as it is by default.
     ///
     /// # Errors
     /// Names the file, the key and what is wrong with it.
@@ -74,13 +75,24 @@ impl Sweep {
             return Self::parse(text, name_or_path, Path::new(""));
         }
         let path = Path::new(name_or_path);
+        if path.is_dir() {
+            // The current folder has no name of its own.
+            let name = path.canonicalize().map_err(|e| Error::io(path, e))?;
+            let name = name.file_name().unwrap_or_default();
+            let file = SweepFile::of_all(name.to_string_lossy().into_owned());
+            return Self::new(file, name_or_path, path);
+        }
         let text = read_named(path, "sweep")?;
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
     /// A sweep from its text. `path` names it in errors; scenarios are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
-        let file = SweepFile::parse(text, path)?;
+        Self::new(SweepFile::parse(text, path)?, path, folder)
+    }
+
+    /// A sweep from its keys, likewise.
+    fn new(file: SweepFile, path: &str, folder: &Path) -> Result<Self> {
         let name = file.name.clone().unwrap_or_else(|| name_of(path));
         let too_many = || {
             let condition = format!("the grid has more than {MOST_SETS} sets");
@@ -171,7 +183,23 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
     if builtin_scenarios().any(|name| name == entry) || is_generated(entry) {
         return Ok(vec![entry.to_owned()]);
     }
-    Ok(vec![folder.join(entry).to_string_lossy().into_owned()])
+    let path = folder.join(entry);
+    if !path.is_dir() {
+        return Ok(vec![path.to_string_lossy().into_owned()]);
+    }
+    let scenarios = entries(&path).map_err(|e| e.to_string())?;
+    let scenarios = scenarios
+        .iter()
+        .filter(|path| path.extension() == Some("json".as_ref()));
+    let all: Vec<_> = scenarios
+        .map(|path| path.to_string_lossy().into_owned())
+        .collect();
+    if all.is_empty() {
+        return Err(format!(
+            "the folder '{entry}' has no scenario, no file *.json"
+        ));
+    }
+    Ok(all)
 }
 
 /// A scenario of a sweep in `folder`.

@@ -1,6 +1,6 @@
 //! Reading the file of a sweep.
 
-use super::grid::{Grid, Refusal};
+use super::grid::{Grid, Refusal, RelaxGrid};
 use crate::error::{Error, Result, plain};
 use crate::scenario::{Method, SolveOptions};
 use crate::urdf::Mimic;
@@ -13,7 +13,7 @@ use toml::{Table, Value};
 pub struct SweepFile {
     /// The name of the folder of results; that of the file without its ending where there is none.
     pub name: Option<String>,
-    /// Scenarios that are built in or generated, or paths relative to the sweep; `kinova_free_*` stands for all built-in ones that start so,
+    /// Scenarios that are built in or generated, or paths relative to the sweep, of files or of folders of them; `kinova_free_*` stands for all built-in ones that start so,
     /// or the generated ones that are listed.
     pub scenarios: Vec<String>,
     /// The robot of generated scenarios that can be for any: one that is built in, or a path relative to the sweep.
@@ -52,6 +52,22 @@ fn flow() -> Method {
 }
 
 impl SweepFile {
+    /// The wall time of one solve of [all](Self::of_all) scenarios of a folder, s.
+    const TIMEOUT: f64 = 60.0;
+
+    /// The sweep of all scenarios of its folder, by the relaxation as it is by default.
+    #[must_use]
+    pub fn of_all(name: String) -> Self {
+        Self {
+            name: Some(name),
+            scenarios: vec![".".to_owned()],
+            robot: None,
+            mimic: None,
+            timeout_s: Self::TIMEOUT,
+            grid: Grid::Relax(RelaxGrid::default()),
+        }
+    }
+
     /// A sweep from its text, TOML. `path` names it in errors.
     ///
     /// # Errors

@@ -9,10 +9,10 @@ use super::{
     EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, LinkBall, RobotShape, Scenario,
     ScenarioFile, SelfCollision,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::input::read_text;
 use crate::model::{Joint, Model};
-use crate::motion::Feedback;
+use crate::motion::{Feedback, Problem};
 use crate::urdf::{Mimic, RobotSource, Srdf, UrdfOptions};
 use messages::{Goal, Request, RobotState, Scene};
 use obstacles::add_obstacles;
@@ -106,6 +106,14 @@ impl MoveIt {
             }
         }
         let (horizon_s, free_horizon) = self.horizon(&moving, &q_start, &q_goal);
+        let longest = free_horizon.map_or(horizon_s, |free| free.longest_s);
+        if self.horizon == MoveItHorizon::Free && Problem::check_horizon(longest).is_err() {
+            let condition = format!(
+                "so far from the start that it would take up to {} s",
+                plain(longest)
+            );
+            return Err(Error::input(request_name, "goal_constraints", condition));
+        }
         let zeros = vec![0.0; moving.len()];
         let ignored = self.ignored_pairs(&model, &source)?.ignored_pairs;
         let mut file = ScenarioFile {

@@ -2,7 +2,7 @@
 
 use super::{Refusal, check_optional, length, not_positive, optional};
 use crate::error::{Error, plain};
-use crate::relax::RelaxSettings;
+use crate::relax::{PlannedStarts, RelaxSettings};
 use crate::scenario::{Enforced, Method, PerJoint, RunningCostWeights, Scenario, SolveOptions};
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,9 @@ pub struct RelaxGrid {
     /// The numbers from which starts are drawn. These are repetitions: a ranking takes all of them together.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<Vec<u64>>,
+    /// The starts for which ways around obstacles are planned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planned_starts: Option<Vec<PlannedStarts>>,
     /// Weights of the running cost, each the same for all joints.
     pub running_cost: CostLists,
     /// The limits that are enforced, each for all joints.
@@ -78,6 +81,8 @@ pub struct RelaxPoint {
     pub tolerance: Option<f64>,
     /// The number from which starts are drawn.
     pub seed: Option<u64>,
+    /// The starts for which ways around obstacles are planned.
+    pub planned_starts: Option<PlannedStarts>,
     /// The weight of squared torques or forces.
     pub cost_torque: Option<f64>,
     /// The weight of squared velocities.
@@ -94,12 +99,13 @@ pub struct RelaxPoint {
 
 impl RelaxGrid {
     /// The names of its lists and groups of lists.
-    pub(super) const KEYS: [&str; 7] = [
+    pub(super) const KEYS: [&str; 8] = [
         "degree",
         "segments",
         "starts",
         "tolerance",
         "seed",
+        "planned_starts",
         "running_cost",
         "enforced_limits",
     ];
@@ -115,6 +121,7 @@ impl RelaxGrid {
         })?;
         check_optional("tolerance", &self.tolerance, not_positive)?;
         check_optional("seed", &self.seed, |_| None)?;
+        check_optional("planned_starts", &self.planned_starts, |_| None)?;
         let cost = &self.running_cost;
         for (key, list) in [
             ("torque", &cost.torque),
@@ -184,6 +191,7 @@ impl RelaxGrid {
             length(&cost.acceleration),
             length(&cost.velocity),
             length(&cost.torque),
+            length(&self.planned_starts),
             length(&self.tolerance),
             length(&self.starts),
             length(&self.segments),
@@ -205,6 +213,7 @@ impl RelaxGrid {
         let cost_acceleration = optional(&cost.acceleration, index);
         let cost_velocity = optional(&cost.velocity, index);
         let cost_torque = optional(&cost.torque, index);
+        let planned_starts = optional(&self.planned_starts, index);
         let tolerance = optional(&self.tolerance, index);
         let starts = optional(&self.starts, index);
         let segments = optional(&self.segments, index);
@@ -216,6 +225,7 @@ impl RelaxGrid {
             starts,
             tolerance,
             seed,
+            planned_starts,
             cost_torque,
             cost_velocity,
             cost_acceleration,
@@ -258,6 +268,7 @@ impl RelaxPoint {
             num_starts: self.starts,
             tolerance: self.tolerance,
             seed: self.seed,
+            planned_starts: self.planned_starts,
             // The sets of a sweep share the cores.
             threads: Some(1),
             ..SolveOptions::default()
@@ -307,6 +318,7 @@ impl RelaxPoint {
         row.serialize_field("starts", &self.starts)?;
         row.serialize_field("tolerance", &self.tolerance)?;
         row.serialize_field("seed", &self.seed)?;
+        row.serialize_field("planned_starts", &self.planned_starts)?;
         row.serialize_field("cost_torque", &self.cost_torque)?;
         row.serialize_field("cost_velocity", &self.cost_velocity)?;
         row.serialize_field("cost_acceleration", &self.cost_acceleration)?;
@@ -324,6 +336,10 @@ impl RelaxPoint {
             ("segments", count(self.segments)),
             ("starts", count(self.starts)),
             ("tolerance", self.tolerance.map(|x| format!("{x:e}"))),
+            (
+                "planned_starts",
+                self.planned_starts.map(|starts| starts.to_string()),
+            ),
             ("cost_torque", number(self.cost_torque)),
             ("cost_velocity", number(self.cost_velocity)),
             ("cost_acceleration", number(self.cost_acceleration)),
