@@ -69,7 +69,9 @@ pub(super) const INSIDE: f64 = 1e-6;
 // Barrier. All relative to the cost per second.
 
 /// The first weight of the barriers of all rows together.
-pub(super) const FIRST_BARRIER: f64 = 1.0;
+pub(super) const FIRST_BARRIER: f64 = 0.1;
+/// That of a curve that was found with more in mind than its ends: a planned one, or one from another horizon.
+pub(super) const STRONG_BARRIER: f64 = 1.0;
 /// The last one: how far the cost may be above its minimum.
 pub(super) const LAST_BARRIER: f64 = 1e-7;
 /// A weight that is this factor of another is that one.

@@ -3,12 +3,15 @@
 use super::row::Kind;
 use crate::motion::Path;
 use crate::motion::Problem;
+use crate::relax::tuning::{FIRST_BARRIER, STRONG_BARRIER};
 
 /// The start of a minimisation, and its end.
 #[derive(Clone, Debug)]
 pub(in crate::relax) struct Candidate {
     pub path: Path,
     pub multipliers: Multipliers,
+    /// The weight of the barriers of all rows to begin with, relative to the cost per second, where nothing else is known.
+    pub first_barrier: f64,
     /// $\mu$ and $\nu$ of the barriers when it ended, relative to the cost per second; nothing before that.
     pub barrier: Option<[f64; 2]>,
     /// $\rho$ of the equalities, likewise; those of inequalities mean nothing.
@@ -46,6 +49,7 @@ impl Candidate {
         Self {
             path,
             multipliers: Multipliers::default(),
+            first_barrier: FIRST_BARRIER,
             barrier: None,
             penalties: None,
             cost: f64::NAN,
@@ -64,11 +68,12 @@ impl Candidate {
     /// The same shape on another horizon, longer by a factor. What held it holds it to begin with if that was of any use.
     pub fn on_horizon(&self, problem: &Problem<'_>, factor: f64) -> Self {
         let path = self.path.clone().between_ends_of(problem);
-        if !self.converged {
-            return Self::new(path);
-        }
-        let mut moved = self.clone();
+        let mut moved = match self.converged {
+            true => self.clone(),
+            false => Self::new(self.path.clone()),
+        };
         moved.path = path;
+        moved.first_barrier = STRONG_BARRIER;
         for time in &mut moved.multipliers.times {
             *time *= factor;
         }

@@ -10,8 +10,8 @@ use crate::error::Result;
 use crate::motion::Watch;
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    CONSTRAINED_STEPS, FINE, FIRST_BARRIER, FIRST_PRICE, FLOOR, GROWTH, LATE, LEAVE, LEAVE_FACTOR,
-    LEAVE_TRIES, LOOK, MOST_POINTS, ON_THE_WAY, ROOM, SCAN, SMALLEST_COST,
+    CONSTRAINED_STEPS, FINE, FIRST_PRICE, FLOOR, GROWTH, LATE, LEAVE, LEAVE_FACTOR, LEAVE_TRIES,
+    LOOK, MOST_POINTS, ON_THE_WAY, ROOM, SCAN, SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Iteration, Objective, horizon_slope};
 use nalgebra::{DMatrix, DVector};
@@ -321,7 +321,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
             mu: mu * density,
             nu: nu * density,
         };
-        let first = scaled([FIRST_BARRIER / near, FIRST_PRICE]);
+        let first = scaled([candidate.first_barrier / near, FIRST_PRICE]);
         cost.barrier = candidate.barrier.map_or(first, scaled);
         cost.equalities.start(density);
         if let Some(known) = &candidate.penalties {

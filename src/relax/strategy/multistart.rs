@@ -9,7 +9,8 @@ use crate::relax::interior_point::{Candidate, Context, minimise};
 use crate::relax::settings::{PlannedStarts, Rung};
 use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
-    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
+    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS,
+    STRONG_BARRIER, WAVE,
 };
 use crate::relax::{CostWithControl, Iteration, RelaxSettings};
 use serde::Serialize;
@@ -75,15 +76,15 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         next = wave.end;
         let start = |number| {
             // A planned start has a basis of its own and comes in at the top.
-            let (level, path) = match planned.start(number, context.problem)? {
-                Some(path) => (rungs.len() - 1, path),
-                None => {
-                    let bends = planned.bends(number);
-                    let path = line.start(settings.start_amplitude, settings.seed, bends);
-                    (0, path.in_basis(rungs[0].basis.clone()))
-                }
-            };
-            Ok((number, level, Candidate::new(path)))
+            if let Some(path) = planned.start(number, context.problem)? {
+                let mut candidate = Candidate::new(path);
+                candidate.first_barrier = STRONG_BARRIER;
+                return Ok((number, rungs.len() - 1, candidate));
+            }
+            let bends = planned.bends(number);
+            let path = line.start(settings.start_amplitude, settings.seed, bends);
+            let path = path.in_basis(rungs[0].basis.clone());
+            Ok((number, 0, Candidate::new(path)))
         };
         let starts = side_by_side(wave.collect(), settings.threads, start);
         let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
