@@ -37,7 +37,7 @@ def percentile(ascending: list, share: float) -> float:
 
 def solve(aghf: Path, name: str, robot: str, extra: list, folder: str) -> tuple:
     """The seconds of the search, if there was one, and why it failed, if it did."""
-    command = [aghf, "solve", name, "--robot", robot, "--mimic", "independent", "--json", "--out", folder, *extra]
+    command = [aghf, "solve", name, "--robot", robot, "--mimic", "independent", "--json", "--out", folder, "--force", *extra]
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode not in (0, 3):
         return None, run.stderr.strip() or f"exit code {run.returncode}"
