@@ -167,9 +167,12 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         let constrained = rows.count() > 0;
         let highest = settings.highest(constrained);
         let passive = self.constraints.torque.has_passive();
-        let (mut starts, mut minima) = (Vec::new(), Vec::new());
+        let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
+        let mut best_start = None;
+        let first_guess;
         let found = if let Some(curve) = &settings.start {
             let path = path_of(curve, settings.basis()).between_ends_of(&problem);
+            first_guess = curve_of(&problem, &path)?;
             let start = Candidate::new(path);
             minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
         } else {
@@ -182,6 +185,11 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             )?;
             (starts, minima) = (outcome.first_costs, outcome.minima);
             starts.sort_by(f64::total_cmp);
+            let curves = outcome.curves.iter().map(|path| curve_of(&problem, path));
+            minima_curves = curves.collect::<Result<_>>()?;
+            let (number, guess) = outcome.best_start;
+            best_start = Some(number);
+            first_guess = curve_of(&problem, &guess)?;
             outcome.best
         };
         let (mut found, adapted) = refine(settings, found, |from, basis| {
@@ -228,6 +236,9 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
                 .map_or(0.0, |[mu, _]| mu * rows.count() as f64),
             start_costs: starts,
             minima,
+            minima_curves,
+            best_start,
+            first_guess,
             iterations,
         })
     }

@@ -269,6 +269,8 @@ pub struct Iteration {
     pub step: f64,
     /// The number of factorisations of matrices.
     pub factorisations: usize,
+    /// The largest violation of a constraint at the points of the quadrature, in its own unit; zero where all are kept.
+    pub violation: f64,
 }
 
 /// The result of a relaxation.
@@ -310,6 +312,17 @@ pub struct RelaxSolution {
     pub complementarity: f64,
     /// The minima that the starts led to, by cost; empty without starts.
     pub minima: Vec<LocalMinimum>,
+    /// The curves of the first [few](Self::MINIMA_CURVES) of them as the starts left them, before any further degree or horizon.
+    pub minima_curves: Vec<Curve>,
+    /// The number of the start that led to the motion; `None` without starts.
+    pub best_start: Option<usize>,
+    /// Where it began.
+    pub first_guess: Curve,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
+}
+
+impl RelaxSolution {
+    /// The number of minima whose curves are kept.
+    pub const MINIMA_CURVES: usize = 4;
 }

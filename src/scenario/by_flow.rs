@@ -1,8 +1,9 @@
 //! Solving a scenario by a flow.
 
-use super::report::{Record, Solution, SolveReport, report_of};
+use super::report::{Record, Solution, SolveReport, Trace, report_of};
 use super::summary::{Details, FlowDetails, RestDetails};
 use super::{Scenario, SolveOptions};
+use crate::curve::{Chebyshev, Curve};
 use crate::error::Result;
 use crate::flow::rest::{RestRecord, flow_to_rest};
 use crate::flow::{
@@ -75,6 +76,8 @@ pub(super) fn solve_by_flow(
         factorisations: statistics.factorisations,
     });
     let history = history.into_iter().map(Record::Flow).collect();
+    let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
+    let guess = problem.guess(settings.guess, &chebyshev);
     let found = Solution {
         curve,
         effort,
@@ -84,6 +87,10 @@ pub(super) fn solve_by_flow(
         failure,
         note: None,
         stopped,
+        trace: Trace {
+            first_guess: Some(Curve::new(chebyshev, guess)?),
+            ..Trace::default()
+        },
     };
     report_of(scenario, options, found)
 }
@@ -133,6 +140,7 @@ pub(super) fn solve_by_flow_to_rest(
         failure,
         note: None,
         stopped: solution.stopped,
+        trace: Trace::default(),
     };
     report_of(scenario, options, found)
 }

@@ -156,6 +156,8 @@ pub struct Scenario {
     pub robot_place: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
     pub robot_xxh64: String,
+    /// Its text, and where that is from.
+    pub(crate) source: RobotSource,
 }
 
 impl Scenario {
@@ -292,6 +294,7 @@ impl Scenario {
             environment,
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
+            source,
         })
     }
 

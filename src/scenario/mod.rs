@@ -38,7 +38,7 @@ pub use options::{FlowVariant, Method, SolveOptions};
 pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
-pub use report::{Record, SolveReport, solve};
+pub use report::{Record, SolveReport, Trace, solve};
 pub use robot_shape::LinkBall;
 pub use self_collision::{IgnoredPair, IgnoredPairs};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

@@ -44,6 +44,19 @@ pub struct SolveReport {
     pub completed: bool,
     /// The reason why it was stopped, if it was.
     pub stopped: Option<Stopped>,
+    /// The curves on the way.
+    pub trace: Trace,
+}
+
+/// Where a search began, and what else it found.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// The curve that led to the motion; `None` for a flow to rest.
+    pub first_guess: Option<Curve>,
+    /// Of the relaxation: the curves of the first few [minima](RelaxSolution::minima), that of the motion included.
+    pub minima: Vec<Curve>,
+    /// Of the relaxation: the number of the start that led to the motion.
+    pub best_start: Option<usize>,
 }
 
 /// Solves `scenario` and tests the result by forward simulation. `observe` is called as the solve proceeds.
@@ -106,6 +119,11 @@ fn solve_by_relaxation(
     let RelaxSolution {
         curve, iterations, ..
     } = solution;
+    let trace = Trace {
+        first_guess: Some(solution.first_guess),
+        minima: solution.minima_curves,
+        best_start: solution.best_start,
+    };
     // What was minimised, where that was not the control effort alone.
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
@@ -139,6 +157,7 @@ fn solve_by_relaxation(
         failure,
         note,
         stopped,
+        trace,
     };
     report_of(scenario, options, found)
 }
@@ -205,6 +224,7 @@ pub(super) struct Solution {
     /// What is to be known of it though it is no failure.
     pub note: Option<String>,
     pub stopped: Option<Stopped>,
+    pub trace: Trace,
 }
 
 /// The measures of a curve, whatever found it.
@@ -222,6 +242,7 @@ pub(super) fn report_of(
         failure,
         note,
         stopped,
+        trace,
     } = found;
     let (model, passive) = (&scenario.model, scenario.passive());
     let final_error = |feedback| -> Result<Option<f64>> {
@@ -293,5 +314,6 @@ pub(super) fn report_of(
         history,
         completed,
         stopped,
+        trace,
     })
 }

@@ -32,12 +32,14 @@ pub fn load_robot_with(
 }
 
 /// The text of a robot, and where it is from.
+#[derive(Clone, Debug)]
 pub(crate) struct RobotSource {
     pub text: Cow<'static, str>,
     /// The name of a robot that is built in, or else the path of its file.
     place: Place,
 }
 
+#[derive(Clone, Debug)]
 enum Place {
     BuiltIn(String),
     File(PathBuf),

@@ -32,6 +32,7 @@ impl Iterate {
                 damping: 0.0,
                 step: 0.0,
                 factorisations: 0,
+                violation: f64::NAN,
             },
             at_last_barrier: false,
             finer: [f64::NAN; 2],

@@ -216,6 +216,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
                 damping: 0.0,
                 step: 0.0,
                 factorisations: usize::from(fresh),
+                violation: self.objective.cost_mut().largest_violation(),
             };
             let ends = now.at_last_barrier && (gradient_norm <= stage.tolerance || out);
             if fresh || !stage.last || !ends {

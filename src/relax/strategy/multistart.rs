@@ -12,7 +12,7 @@ use crate::relax::tuning::{
     HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS,
     STRONG_BARRIER, WAVE,
 };
-use crate::relax::{CostWithControl, Iteration, RelaxSettings};
+use crate::relax::{CostWithControl, Iteration, RelaxSettings, RelaxSolution};
 use serde::Serialize;
 use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};
@@ -34,6 +34,19 @@ pub(in crate::relax) struct Outcome {
     pub first_costs: Vec<f64>,
     /// The minima that were found, by cost.
     pub minima: Vec<LocalMinimum>,
+    /// The first curve that led to each of them, of the first few.
+    pub curves: Vec<Path>,
+    /// The number of the start that led to the best, and where that began.
+    pub best_start: (usize, Path),
+}
+
+/// A start on its way up.
+struct Climber {
+    number: usize,
+    /// The rung where it began, and the curve there.
+    first: usize,
+    guess: Path,
+    candidate: Candidate,
 }
 
 /// Goes up the rungs from as many starts as are asked for, and from more while none of them ends as it should.
@@ -61,9 +74,12 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let line = Path::line(context.problem, line);
     // Who asks for a start that keeps the constraints is content with a motion that does.
     let content = settings.planned_starts == PlannedStarts::First;
-    let is_found = |end: &Candidate| end.converged || (content && end.kept);
+    let is_found = |end: &Climber| {
+        let end = &end.candidate;
+        end.converged || (content && end.kept)
+    };
     let mut least = vec![f64::INFINITY; rungs.len()];
-    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Candidate>::new());
+    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Climber>::new());
     let mut next = 0;
     loop {
         let found_before = ends.iter().any(is_found);
@@ -76,15 +92,24 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         next = wave.end;
         let start = |number| {
             // A planned start has a basis of its own and comes in at the top.
-            if let Some(path) = planned.start(number, context.problem)? {
-                let mut candidate = Candidate::new(path);
-                candidate.first_barrier = STRONG_BARRIER;
-                return Ok((number, rungs.len() - 1, candidate));
-            }
-            let bends = planned.bends(number);
-            let path = line.start(settings.start_amplitude, settings.seed, bends);
-            let path = path.in_basis(rungs[0].basis.clone());
-            Ok((number, 0, Candidate::new(path)))
+            let (first, candidate) = match planned.start(number, context.problem)? {
+                Some(path) => {
+                    let mut candidate = Candidate::new(path);
+                    candidate.first_barrier = STRONG_BARRIER;
+                    (rungs.len() - 1, candidate)
+                }
+                None => {
+                    let bends = planned.bends(number);
+                    let path = line.start(settings.start_amplitude, settings.seed, bends);
+                    (0, Candidate::new(path.in_basis(rungs[0].basis.clone())))
+                }
+            };
+            Ok(Climber {
+                number,
+                first,
+                guess: candidate.path.clone(),
+                candidate,
+            })
         };
         let starts = side_by_side(wave.collect(), settings.threads, start);
         let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
@@ -92,10 +117,11 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             // Those that come in at the top wait.
             let (waiting, here) = climbing
                 .into_iter()
-                .partition(|(_, first, _)| *first > level);
+                .partition(|climber| climber.first > level);
             climbing = waiting;
-            let found = side_by_side(here, settings.threads, |(number, first, mut candidate)| {
-                if first < level {
+            let found = side_by_side(here, settings.threads, |climber| {
+                let mut candidate = climber.candidate.clone();
+                if climber.first < level {
                     candidate.path = candidate.path.in_basis(rung.basis.clone());
                 }
                 let mut iterations = Vec::new();
@@ -106,15 +132,21 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 } else {
                     minimise(context, candidate, rung.stage, &mut log)?
                 };
-                Ok((number, first, found, iterations))
+                let candidate = found;
+                let climber = Climber {
+                    candidate,
+                    ..climber
+                };
+                Ok((climber, iterations))
             });
             for found in found {
-                let (number, first, candidate, iterations) = found?;
+                let (climber, iterations) = found?;
+                let candidate = &climber.candidate;
                 for iteration in iterations {
-                    let start = Some(number);
+                    let start = Some(climber.number);
                     log(Iteration { start, ..iteration });
                 }
-                if level == first && !stopped() {
+                if level == climber.first && !stopped() {
                     first_costs.push(candidate.cost);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end. What a passive joint is given
@@ -132,12 +164,12 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     least[level] = least[level].min(candidate.cost);
                 }
                 if goes_on || (constrained && !found_before) {
-                    climbing.push((number, first, candidate));
+                    climbing.push(climber);
                 }
             }
-            climbing.sort_by_key(|(number, ..)| *number);
+            climbing.sort_by_key(|climber| climber.number);
         }
-        ends.extend(climbing.into_iter().map(|(.., end)| end));
+        ends.extend(climbing);
         let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
             Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
@@ -147,12 +179,15 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             break;
         }
     }
-    ends.sort_by(rank);
-    let minima = minima_of(&ends);
+    ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
+    let (minima, curves) = minima_of(&ends);
+    let best = ends.swap_remove(0);
     Ok(Outcome {
-        best: ends.swap_remove(0),
+        best: best.candidate,
         first_costs,
         minima,
+        curves,
+        best_start: (best.number, best.guess),
     })
 }
 
@@ -170,21 +205,27 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     }
 }
 
-/// The minima among candidates that are sorted.
-fn minima_of(ends: &[Candidate]) -> Vec<LocalMinimum> {
-    let mut minima: Vec<LocalMinimum> = Vec::new();
-    for end in ends.iter().filter(|end| end.converged) {
+/// The minima among ends that are sorted, and the curves of the first few.
+fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Path>) {
+    let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
+    let ends = ends.iter().map(|end| &end.candidate);
+    for end in ends.filter(|end| end.converged) {
         match minima.last_mut() {
             Some(last) if end.cost - last.cost <= SAME_MINIMUM * last.cost.abs() => {
                 last.starts += 1
             }
-            _ => minima.push(LocalMinimum {
-                cost: end.cost,
-                starts: 1,
-            }),
+            _ => {
+                if curves.len() < RelaxSolution::MINIMA_CURVES {
+                    curves.push(end.path.clone());
+                }
+                minima.push(LocalMinimum {
+                    cost: end.cost,
+                    starts: 1,
+                });
+            }
         }
     }
-    minima
+    (minima, curves)
 }
 
 /// Applies `work` to each item on several threads; the results are in the order of the items.
