@@ -31,6 +31,8 @@ pub mod output;
 pub mod plan;
 #[cfg(feature = "solvers")]
 pub mod relax;
+#[cfg(feature = "output")]
+pub mod report;
 pub mod scalar;
 #[cfg(feature = "output")]
 pub mod scenario;

@@ -11,6 +11,7 @@ use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
 use crate::relax::{Iteration, PlannedStarts};
+use crate::report::{Motion, page};
 use crate::scenario::{FlowVariant, Method, Record, SolveOptions, solve};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,8 +22,9 @@ use std::time::Duration;
 /// Solve a scenario and write the trajectory that was found.
 ///
 /// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's. A new folder, out/SCENARIO or
-/// out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows) and summary.json, from which
-/// the solve can be repeated. If the solve fails they are trajectory.failed.csv and summary.failed.json, beside those of an earlier success.
+/// out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows), summary.json, from which
+/// the solve can be repeated, and report.html, a page that shows the motion (`aghf view` opens it). If the solve fails they are
+/// trajectory.failed.csv and so on, beside those of an earlier success.
 /// Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
@@ -90,6 +92,9 @@ pub(super) struct Solve {
     sampling: SamplingArgs,
     #[command(flatten)]
     out: OutArgs,
+    /// Leave out the page that shows the motion, report.html.
+    #[arg(long)]
+    no_report: bool,
     /// Print the summary as JSON and nothing else.
     #[arg(long)]
     json: bool,
@@ -124,6 +129,7 @@ impl Default for Solve {
             c_cons: None,
             sampling: SamplingArgs::default(),
             out: OutArgs::default(),
+            no_report: false,
             json: false,
             verbose: false,
         }
@@ -163,7 +169,12 @@ impl Solve {
         progress.finish_and_clear();
 
         let model = &scenario.model;
-        let files = write_report(model, &outcome, &folder, sampling).or_else(|error| {
+        let page = match self.no_report {
+            true => None,
+            false => Some(page(&[Motion::of_report(&scenario, &outcome)])?),
+        };
+        let page = page.as_deref();
+        let files = write_report(model, &outcome, page, &folder, sampling).or_else(|error| {
             // What took long to find is not lost because the folder is gone, full, or taken by another process meanwhile.
             let spare = std::env::temp_dir().join("aghf").join(&scenario.name);
             let spare = OutputFolder::fresh(&spare)?;
@@ -171,7 +182,7 @@ impl Solve {
                 "aghf: {error}; the files are in {}",
                 spare.path().display()
             ));
-            write_report(model, &outcome, &spare, sampling)
+            write_report(model, &outcome, page, &spare, sampling)
         })?;
         if self.json {
             print_json(&outcome.summary)?;

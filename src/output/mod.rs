@@ -15,5 +15,5 @@ pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::judgement_table;
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
-pub(crate) use table::{short, table};
+pub(crate) use table::{short, summary_rows, table};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

@@ -33,6 +33,15 @@ const SHOWN: usize = 16;
 /// A table of the result of a solve.
 #[must_use]
 pub fn summary_table(summary: &Summary) -> String {
+    let mut table = table();
+    for row in summary_rows(summary) {
+        table.add_row(row);
+    }
+    table.to_string()
+}
+
+/// The rows of that table, each what it is and its value.
+pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
     let (settings, rows) = match &s.details {
@@ -49,48 +58,47 @@ pub fn summary_table(summary: &Summary) -> String {
         "final error with feedback ({}, {})",
         s.feedback.kp, s.feedback.kv
     );
-    let mut table = table();
-    table.add_row(["scenario", &format!("{} ({})", s.scenario, s.robot)]);
-    table.add_row(["method", &settings]);
-    table.add_row(["success", if s.success { "yes" } else { "no" }]);
-    table.add_row([
-        &gains,
+    let mut all = Vec::new();
+    let mut add = |what: &str, value: &str| all.push([what.to_owned(), value.to_owned()]);
+    add("scenario", &format!("{} ({})", s.scenario, s.robot));
+    add("method", &settings);
+    add("success", if s.success { "yes" } else { "no" });
+    add(&gains,
         &format!(
             "{}, to be below {}",
             optional(s.final_error_inf),
             s.success_threshold
-        ),
-    ]);
-    table.add_row(["final error open loop", &optional(s.open_loop_error_inf)]);
-    table.add_row(["control effort, int |u|^2 dt", &short(s.control_effort)]);
-    table.add_row(["dynamics defect, max |qdot - v|", &short(s.dynamics_defect)]);
-    table.add_row(["solve time", &format!("{:.4} s", s.solve_seconds)]);
+        ));
+    add("final error open loop", &optional(s.open_loop_error_inf));
+    add("control effort, int |u|^2 dt", &short(s.control_effort));
+    add("dynamics defect, max |qdot - v|", &short(s.dynamics_defect));
+    add("solve time", &format!("{:.4} s", s.solve_seconds));
     for (what, value) in rows {
-        table.add_row([what, &value]);
+        add(what, &value);
     }
     if let Some(failure) = &s.failure {
-        table.add_row(["failure", failure]);
+        add("failure", failure);
     }
     for note in &s.notes {
-        table.add_row(["note", note]);
+        add("note", note);
     }
     for note in &s.outside_limits {
-        table.add_row(["outside limits", note]);
+        add("outside limits", note);
     }
     if let Some(clearance) = s.feasibility.smallest_clearance_m {
-        table.add_row(["smallest clearance", &format!("{} m", short(clearance))]);
+        add("smallest clearance", &format!("{} m", short(clearance)));
     }
     if let Some(passive) = s.feasibility.largest_passive_torque {
         let largest = s.feasibility.largest_torque;
         let both = format!("{} of {}", short(passive), short(largest));
-        table.add_row(["largest torque of passive joints", &both]);
+        add("largest torque of passive joints", &both);
     }
     let limits = s.feasibility.limit_violations.iter();
     // The torques of passive joints have a row of their own.
     for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
-        table.add_row(["limit exceeded", &violation.to_string()]);
+        add("limit exceeded", &violation.to_string());
     }
-    table.to_string()
+    all
 }
 
 /// The parameters of a flow, and what only a flow has to say.

@@ -61,12 +61,14 @@ impl Sampling {
     }
 }
 
-/// The names of the files of a solve: the table and the summary of a success, and those of a failure.
-pub const REPORT_FILES: [&str; 4] = [
+/// The names of the files of a solve: the table, the summary and the page of a success, and those of a failure.
+pub const REPORT_FILES: [&str; 6] = [
     "trajectory.csv",
     "summary.json",
+    "report.html",
     "trajectory.failed.csv",
     "summary.failed.json",
+    "report.failed.html",
 ];
 
 /// Writes the table of a motion: a row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s), `a_JOINT` (rad/s^2 or
@@ -128,36 +130,49 @@ pub fn write_table(
     })
 }
 
-/// Writes `trajectory.csv`, see [`write_trajectory`], and `summary.json` into `folder` and returns where they are; of a solve that is no
-/// success `trajectory.failed.csv` and `summary.failed.json`, so that the files of an earlier success stay. Where files may be
-/// replaced a success removes those of an earlier failure.
+/// Writes `trajectory.csv`, see [`write_trajectory`], `summary.json`, and `report.html` where there is a `page`, into `folder` and returns where
+/// they are; of a solve that is no success `trajectory.failed.csv` and so on, so that the files of an earlier success stay. Where files may be
+/// replaced a success removes those of an earlier failure, and no page of an earlier solve is left beside another motion.
 ///
 /// # Errors
 /// A file cannot be written, and none is; or the sampling is out of range.
 pub fn write_report(
     model: &Model,
     outcome: &SolveReport,
+    page: Option<&str>,
     folder: &OutputFolder,
     sampling: Sampling,
 ) -> Result<Vec<PathBuf>> {
     let summary = &outcome.summary;
-    let [own, other] = if summary.success {
-        [&REPORT_FILES[..2], &REPORT_FILES[2..]]
-    } else {
-        [&REPORT_FILES[2..], &REPORT_FILES[..2]]
+    let (success, failure) = REPORT_FILES.split_at(REPORT_FILES.len() / 2);
+    let (own, other) = match summary.success {
+        true => (success, failure),
+        false => (failure, success),
     };
-    let paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
+    let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
     let times = sampling.times(outcome.curve.horizon())?;
-    let failure = summary.failure.as_deref();
-    let parts = [
+    let reason = summary.failure.as_deref();
+    let mut parts = vec![
         Partial::write(&paths[0], |file| {
-            write_trajectory(model, &outcome.curve, times, failure, file)
+            write_trajectory(model, &outcome.curve, times, reason, file)
         })?,
         Partial::write(&paths[1], |file| {
             write_json(summary, &mut *file)?;
             file.write_all(b"\n")
         })?,
     ];
+    match page {
+        Some(page) => parts.push(Partial::write(&paths[2], |file| {
+            file.write_all(page.as_bytes())
+        })?),
+        None => {
+            let stale = paths.remove(2);
+            if folder.replaces() {
+                // Mostly there is none.
+                let _ = std::fs::remove_file(stale);
+            }
+        }
+    }
     for part in parts {
         part.complete(folder.replaces())?;
     }

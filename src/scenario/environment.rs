@@ -23,10 +23,10 @@ const MOST_DISTANCES: f64 = 5e4;
 /// The shape of a robot among obstacles.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    body: Body,
-    spheres: Vec<Named<Sphere>>,
-    solids: Vec<Named<Solid>>,
-    half_spaces: Vec<Named<HalfSpace>>,
+    pub(super) body: Body,
+    pub(super) spheres: Vec<Named<Sphere>>,
+    pub(super) solids: Vec<Named<Solid>>,
+    pub(super) half_spaces: Vec<Named<HalfSpace>>,
     /// The pairs of links that may overlap; without any list of them the robot may overlap itself anywhere.
     ignored_pairs: Option<Vec<[String; 2]>>,
 }

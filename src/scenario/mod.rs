@@ -10,6 +10,7 @@ mod generate;
 mod json;
 mod limits;
 mod moveit;
+mod nearest;
 mod objective;
 mod obstacles;
 mod options;
@@ -29,6 +30,7 @@ pub use file::{FlowParameters, Scenario, ScenarioFile};
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
 pub use moveit::{MoveIt, MoveItHorizon};
+pub use nearest::{Distances, Nearest};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use obstacles::{
     BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,

@@ -11,6 +11,8 @@ mod regularity;
 mod shapes;
 mod srdf;
 mod tree;
+#[cfg(feature = "output")]
+mod visuals;
 mod write;
 mod write_shapes;
 
@@ -24,3 +26,5 @@ pub use mesh::load_mesh;
 pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions, summarised};
 pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};
 pub use srdf::{DisabledPair, Srdf};
+#[cfg(feature = "output")]
+pub(crate) use visuals::{Visual, read_visuals};

@@ -35,7 +35,7 @@ pub(super) fn read_collisions(link: Node<'_, '_>) -> Read<Vec<CollisionElement>>
     found.enumerate().map(read).collect()
 }
 
-fn read_geometry(collision: Node<'_, '_>) -> Read<CollisionShape> {
+pub(super) fn read_geometry(collision: Node<'_, '_>) -> Read<CollisionShape> {
     let geometry = required(collision, "geometry")?;
     let mut shapes = geometry.children().filter(Node::is_element);
     let shape = shapes.next().ok_or("its geometry is empty")?;

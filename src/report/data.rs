@@ -1,0 +1,311 @@
+//! The data of a page.
+
+use super::encode::of_f32;
+use super::plots::{Axes, Line, Plot, colours, css, plot};
+use super::scene::{Scene, scene_of};
+use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
+use crate::curve::Curve;
+use crate::error::Result;
+use crate::model::{JointKind, Model};
+use crate::motion::Sample;
+use crate::output::summary_rows;
+use crate::relax::LocalMinimum;
+use crate::scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
+use serde::Serialize;
+
+/// The most ghosts beside a motion: its first guess, and other minima.
+const MOST_GHOSTS: usize = 3;
+
+/// A motion to be shown.
+pub struct Motion<'a> {
+    /// What was to be done.
+    pub scenario: &'a Scenario,
+    /// The motion.
+    pub curve: &'a Curve,
+    /// The reason why it is no success, if it is none.
+    pub failure: Option<&'a str>,
+    /// What is told of it: what it is, and its value.
+    pub facts: Vec<[String; 2]>,
+    /// The command that makes it again.
+    pub command: String,
+    /// What else came of its solve.
+    pub outcome: Option<&'a SolveReport>,
+}
+
+impl<'a> Motion<'a> {
+    /// That of a solve.
+    #[must_use]
+    pub fn of_report(scenario: &'a Scenario, outcome: &'a SolveReport) -> Self {
+        let summary = &outcome.summary;
+        Self {
+            scenario,
+            curve: &outcome.curve,
+            failure: summary.failure.as_deref(),
+            facts: summary_rows(summary),
+            command: command(summary),
+            outcome: Some(outcome),
+        }
+    }
+
+    /// That of the summary of a solve at `path`, without what its search found on the way.
+    #[must_use]
+    pub fn of_solved(solved: &'a Solved, path: &str) -> Self {
+        let mut facts = vec![["summary".to_owned(), path.to_owned()]];
+        facts.push(["method".to_owned(), solved.options.method.to_string()]);
+        if let Some(failure) = &solved.failure {
+            facts.push(["failure".to_owned(), failure.clone()]);
+        }
+        Self {
+            scenario: &solved.scenario,
+            curve: &solved.curve,
+            failure: solved.failure.as_deref(),
+            facts,
+            command: format!("aghf solve {}", quoted(path)),
+            outcome: None,
+        }
+    }
+}
+
+/// The command that repeats a solve in its folder.
+fn command(summary: &Summary) -> String {
+    let file = if summary.success {
+        "summary.json"
+    } else {
+        "summary.failed.json"
+    };
+    format!("aghf solve {file}")
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
+    if path.chars().all(plain) {
+        return path.to_owned();
+    }
+    format!("'{}'", path.replace('\'', "'\\''"))
+}
+
+#[derive(Serialize)]
+struct JointData {
+    name: String,
+    /// "rad" or "m".
+    unit: &'static str,
+    color: String,
+    /// The integral of its squared torque.
+    effort: f64,
+}
+
+#[derive(Serialize)]
+struct MinimumData {
+    cost: f64,
+    starts: usize,
+    /// The number of its track, where it is shown.
+    track: Option<usize>,
+}
+
+/// All that a page knows of a motion.
+#[derive(Serialize)]
+pub(super) struct MotionData {
+    name: String,
+    robot: String,
+    horizon: f64,
+    failure: Option<String>,
+    facts: Vec<[String; 2]>,
+    command: String,
+    made_by: String,
+    joints: Vec<JointData>,
+    scene: Scene,
+    /// The motion comes first.
+    tracks: Vec<Track>,
+    /// `q`, `v`, `a` and `u` of all joints at the times of the first track.
+    values: String,
+    clearance: Option<Clearance>,
+    plots: Vec<Plot>,
+    minima: Vec<MinimumData>,
+    effort: f64,
+}
+
+impl MotionData {
+    pub fn new(motion: &Motion<'_>) -> Result<Self> {
+        let (scenario, model) = (motion.scenario, &motion.scenario.model);
+        let rows = rows_of(model, motion.curve, MOTION)?;
+        let placements = placements_of(model, &rows)?;
+        let clearance = Clearance::new(scenario, &placements)?;
+        let mut tracks = vec![Track::new(
+            "motion".to_owned(),
+            "motion",
+            &rows,
+            &placements,
+        )];
+        let ghost = |name: String, kind, curve: &Curve| -> Result<Track> {
+            let rows = rows_of(model, curve, GHOST)?;
+            Ok(Track::new(name, kind, &rows, &placements_of(model, &rows)?))
+        };
+        let mut minima = Vec::new();
+        if let Some(outcome) = motion.outcome {
+            if let Some(guess) = &outcome.trace.first_guess {
+                tracks.push(ghost("first guess".to_owned(), "guess", guess)?);
+            }
+            for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate()
+            {
+                let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
+                let mut minimum = MinimumData {
+                    cost: *cost,
+                    starts: *starts,
+                    track: (i == 0).then_some(0),
+                };
+                if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
+                    minimum.track = Some(tracks.len());
+                    tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
+                }
+                minima.push(minimum);
+            }
+        }
+        let colours = colours(model.dof());
+        let efforts: Vec<f64> = (0..model.dof()).map(|i| effort_of(&rows, i)).collect();
+        let joints = model.joints().iter().enumerate();
+        let joints = joints.map(|(i, joint)| JointData {
+            name: joint.name().to_owned(),
+            unit: unit_of(joint.kind()),
+            color: css(colours[i]),
+            effort: efforts[i],
+        });
+        let values = rows.iter().flat_map(|row| {
+            let all = [&row.q, &row.v, &row.a, &row.u].into_iter();
+            all.flatten().copied()
+        });
+        let mut plots = plots_of_joints(model, &rows)?;
+        plots.extend(plot_of_clearance(&rows, clearance.as_ref())?);
+        if let Some(outcome) = motion.outcome {
+            plots.extend(super::convergence::plots_of_search(outcome)?);
+        }
+        Ok(Self {
+            name: scenario.name.clone(),
+            robot: scenario.file.robot.clone(),
+            horizon: motion.curve.horizon(),
+            failure: motion.failure.map(str::to_owned),
+            facts: motion.facts.clone(),
+            command: motion.command.clone(),
+            made_by: made_by(motion),
+            joints: joints.collect(),
+            scene: scene_of(scenario)?,
+            tracks,
+            values: of_f32(values),
+            clearance,
+            plots,
+            minima,
+            effort: efforts.iter().sum(),
+        })
+    }
+}
+
+/// The version that solved it.
+fn made_by(motion: &Motion<'_>) -> String {
+    let provenance = motion.outcome.map(|outcome| &outcome.summary.provenance);
+    match provenance {
+        Some(provenance) => format!("aghf {} {}", provenance.version, provenance.commit),
+        None => format!("aghf {}", env!("CARGO_PKG_VERSION")),
+    }
+}
+
+fn minima_of(summary: &Summary) -> &[LocalMinimum] {
+    match &summary.details {
+        Details::Relax(relax) => &relax.minima,
+        Details::Flow(_) | Details::Rest(_) => &[],
+    }
+}
+
+fn unit_of(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Prismatic => "m",
+        JointKind::Revolute | JointKind::Continuous => "rad",
+    }
+}
+
+/// The integral of the squared torque of a joint, by trapezia.
+fn effort_of(rows: &[Sample], joint: usize) -> f64 {
+    let trapezium = |pair: &[Sample]| {
+        let [a, b] = [&pair[0], &pair[1]].map(|row| row.u[joint] * row.u[joint]);
+        0.5 * (a + b) * (pair[1].t - pair[0].t)
+    };
+    rows.windows(2).map(trapezium).sum()
+}
+
+/// Positions, velocities, accelerations and torques, beyond the limits of the joints shaded.
+fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
+    let kinds = || model.joints().iter().map(|j| unit_of(j.kind()));
+    let all = |unit: &str| kinds().all(|own| own == unit);
+    let units = match (all("rad"), all("m")) {
+        (true, _) => ["rad", "rad/s", "rad/s²", "N m"],
+        (_, true) => ["m", "m/s", "m/s²", "N"],
+        _ => ["rad or m", "rad/s or m/s", "rad/s² or m/s²", "N m or N"],
+    };
+    let titles = ["Position", "Velocity", "Acceleration", "Torque"];
+    let colours = colours(model.dof());
+    let value = |row: &Sample, what: usize, joint: usize| match what {
+        0 => row.q[joint],
+        1 => row.v[joint],
+        2 => row.a[joint],
+        _ => row.u[joint],
+    };
+    let mut plots = Vec::new();
+    for (what, (title, unit)) in titles.into_iter().zip(units).enumerate() {
+        let joints = model.joints().iter().enumerate();
+        let lines = joints.map(|(i, joint)| {
+            let limits = joint.limits();
+            Line {
+                points: rows.iter().map(|r| (r.t, value(r, what, i))).collect(),
+                colour: colours[i],
+                bounds: match what {
+                    0 => limits.lower..limits.upper,
+                    1 => -limits.velocity..limits.velocity,
+                    2 => f64::NEG_INFINITY..f64::INFINITY,
+                    _ => -limits.effort..limits.effort,
+                },
+            }
+        });
+        plots.push(plot(
+            Axes {
+                title: title.to_owned(),
+                unit,
+                time: true,
+                logarithmic: false,
+                per_joint: true,
+                legend: Vec::new(),
+            },
+            &lines.collect::<Vec<_>>(),
+        )?);
+    }
+    Ok(plots)
+}
+
+fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<Option<Plot>> {
+    let Some(clearance) = clearance else {
+        return Ok(None);
+    };
+    let colour = colours(1)[0];
+    let points = rows.iter().zip(&clearance.distances);
+    let line = Line {
+        points: points.map(|(row, distance)| (row.t, *distance)).collect(),
+        colour,
+        bounds: 0.0..f64::INFINITY,
+    };
+    let axes = Axes {
+        title: "Clearance".to_owned(),
+        unit: "m",
+        time: true,
+        logarithmic: false,
+        per_joint: false,
+        legend: Vec::new(),
+    };
+    plot(axes, &[line]).map(Some)
+}
+
+/// The iterations of the start that led to the motion, and of what came after the starts.
+pub(super) fn iterations_of(outcome: &SolveReport) -> impl Iterator<Item = &Record> {
+    let best = outcome.trace.best_start;
+    outcome.history.iter().filter(move |record| match record {
+        Record::Relax(i) => i.start.is_none() || i.start == best,
+        Record::Flow(_) | Record::Rest(_) => true,
+    })
+}

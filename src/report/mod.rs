@@ -1,0 +1,73 @@
+//! The report of a motion: one page of HTML, complete in itself, that shows the robot moving and why it moves so.
+//!
+//! Kinematics, clearances and plots are computed here; the page, `page/`, holds arrays, a renderer and a clock. Its data are JSON in which `<`
+//! is written as an escape, and its script puts names where text belongs, so that no name becomes anything else.
+
+mod convergence;
+mod data;
+mod encode;
+mod links;
+mod mesh;
+mod plots;
+mod scene;
+mod track;
+
+pub use data::Motion;
+
+use crate::error::Result;
+use crate::output::write_text;
+use data::MotionData;
+use std::path::Path;
+
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/style.css");
+/// The script in its parts, each knowing those before it.
+const SCRIPT: [&str; 8] = [
+    include_str!("page/numbers.js"),
+    include_str!("page/solids.js"),
+    include_str!("page/shaders.js"),
+    include_str!("page/renderer.js"),
+    include_str!("page/view.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/panels.js"),
+    include_str!("page/main.js"),
+];
+
+/// The page of motions side by side in time, mostly of one.
+///
+/// # Errors
+/// A curve is for another robot than its scenario, or the shape of the robot cannot be covered.
+pub fn page(motions: &[Motion<'_>]) -> Result<String> {
+    let data: Vec<MotionData> = motions.iter().map(MotionData::new).collect::<Result<_>>()?;
+    let names: Vec<&str> = motions.iter().map(|m| m.scenario.name.as_str()).collect();
+    let json = serde_json::to_string(&data)
+        .map_err(|e| crate::error::Error::input("report", "data", e.to_string()))?;
+    let mut script = String::new();
+    for part in SCRIPT {
+        script.push_str(part);
+    }
+    // Each at the first place that is for it, and names and data last: what is in them is never looked at.
+    let parts = [
+        ("/* STYLE */", STYLE),
+        ("/* SCRIPT */", &script),
+        ("{{DATA}}", &json.replace('<', "\\u003c")),
+        ("{{TITLE}}", &escaped(&names.join(" and "))),
+    ];
+    let fill = |page: String, (place, part): (&str, &str)| page.replacen(place, part, 1);
+    Ok(parts.into_iter().fold(PAGE.to_owned(), fill))
+}
+
+/// Writes the page of motions to the file at `path`.
+///
+/// # Errors
+/// As [`page`], or the file cannot be written.
+pub fn write_page(motions: &[Motion<'_>], path: &Path) -> Result<()> {
+    write_text(&page(motions)?, path)
+}
+
+/// Text within an element of HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}

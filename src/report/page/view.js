@@ -1,0 +1,247 @@
+// A motion in three dimensions, and the camera that looks at it.
+
+const CAPSULE_PARTS = (item) => {
+  const [r, , half] = item.size;
+  return [
+    ["tube", [0, 0, 0], [0, 0, 0, 1], [r, r, half]],
+    ["dome", [0, 0, half], [0, 0, 0, 1], [r, r, r]],
+    ["dome", [0, 0, -half], [1, 0, 0, 0], [r, r, r]],
+  ];
+};
+const SOLID_OF = { sphere: "ball", box: "box", cylinder: "cylinder" };
+
+// Positions and turns of bodies over time.
+class Track {
+  constructor(data) {
+    this.data = data;
+    this.times = floats(data.times);
+    this.positions = shorts(data.positions);
+    this.turns = shorts(data.turns);
+    this.bodies = this.positions.length / 3 / data.rows;
+  }
+
+  get end() { return this.times[this.times.length - 1]; }
+
+  // The row before a time, and the share of the way to the next.
+  at(time) {
+    let [low, high] = [0, this.times.length - 1];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.times[middle] <= time) low = middle; else high = middle;
+    }
+    const span = this.times[high] - this.times[low];
+    return [low, span > 0 ? clamp((time - this.times[low]) / span, 0, 1) : 1];
+  }
+
+  pose(body, [row, share]) {
+    if (body === undefined) return { position: [0, 0, 0], turn: [0, 0, 0, 1] };
+    const next = Math.min(row + 1, this.data.rows - 1);
+    const [p, q] = [row, next].map((r) => r * this.bodies + body);
+    const mix = (numbers, width, i, sign) => numbers[width * p + i] * (1 - share) + sign * numbers[width * q + i] * share;
+    let along = 0;
+    for (let i = 0; i < 4; i += 1) along += this.turns[4 * p + i] * this.turns[4 * q + i];
+    const sign = along < 0 ? -1 : 1;
+    const turn = [0, 1, 2, 3].map((i) => mix(this.turns, 4, i, sign));
+    const length = Math.hypot(...turn) || 1;
+    return {
+      position: [0, 1, 2].map((i) => mix(this.positions, 3, i, 1) * this.data.unit),
+      turn: turn.map((x) => x / length),
+    };
+  }
+
+  // Where a point of a body is at all rows, three numbers each.
+  path({ body, point }) {
+    const all = [];
+    for (let row = 0; row < this.data.rows; row += 1) {
+      const { position, turn } = this.pose(body, [row, 0]);
+      all.push(...add(position, turned(turn, point)));
+    }
+    return all;
+  }
+}
+
+// Where one looks from: around a target, at a distance.
+class Camera {
+  constructor(bounds) {
+    this.bounds = bounds;
+    this.reset();
+  }
+
+  reset() {
+    this.target = [...this.bounds.centre];
+    this.yaw = -0.9;
+    this.pitch = 0.34;
+    this.distance = 3.5 * this.bounds.radius;
+  }
+
+  get eye() {
+    const [c, s] = [Math.cos(this.pitch), Math.sin(this.pitch)];
+    return add(this.target, scaled([c * Math.cos(this.yaw), c * Math.sin(this.yaw), s], this.distance));
+  }
+
+  matrix(aspect) {
+    // On a narrow canvas the width decides what is seen.
+    const fov = 2 * Math.atan(Math.tan(0.32) / Math.min(1, aspect));
+    const view = lookAt(this.eye, this.target, [0, 0, 1]);
+    return times(perspective(fov, aspect, 0.01 * this.distance, 20 * this.distance + 10 * this.bounds.radius), view);
+  }
+
+  orbit(dx, dy) {
+    this.yaw -= 0.008 * dx;
+    this.pitch = clamp(this.pitch + 0.008 * dy, -1.5, 1.5);
+  }
+
+  zoom(factor) {
+    this.distance = clamp(this.distance * factor, 0.2 * this.bounds.radius, 20 * this.bounds.radius);
+  }
+
+  pan(dx, dy, height) {
+    const forward = unit(subtract(this.target, this.eye));
+    const right = unit(cross(forward, [0, 0, 1]));
+    const up = cross(right, forward);
+    const size = (2 * Math.tan(0.32) * this.distance) / height;
+    this.target = add(this.target, add(scaled(right, -dx * size), scaled(up, dy * size)));
+  }
+}
+
+class View {
+  constructor(canvas, motion, tracks, camera) {
+    this.motion = motion;
+    this.tracks = tracks;
+    this.camera = camera;
+    this.renderer = new Renderer(canvas);
+    this.meshes = motion.scene.meshes.map((mesh) => this.renderer.upload(meshSolid(mesh)));
+    this.shown = { obstacles: true, path: true, nearest: true, tracks: new Set([0]) };
+    this.paths = tracks.map((track) => motion.scene.tips.map((tip) => this.renderer.uploadPath(track.path(tip))));
+    this.nearestPoints = motion.clearance && floats(motion.clearance.points);
+    this.nearestPath = this.nearestPoints && this.renderer.uploadPath([0, 0, 0, 0, 0, 0]);
+    const flat = { normal: [0, 0, 1] };
+    const upward = motion.scene.planes.filter((plane) => plane.normal[2] > 0.999);
+    this.floor = upward.length ? Math.max(...upward.map((p) => p.offset)) : motion.lowest;
+    const walls = motion.scene.planes.filter((plane) => plane.normal[2] <= 0.999).map((plane) => this.wall(plane));
+    this.obstacles = [...motion.scene.obstacles, ...walls].flatMap((item) => this.parts(item, [0, 0, 0], [0, 0, 0, 1]));
+    this.bodies = motion.scene.shapes.map((item) => ({ item, parts: this.parts(item, [0, 0, 0], [0, 0, 0, 1]) }));
+  }
+
+  wall({ normal, offset }) {
+    const { centre, radius } = this.camera.bounds;
+    const at = add(centre, scaled(normal, offset - dot(normal, centre)));
+    return { kind: "box", size: [1.6 * radius, 1.6 * radius, 0.004 * radius], pose: [...at, ...turnFromZ(normal)] };
+  }
+
+  // The solids of a shape, each with its placement in the frame that carries the shape.
+  parts(item) {
+    const position = item.pose.slice(0, 3);
+    const turn = item.pose.slice(3);
+    const all = item.kind === "capsule" ? CAPSULE_PARTS(item) : [[SOLID_OF[item.kind], [0, 0, 0], [0, 0, 0, 1], item.size]];
+    return all.map(([solid, at, own, scale]) => {
+      const made = {
+        solid: item.kind === "mesh" ? this.meshes[item.mesh] : this.renderer.solids[solid],
+        position: add(position, turned(turn, at)),
+        turn: product(turn, own),
+        scale,
+      };
+      made.model = placed(made.position, made.turn, scale);
+      return made;
+    });
+  }
+
+  // The solids of the robot at a time of a track.
+  robot(track, time, paint) {
+    const at = track.at(time);
+    const poses = new Map();
+    const list = [];
+    for (const { item, parts } of this.bodies) {
+      if (!poses.has(item.body)) poses.set(item.body, track.pose(item.body, at));
+      const pose = poses.get(item.body);
+      for (const part of parts) {
+        const position = add(pose.position, turned(pose.turn, part.position));
+        const model = placed(position, product(pose.turn, part.turn), part.scale);
+        list.push({ solid: part.solid, scale: part.scale, model, color: paint(item) });
+      }
+    }
+    return list;
+  }
+
+  tipAt(time) {
+    const [tip] = this.motion.scene.tips;
+    if (!tip) return this.camera.bounds.centre;
+    const pose = this.tracks[0].pose(tip.body, this.tracks[0].at(time));
+    return add(pose.position, turned(pose.turn, tip.point));
+  }
+
+  resize() {
+    const { canvas } = this.renderer;
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    return ratio;
+  }
+
+  draw(time, colors) {
+    const pixels = this.resize();
+    const { canvas } = this.renderer;
+    const { bounds } = this.camera;
+    const paint = (item) => [...(item.color ?? (item.joint ? colors.joint : colors.link)), 1];
+    const ghost = (track) => {
+      const color = [...colors.ghosts[(track - 1) % colors.ghosts.length], 0.3];
+      return this.robot(this.tracks[track], time, () => color);
+    };
+    const ghosts = [...this.shown.tracks].filter((track) => track > 0);
+    const lines = [];
+    if (this.shown.path) {
+      for (const track of this.shown.tracks) {
+        const strong = track === 0 ? colors.path : colors.ghosts[(track - 1) % colors.ghosts.length];
+        const [row, share] = this.tracks[track].at(time);
+        for (const path of this.paths[track]) {
+          lines.push({ path, width: track === 0 ? 1.6 : 1.2, color: [...strong, 0.95], after: [...strong, 0.4], split: row + share });
+        }
+      }
+    }
+    if (this.shown.nearest && this.nearestPath) {
+      const [row, share] = this.tracks[0].at(time);
+      const at = 6 * (share > 0.5 ? Math.min(row + 1, this.tracks[0].data.rows - 1) : row);
+      this.renderer.updatePath(this.nearestPath, this.nearestPoints.subarray(at, at + 6));
+      lines.push({ path: this.nearestPath, width: 1.8, color: [...colors.near, 1], split: 1e9 });
+    }
+    const obstacle = [...colors.obstacle, 0.62];
+    this.renderer.draw({
+      opaque: this.robot(this.tracks[0], time, paint),
+      seeThrough: this.shown.obstacles ? this.obstacles.map((part) => ({ ...part, color: obstacle })) : [],
+      ghosts: ghosts.map(ghost),
+      lines,
+      pixels,
+      bounds,
+      ground: { z: this.floor, spacing: bounds.radius > 4 ? 5 : 1, floor: colors.floor, line: colors.line, shade: colors.shade },
+      camera: { eye: this.camera.eye, matrix: this.camera.matrix(canvas.width / canvas.height) },
+    });
+  }
+}
+
+// What a motion takes up: a ball about the robot at all times and the obstacles near it, and its lowest point.
+const boundsOf = (motion, tracks) => {
+  let [low, high] = [[0, 0, 0], [0, 0, 0]];
+  const take = (p, r) => {
+    low = low.map((x, i) => Math.min(x, p[i] - r));
+    high = high.map((x, i) => Math.max(x, p[i] + r));
+  };
+  const thickness = Math.max(...motion.scene.shapes.map((s) => Math.min(...s.size)), 0);
+  const track = tracks[0];
+  for (let i = 0; i < track.positions.length; i += 3) {
+    take([0, 1, 2].map((k) => track.positions[i + k] * track.data.unit), 0);
+  }
+  for (const tip of motion.scene.tips) {
+    const path = track.path(tip);
+    for (let i = 0; i < path.length; i += 3) take(path.slice(i, i + 3), 0);
+  }
+  const lowest = low[2] < -0.02 ? low[2] - thickness : 0;
+  const reach = 1.5 * norm(subtract(high, low));
+  for (const item of motion.scene.obstacles) {
+    const at = item.pose.slice(0, 3);
+    const size = Math.max(...item.size);
+    // A table top that is larger than the robot's reach is not looked at as a whole.
+    take(at.map((x, i) => clamp(x, low[i] - reach, high[i] + reach)), Math.min(size, 0.5 * reach));
+  }
+  const centre = scaled(add(low, high), 0.5);
+  return { bounds: { centre, radius: Math.max(0.5 * norm(subtract(high, low)), 0.1) }, lowest };
+};

@@ -1,0 +1,77 @@
+//! The `<visual>` elements of a URDF: what a robot looks like.
+
+use super::elements::{Read, numbers, read_origin};
+use super::shapes::read_geometry;
+use crate::model::CollisionShape;
+use crate::spatial::Placement;
+use nalgebra::{Rotation3, Vector3};
+use roxmltree::{Document, Node};
+
+/// A shape that a link shows.
+#[derive(Clone, Debug)]
+pub(crate) struct Visual {
+    /// The name of the link.
+    pub link: String,
+    /// The placement of the shape in the frame of the link.
+    pub placement: Placement<f64>,
+    /// The shape.
+    pub shape: CollisionShape,
+    /// Red, green and blue from 0 to 1, where a material has them.
+    pub color: Option<[f64; 3]>,
+}
+
+/// The visual elements of all links in the text of a URDF, in their order, and in words what is wrong with those left out: no motion depends
+/// on any.
+pub(crate) fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
+    let (mut visuals, mut faults) = (Vec::new(), Vec::new());
+    let Ok(document) = Document::parse(text) else {
+        return (visuals, vec!["the text is no XML".to_owned()]);
+    };
+    let root = document.root_element();
+    for link in root.children().filter(|node| node.has_tag_name("link")) {
+        let name = link.attribute("name").unwrap_or_default();
+        let elements = link.children().filter(|c| c.has_tag_name("visual"));
+        for (i, visual) in elements.enumerate() {
+            match read_visual(root, name, visual) {
+                Ok(visual) => visuals.push(visual),
+                Err(fault) => faults.push(format!("link '{name}': visual {}: {fault}", i + 1)),
+            }
+        }
+    }
+    (visuals, faults)
+}
+
+fn read_visual(robot: Node<'_, '_>, link: &str, visual: Node<'_, '_>) -> Read<Visual> {
+    let origin = read_origin(visual)?;
+    if !origin.xyz.iter().chain(&origin.rpy).all(|x| x.is_finite()) {
+        return Err("its origin is not a finite number".to_owned());
+    }
+    let [roll, pitch, yaw] = origin.rpy;
+    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
+    Ok(Visual {
+        link: link.to_owned(),
+        placement: Placement::new(rotation, Vector3::from(origin.xyz)),
+        shape: read_geometry(visual)?,
+        color: color(robot, visual)?,
+    })
+}
+
+/// The colour of the material, its own or that of the robot's material of this name.
+fn color(robot: Node<'_, '_>, visual: Node<'_, '_>) -> Read<Option<[f64; 3]>> {
+    let material = |node: Node<'_, '_>| node.has_tag_name("material");
+    let Some(own) = visual.children().find(|node| material(*node)) else {
+        return Ok(None);
+    };
+    let name = own.attribute("name");
+    let named = |node: &Node<'_, '_>| material(*node) && node.attribute("name") == name;
+    let shared = || robot.children().find(named).and_then(colored);
+    let Some(color) = colored(own).or_else(shared) else {
+        return Ok(None);
+    };
+    let [red, green, blue, _] = numbers::<4>(color, "rgba")?;
+    Ok(Some([red, green, blue].map(|x| x.clamp(0.0, 1.0))))
+}
+
+fn colored<'a, 'input>(material: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
+    material.children().find(|c| c.has_tag_name("color"))
+}
