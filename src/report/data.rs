@@ -120,6 +120,8 @@ pub(super) struct MotionData {
     /// `q`, `v`, `a` and `u` of all joints at the times of the first track.
     values: String,
     clearance: Option<Clearance>,
+    /// The least clearance, m.
+    least_clearance: Option<f64>,
     plots: Vec<Plot>,
     minima: Vec<MinimumData>,
     effort: f64,
@@ -179,6 +181,8 @@ impl MotionData {
         if let Some(outcome) = motion.outcome {
             plots.extend(super::convergence::plots_of_search(outcome)?);
         }
+        let at_rows = clearance.as_ref().map(Clearance::least);
+        let told = motion.outcome.map(|o| o.summary.feasibility.smallest_clearance_m);
         Ok(Self {
             name: scenario.name.clone(),
             robot: scenario.file.robot.clone(),
@@ -192,6 +196,7 @@ impl MotionData {
             tracks,
             values: of_f32(values),
             clearance,
+            least_clearance: told.unwrap_or(at_rows),
             plots,
             minima,
             effort: efforts.iter().sum(),
@@ -222,13 +227,22 @@ fn unit_of(kind: JointKind) -> &'static str {
     }
 }
 
-/// The integral of the squared torque of a joint, by trapezia.
+/// The integral of the squared torque of a joint, by Simpson's rule: each segment has an even number of equal intervals.
 fn effort_of(rows: &[Sample], joint: usize) -> f64 {
-    let trapezium = |pair: &[Sample]| {
-        let [a, b] = [&pair[0], &pair[1]].map(|row| row.u[joint] * row.u[joint]);
-        0.5 * (a + b) * (pair[1].t - pair[0].t)
-    };
-    rows.windows(2).map(trapezium).sum()
+    let mut sum = 0.0;
+    let mut at = 0;
+    while at + 2 < rows.len() {
+        let [a, b, c] = [0, 1, 2].map(|k| &rows[at + k]);
+        // Where a segment begins the time stands still.
+        if b.t <= a.t {
+            at += 1;
+            continue;
+        }
+        let [x, y, z] = [a, b, c].map(|row| row.u[joint] * row.u[joint]);
+        sum += (c.t - a.t) / 6.0 * (x + 4.0 * y + z);
+        at += 2;
+    }
+    sum
 }
 
 /// Positions, velocities, accelerations and torques, beyond the limits of the joints shaded.

@@ -2,13 +2,13 @@
 
 use super::scene::{Item, Tip};
 use crate::geometry::Shape;
-use crate::model::Model;
+use crate::model::{JointKind, Model};
 use crate::spatial::Placement;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// The radius of a link relative to the reach of the robot, and to its longest link: the smaller one counts.
 const OF_REACH: f64 = 0.042;
-const OF_LONGEST: f64 = 0.15;
+const OF_LONGEST: f64 = 0.11;
 /// The radius of the ball at a joint relative to that of the links.
 const JOINT: f64 = 1.3;
 /// The radius at the end of the longest chain relative to that at its base.
@@ -102,13 +102,19 @@ pub(super) fn capsules_along_links(model: &Model, bodies: &[Option<usize>]) -> V
             continue;
         }
         let radius = radii[body];
-        let ball = Shape::Sphere {
-            radius: JOINT * radius,
+        let own = match model.joints()[body].kind() {
+            JointKind::Prismatic => Shape::Cuboid {
+                half_extents: Vector3::repeat(JOINT * radius),
+            },
+            JointKind::Revolute | JointKind::Continuous => Shape::Sphere {
+                radius: JOINT * radius,
+            },
         };
         shapes.push(Item {
             joint: true,
-            ..Item::new(Some(body), &Placement::identity(), &ball)
+            ..Item::new(Some(body), &Placement::identity(), &own)
         });
+        shapes.extend(rail(model, body, 0.4 * radius));
         for end in ends(model, body) {
             shapes.extend(capsule(Some(body), end, radius));
         }
@@ -134,16 +140,40 @@ pub(super) fn base_shapes(model: &Model) -> Vec<Item> {
     shapes
 }
 
+/// What a sliding joint slides on, between its limits where it has both.
+fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
+    let joint = &model.joints()[body];
+    let [lower, upper] = [joint.limits().lower, joint.limits().upper];
+    let sliding = joint.kind() == JointKind::Prismatic && lower.is_finite() && upper.is_finite();
+    if !sliding {
+        return None;
+    }
+    let axis = joint.axis();
+    let middle = Placement::new(along(axis), axis * (0.5 * (lower + upper)));
+    let shape = Shape::Capsule {
+        radius,
+        half_length: 0.5 * (upper - lower),
+    };
+    let placement = joint.origin().compose(&middle);
+    Some(Item::new(joint.parent(), &placement, &shape))
+}
+
+/// A rotation that takes the `z` axis to this direction.
+fn along(direction: &Vector3<f64>) -> Matrix3<f64> {
+    // Against the axis any half turn will do.
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    });
+    turn.to_rotation_matrix().into_inner()
+}
+
 /// A capsule from the origin of a body to `end`; none where that is inside the ball at the joint.
 fn capsule(body: Option<usize>, end: Vector3<f64>, radius: f64) -> Option<Item> {
     let length = end.norm();
     if length < 0.5 * radius {
         return None;
     }
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &end).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    });
-    let placement = Placement::new(turn.to_rotation_matrix().into_inner(), end * 0.5);
+    let placement = Placement::new(along(&end), end * 0.5);
     let shape = Shape::Capsule {
         radius,
         half_length: 0.5 * length,

@@ -9,9 +9,9 @@ use std::ops::Range;
 
 /// Pixels of the coordinates of the SVG for each of the page, since they are whole numbers.
 const FINE: i32 = 4;
-const SIZE: [i32; 2] = [440, 200];
+const SIZE: [i32; 2] = [330, 160];
 /// The room for labels on the left and below, and that beyond the ends of the axes.
-const LEFT: i32 = 46;
+const LEFT: i32 = 40;
 const BELOW: i32 = 20;
 const MARGIN: i32 = 8;
 const FONT: i32 = 11;
@@ -109,20 +109,22 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
 }
 
 /// A number at an axis, without the digits of rounding.
-fn label(x: f64, logarithmic: bool) -> String {
-    if logarithmic {
-        let whole = (x - x.round()).abs() < 1e-6;
-        return if whole {
-            format!("1e{}", x.round())
-        } else {
-            String::new()
-        };
-    }
+fn label(x: f64) -> String {
     let x = (x * 1e9).round() / 1e9;
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.0e}");
     }
     format!("{x}")
+}
+
+/// The same for a logarithm: powers of ten alone, unless the axis has hardly any.
+fn power_label(x: f64, few: bool) -> String {
+    let whole = (x - x.round()).abs() < 1e-6;
+    match (few, whole) {
+        (true, _) => format!("{:.2e}", 10_f64.powf(x)),
+        (false, true) => format!("1e{}", x.round()),
+        (false, false) => String::new(),
+    }
 }
 
 /// The plot of curves, their bounds shaded.
@@ -182,7 +184,11 @@ fn draw(
             chart.draw_series([Rectangle::new(corners, style)])?;
         }
     }
-    let logarithmic = axes.logarithmic;
+    let few = up.end - up.start < 1.5;
+    let up_label = |y: &f64| match axes.logarithmic {
+        true => power_label(*y, few),
+        false => label(*y),
+    };
     let font = ("sans-serif", f64::from(fine(FONT)) * 1.24);
     chart
         .configure_mesh()
@@ -190,10 +196,10 @@ fn draw(
         .light_line_style(TRANSPARENT)
         .bold_line_style(GRID.stroke_width(FINE as u32))
         .axis_style(GRID.stroke_width(FINE as u32))
-        .x_labels(7)
+        .x_labels(6)
         .y_labels(5)
-        .x_label_formatter(&|x| label(*x, false))
-        .y_label_formatter(&|y| label(*y, logarithmic))
+        .x_label_formatter(&|x| label(*x))
+        .y_label_formatter(&up_label)
         .set_all_tick_mark_size(fine(3))
         .draw()?;
     for line in lines {

@@ -52,10 +52,11 @@ pub(super) struct Clearance {
 }
 
 /// The curve at equal distances in each segment, both of its ends included, so that jumps from one to the next are there.
+/// Intervals of a segment are even in number.
 pub(super) fn rows_of(model: &Model, curve: &Curve, [rate, most]: [f64; 2]) -> Result<Vec<Sample>> {
     let segments = curve.segments();
     let wanted = (rate * curve.horizon()).clamp(40.0, most);
-    let each = (wanted / segments as f64).ceil().max(2.0) as usize;
+    let each = 2 * (0.5 * wanted / segments as f64).ceil().max(1.0) as usize;
     let breakpoints = curve.breakpoints();
     let times = (0..segments).flat_map(|segment| {
         let (from, to) = (breakpoints[segment], breakpoints[segment + 1]);
@@ -101,6 +102,11 @@ impl Track {
 }
 
 impl Clearance {
+    /// The least of the rows, m.
+    pub fn least(&self) -> f64 {
+        self.distances.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// `None` where there is nothing to keep clear of.
     pub fn new(scenario: &Scenario, placements: &[Vec<Placement<f64>>]) -> Result<Option<Self>> {
         let Some(distances) = Distances::new(scenario)? else {

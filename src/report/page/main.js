@@ -70,7 +70,7 @@ for (const factor of [0.1, 0.25, 0.5, 1, 2]) speed.append(new Option(`${factor}�
 speed.addEventListener("change", () => { state.speed = Number(speed.value); });
 const loopButton = button("Loop", "play again from the start (L)", () => { state.loop = !state.loop; toggled(loopButton, state.loop); });
 const followButton = button("Follow", "keep the tool in the middle (F)", () => { state.follow = !state.follow; toggled(followButton, state.follow); dirty = true; });
-const resetButton = button("Reset view", "look from where it began (R)", () => { state.follow = false; toggled(followButton, false); camera.reset(); dirty = true; });
+const resetButton = button("Reset", "look from where it began (R)", () => { state.follow = false; toggled(followButton, false); fit(); });
 toggled(loopButton, true);
 toggled(followButton, false);
 const transport = element("div", "transport", "", [
@@ -84,6 +84,12 @@ const all = motions.map((motion, i) => boundsOf(motion, tracks[i]));
 all.forEach(({ lowest }, i) => { motions[i].lowest = lowest; });
 const largest = all.map(({ bounds }) => bounds).sort((a, b) => b.radius - a.radius)[0];
 const camera = new Camera(largest);
+
+const fit = () => {
+  const canvas = document.querySelector("canvas");
+  camera.reset(canvas.clientWidth / canvas.clientHeight);
+  dirty = true;
+};
 
 const pointers = new Map();
 const watch = (canvas) => {
@@ -117,9 +123,6 @@ const watch = (canvas) => {
     dirty = true;
   }, { passive: false });
 };
-
-// The least of numbers, too many for the arguments of a function.
-const least = (numbers) => numbers.reduce((low, x) => Math.min(low, x), Infinity);
 
 const addMotion = (motion, i) => {
   const canvas = element("canvas", "view");
@@ -159,6 +162,7 @@ const addMotion = (motion, i) => {
   const part = (name, text, swatch) => chip(name, text, swatch, () => view.shown[name], (on) => { view.shown[name] = on; });
   if (view) {
     chips.append(part("path", "Path", "path"));
+    if (motion.scene.tips.length > 1) chips.append(part("others", "Other paths", "path"));
     if (motion.scene.obstacles.length || motion.scene.planes.length) chips.append(part("obstacles", "Obstacles", "obstacle"));
     if (motion.clearance) chips.append(part("nearest", "Nearest pair", "near"));
     motion.tracks.forEach((one, number) => {
@@ -176,7 +180,7 @@ const addMotion = (motion, i) => {
   const joints = new JointTable(motion, values, choose);
   const clearances = motion.clearance && floats(motion.clearance.values);
   const numbers = [["duration", `${short(motion.horizon)} s`], ["effort ∫τ² dt", short(motion.effort)]];
-  if (clearances) numbers.push(["least clearance", `${short(1000 * least(clearances), 3)} mm`]);
+  if (clearances) numbers.push(["least clearance", `${(1000 * motion.least_clearance).toFixed(2)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
   const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.failure ? "not a success" : "success");
   const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", motion.robot), badge]);
@@ -231,111 +235,6 @@ header.append(themeButton);
 dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
 setTheme(dark.matches ? "dark" : "light");
 
-const stage = element("div", "stage-view", "", [canvas]);
-  if (motions.length > 1) stage.append(element("div", "caption", motion.name));
-  const chips = element("div", "chips");
-  let view = null;
-  try {
-    view = new View(canvas, motion, tracks[i], camera);
-    watch(canvas);
-  } catch (error) {
-    stage.append(element("p", "fault", error.message));
-  }
-  const controls = new Map();
-  const chip = (key, text, swatch, get, set) => {
-    const made = button("", text, () => {
-      set(!get());
-      for (const control of controls.get(key)) toggled(control, get());
-      dirty = true;
-    });
-    made.className = "chip";
-    if (swatch) {
-      const dot = element("i", `swatch ${swatch}`);
-      made.append(dot);
-    }
-    made.append(element("span", "", text));
-    toggled(made, get());
-    controls.set(key, [...(controls.get(key) ?? []), made]);
-    return made;
-  };
-  const track = (number, text) => chip(`track ${number}`, text, `ghost-${((number - 1) % 3) + 1}`,
-    () => view.shown.tracks.has(number),
-    (on) => (on ? view.shown.tracks.add(number) : view.shown.tracks.delete(number)));
-  const part = (name, text, swatch) => chip(name, text, swatch, () => view.shown[name], (on) => { view.shown[name] = on; });
-  if (view) {
-    chips.append(part("path", "Path", "path"));
-    if (motion.scene.obstacles.length || motion.scene.planes.length) chips.append(part("obstacles", "Obstacles", "obstacle"));
-    if (motion.clearance) chips.append(part("nearest", "Nearest pair", "near"));
-    motion.tracks.forEach((one, number) => {
-      if (number > 0) chips.append(track(number, one.name[0].toUpperCase() + one.name.slice(1)));
-    });
-  }
-  stage.append(chips, nearest);
-
-  const values = floats(motion.values);
-  const cards = motion.plots.map((plot) => new PlotCard(plot, motion, (time) => { seek(time); }));
-  const choose = (joint) => {
-    state.joint = state.joint === joint ? -1 : joint;
-    for (const one of views) one.select(state.joint);
-  };
-  const joints = new JointTable(motion, values, choose);
-  const clearances = motion.clearance && floats(motion.clearance.values);
-  const numbers = [["duration", `${short(motion.horizon)} s`], ["effort ∫τ² dt", short(motion.effort)]];
-  if (clearances) numbers.push(["least clearance", `${short(1000 * least(clearances), 3)} mm`]);
-  numbers.push(["joints", String(motion.joints.length)]);
-  const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.failure ? "not a success" : "success");
-  const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", motion.robot), badge]);
-  const figures = element("dl", "figures", "", numbers.flatMap(([name, value]) => [element("div", "", "", [element("dt", "", name), element("dd", "", value)])]));
-  header.append(element("div", "head", "", [title, figures]));
-  const over = cards.filter((card) => card.plot.time);
-  const search = cards.filter((card) => !card.plot.time);
-  const grid = (some) => element("div", "grid", "", some.map((card) => card.root));
-  const panels = [
-    motion.failure && element("p", "fault", motion.failure),
-    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there; beyond the limits of the joints it is shaded."), grid(over)]),
-    panel("Joints", [joints.root]),
-    search.length ? panel("The search", [grid(search)]) : null,
-    minimaPanel(motion, track),
-    factsPanel(motion),
-    commandPanel(motion),
-  ];
-  const column = element("div", "panels", "", panels.filter(Boolean));
-  views.push({
-    view,
-    motion,
-    stage,
-    column,
-    select: (joint) => { joints.select(joint); for (const card of cards) card.select(joint); },
-    set: (time) => {
-      const at = tracks[i][0].at(time);
-      joints.set(at);
-      for (const card of cards) card.set(Math.min(time, motion.horizon));
-      if (clearances) {
-        const row = at[1] > 0.5 ? Math.min(at[0] + 1, clearances.length - 1) : at[0];
-        const pair = motion.clearance.pairs[motion.clearance.pair[row]];
-        const text = `${short(1000 * clearances[row], 3)} mm: ${pair[0]} – ${pair[1]}`;
-        nearest.textContent = `nearest ${text}`;
-        const card = cards.find((one) => one.plot.title === "Clearance");
-        if (card) card.readout.textContent = text;
-      }
-    },
-  });
-};
-motions.forEach(addMotion);
-
-// Light or dark, as the system has it until somebody says otherwise.
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const themeButton = button("◐", "light or dark", () => {
-  const now = document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light");
-  document.documentElement.dataset.theme = now === "dark" ? "light" : "dark";
-  readColors();
-  dirty = true;
-});
-themeButton.classList.add("theme");
-header.append(themeButton);
-dark.addEventListener("change", () => { readColors(); dirty = true; });
-readColors();
-
 const stage = element("section", "stage", "", [element("div", `stage-views of-${motions.length}`, "", views.map((v) => v.stage)), transport]);
 main.append(stage, element("section", `columns of-${motions.length}`, "", views.map((v) => v.column)));
 new ResizeObserver(() => { dirty = true; }).observe(stage);
@@ -389,6 +288,7 @@ const frame = (now) => {
   }
   requestAnimationFrame(frame);
 };
+fit();
 play(state.playing);
 requestAnimationFrame(frame);
 // For whoever tests or films the page.

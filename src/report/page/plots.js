@@ -18,8 +18,6 @@ class PlotCard {
     this.joints = plot.per_joint ? motion.joints : null;
     const heading = element("h3", "", plot.title, plot.unit ? [element("span", "unit", `, ${plot.unit}`)] : []);
     this.readout = element("span", "readout");
-    this.readout.setAttribute("aria-live", "off");
-    const head = element("div", "plot-head", "", [heading, this.readout]);
     this.svg = svgOf(plot.svg);
     this.svg.removeAttribute("width");
     this.svg.removeAttribute("height");
@@ -27,7 +25,7 @@ class PlotCard {
     this.svg.setAttribute("aria-label", `${plot.title}, ${plot.unit}`);
     this.cursor = element("div", "cursor");
     this.area = element("div", "plot-area", "", [this.svg, this.cursor]);
-    this.root = element("figure", "plot", "", [head, this.area]);
+    this.root = element("figure", "plot", "", [heading, this.area]);
     if (plot.legend.length > 1) {
       const entries = plot.legend.map(([name, color]) => {
         const swatch = element("i", "swatch");
@@ -36,6 +34,7 @@ class PlotCard {
       });
       this.root.append(element("div", "legend", "", entries));
     }
+    if (plot.title === "Clearance") this.root.append(this.readout);
     this.root.dataset.title = plot.title;
     this.marks = this.joints ? this.joints.map((joint) => [...this.svg.querySelectorAll(`[stroke="${joint.color}"], [fill="${joint.color}"]`)]) : [];
     const [left, right, top, bottom] = plot.frame;

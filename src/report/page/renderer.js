@@ -107,7 +107,10 @@ class Renderer {
     for (const item of list) {
       gl.uniformMatrix4fv(at.model, false, item.model);
       gl.uniform3fv(at.scale, item.scale);
-      if (at.color) gl.uniform4fv(at.color, item.color);
+      if (at.color) {
+        gl.uniform4fv(at.color, item.color);
+        gl.uniform1f(at.edged, item.solid === this.solids.box && item.color[3] < 1 ? 1 : 0);
+      }
       gl.bindVertexArray(item.solid.array);
       gl.drawElements(gl.TRIANGLES, item.solid.count, gl.UNSIGNED_INT, 0);
     }

@@ -49,7 +49,16 @@ uniform vec3 light;
 uniform vec3 eye;
 uniform float bias;
 uniform float shine;
+uniform vec3 scale;
+uniform float edged;
 out vec4 result;
+// How much of an edge of a box there is: near two of its faces.
+float edge() {
+  vec3 off = (1.0 - abs(own)) * scale;
+  float low = min(off.x, min(off.y, off.z));
+  float second = off.x + off.y + off.z - low - max(off.x, max(off.y, off.z));
+  return edged * (1.0 - smoothstep(0.5, 1.5, second / max(fwidth(second), 1e-6)));
+}
 void main() {
   vec3 n = normalize(outward);
   vec3 v = normalize(eye - world);
@@ -61,7 +70,8 @@ void main() {
   float glint = pow(max(dot(n, normalize(light + v)), 0.0), 48.0) * direct;
   vec3 base = pow(color.rgb, vec3(2.2));
   vec3 shaded = base * (mix(0.24, 0.52, sky) + 0.72 * direct) + shine * (0.16 * glint + 0.07 * rim * sky);
-  result = vec4(pow(shaded, vec3(1.0 / 2.2)), 1.0) * color.a;
+  float ink = edge();
+  result = vec4(pow(shaded * (1.0 - 0.35 * ink), vec3(1.0 / 2.2)), 1.0) * mix(color.a, 0.9, ink);
 }`;
 
 // Depths alone, for shadows and for the shells of ghosts.
@@ -126,7 +136,7 @@ void main() {
   float end = float(gl_VertexID & 1);
   float side = float(gl_VertexID >> 1) * 2.0 - 1.0;
   vec4 at = mix(a, b, end);
-  vec2 offset = (vec2(-way.y, way.x) * side + way * (end * 2.0 - 1.0) * 0.4) * width;
+  vec2 offset = vec2(-way.y, way.x) * side * width;
   gl_Position = vec4(at.xy + offset / size * at.w, at.z - 0.0004 * at.w, at.w);
   tint = float(gl_InstanceID) < split ? before : after;
 }`;

@@ -60,18 +60,36 @@ class Track {
   }
 }
 
+// The tangent of half of the angle that is seen along the shorter side of a canvas.
+const HALF_VIEW = 0.33;
+
 // Where one looks from: around a target, at a distance.
 class Camera {
   constructor(bounds) {
     this.bounds = bounds;
-    this.reset();
+    this.reset(1);
   }
 
-  reset() {
-    this.target = [...this.bounds.centre];
+  // Back to where all of the motion is seen on a canvas of this width by height.
+  reset(aspect) {
+    const { centre, points } = this.bounds;
+    this.target = [...centre];
     this.yaw = -0.9;
-    this.pitch = 0.34;
-    this.distance = 3.5 * this.bounds.radius;
+    this.pitch = 0.3;
+    this.distance = 1;
+    const forward = unit(subtract(this.target, this.eye));
+    const right = unit(cross(forward, [0, 0, 1]));
+    const up = cross(right, forward);
+    // Some room for what is written above and below.
+    const [across, upward] = [0.92 * HALF_VIEW * Math.max(1, aspect), (0.8 * HALF_VIEW) / Math.min(1, aspect)];
+    this.distance = 0;
+    for (const [point, radius] of points) {
+      const off = subtract(point, centre);
+      const near = radius - dot(off, forward);
+      const needed = Math.max((Math.abs(dot(off, right)) + radius) / across, (Math.abs(dot(off, up)) + radius) / upward);
+      this.distance = Math.max(this.distance, near + needed);
+    }
+    this.distance = Math.max(this.distance, 0.2 * this.bounds.radius);
   }
 
   get eye() {
@@ -81,7 +99,7 @@ class Camera {
 
   matrix(aspect) {
     // On a narrow canvas the width decides what is seen.
-    const fov = 2 * Math.atan(Math.tan(0.32) / Math.min(1, aspect));
+    const fov = 2 * Math.atan(HALF_VIEW / Math.min(1, aspect));
     const view = lookAt(this.eye, this.target, [0, 0, 1]);
     return times(perspective(fov, aspect, 0.01 * this.distance, 20 * this.distance + 10 * this.bounds.radius), view);
   }
@@ -99,7 +117,7 @@ class Camera {
     const forward = unit(subtract(this.target, this.eye));
     const right = unit(cross(forward, [0, 0, 1]));
     const up = cross(right, forward);
-    const size = (2 * Math.tan(0.32) * this.distance) / height;
+    const size = (2 * HALF_VIEW * this.distance) / height;
     this.target = add(this.target, add(scaled(right, -dx * size), scaled(up, dy * size)));
   }
 }
@@ -111,11 +129,10 @@ class View {
     this.camera = camera;
     this.renderer = new Renderer(canvas);
     this.meshes = motion.scene.meshes.map((mesh) => this.renderer.upload(meshSolid(mesh)));
-    this.shown = { obstacles: true, path: true, nearest: true, tracks: new Set([0]) };
+    this.shown = { obstacles: true, path: true, others: false, nearest: true, tracks: new Set([0]) };
     this.paths = tracks.map((track) => motion.scene.tips.map((tip) => this.renderer.uploadPath(track.path(tip))));
     this.nearestPoints = motion.clearance && floats(motion.clearance.points);
     this.nearestPath = this.nearestPoints && this.renderer.uploadPath([0, 0, 0, 0, 0, 0]);
-    const flat = { normal: [0, 0, 1] };
     const upward = motion.scene.planes.filter((plane) => plane.normal[2] > 0.999);
     this.floor = upward.length ? Math.max(...upward.map((p) => p.offset)) : motion.lowest;
     const walls = motion.scene.planes.filter((plane) => plane.normal[2] <= 0.999).map((plane) => this.wall(plane));
@@ -189,13 +206,13 @@ class View {
     };
     const ghosts = [...this.shown.tracks].filter((track) => track > 0);
     const lines = [];
-    if (this.shown.path) {
+    if (this.shown.path || this.shown.others) {
       for (const track of this.shown.tracks) {
         const strong = track === 0 ? colors.path : colors.ghosts[(track - 1) % colors.ghosts.length];
         const [row, share] = this.tracks[track].at(time);
-        for (const path of this.paths[track]) {
-          lines.push({ path, width: track === 0 ? 1.6 : 1.2, color: [...strong, 0.95], after: [...strong, 0.4], split: row + share });
-        }
+        this.paths[track].forEach((path, tip) => {
+          if (tip === 0 ? this.shown.path : this.shown.others) lines.push({ path, width: track === 0 ? 1.6 : 1.2, color: [...strong, 0.95], after: [...strong, 0.4], split: row + share });
+        });
       }
     }
     if (this.shown.nearest && this.nearestPath) {
@@ -204,7 +221,7 @@ class View {
       this.renderer.updatePath(this.nearestPath, this.nearestPoints.subarray(at, at + 6));
       lines.push({ path: this.nearestPath, width: 1.8, color: [...colors.near, 1], split: 1e9 });
     }
-    const obstacle = [...colors.obstacle, 0.62];
+    const obstacle = [...colors.obstacle, 0.42];
     this.renderer.draw({
       opaque: this.robot(this.tracks[0], time, paint),
       seeThrough: this.shown.obstacles ? this.obstacles.map((part) => ({ ...part, color: obstacle })) : [],
@@ -221,14 +238,16 @@ class View {
 // What a motion takes up: a ball about the robot at all times and the obstacles near it, and its lowest point.
 const boundsOf = (motion, tracks) => {
   let [low, high] = [[0, 0, 0], [0, 0, 0]];
+  const points = [];
   const take = (p, r) => {
+    points.push([p, r]);
     low = low.map((x, i) => Math.min(x, p[i] - r));
     high = high.map((x, i) => Math.max(x, p[i] + r));
   };
   const thickness = Math.max(...motion.scene.shapes.map((s) => Math.min(...s.size)), 0);
   const track = tracks[0];
   for (let i = 0; i < track.positions.length; i += 3) {
-    take([0, 1, 2].map((k) => track.positions[i + k] * track.data.unit), 0);
+    take([0, 1, 2].map((k) => track.positions[i + k] * track.data.unit), thickness);
   }
   for (const tip of motion.scene.tips) {
     const path = track.path(tip);
@@ -243,5 +262,5 @@ const boundsOf = (motion, tracks) => {
     take(at.map((x, i) => clamp(x, low[i] - reach, high[i] + reach)), Math.min(size, 0.5 * reach));
   }
   const centre = scaled(add(low, high), 0.5);
-  return { bounds: { centre, radius: Math.max(0.5 * norm(subtract(high, low)), 0.1) }, lowest };
+  return { bounds: { points, centre, radius: Math.max(0.5 * norm(subtract(high, low)), 0.1) }, lowest };
 };
