@@ -3,6 +3,7 @@
 mod benchmark;
 mod check;
 mod choice;
+mod compare;
 mod degrees;
 mod eval;
 mod import;
@@ -18,6 +19,7 @@ mod signals;
 mod solve;
 mod stages;
 mod sweep;
+mod view;
 
 use crate::error::Error;
 use crate::input::is_standard_input;
@@ -54,6 +56,8 @@ const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a traject
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    View(view::View),
+    Compare(compare::Compare),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
     Degrees(degrees::Degrees),
@@ -153,6 +157,8 @@ pub fn main() -> ExitCode {
     let command = command.unwrap_or_else(|| Command::Solve(solve::Solve::default()));
     let result = signals::listen().and_then(|()| match command {
         Command::Solve(solve) => solve.run(),
+        Command::View(view) => view.run(),
+        Command::Compare(compare) => compare.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Degrees(degrees) => degrees.run(),

@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::scenario::{Record, SolveReport};
 use plotters::style::RGBColor;
 
-/// What is left of numbers that are zero, on a logarithmic axis.
-const LEAST: f64 = 1e-16;
+/// What numbers below it are shown as on a logarithmic axis, such as violations that are zero.
+const LEAST: f64 = 1e-12;
 
 /// Numbers by iteration, under a name.
 struct Series {

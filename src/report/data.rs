@@ -3,6 +3,7 @@
 use super::encode::of_f32;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
+use super::told::{Told, commands, told_in};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
 use crate::curve::Curve;
 use crate::error::Result;
@@ -24,12 +25,9 @@ pub struct Motion<'a> {
     pub curve: &'a Curve,
     /// The reason why it is no success, if it is none.
     pub failure: Option<&'a str>,
-    /// What is told of it: what it is, and its value.
-    pub facts: Vec<[String; 2]>,
-    /// The command that makes it again.
-    pub command: String,
+    told: Told,
     /// What else came of its solve.
-    pub outcome: Option<&'a SolveReport>,
+    outcome: Option<&'a SolveReport>,
 }
 
 impl<'a> Motion<'a> {
@@ -41,48 +39,29 @@ impl<'a> Motion<'a> {
             scenario,
             curve: &outcome.curve,
             failure: summary.failure.as_deref(),
-            facts: summary_rows(summary),
-            command: command(summary),
+            told: Told {
+                facts: summary_rows(summary),
+                commands: commands(summary),
+                effort: Some(summary.control_effort),
+                least_clearance: summary.feasibility.smallest_clearance_m,
+            },
             outcome: Some(outcome),
         }
     }
 
-    /// That of the summary of a solve at `path`, without what its search found on the way.
-    #[must_use]
-    pub fn of_solved(solved: &'a Solved, path: &str) -> Self {
-        let mut facts = vec![["summary".to_owned(), path.to_owned()]];
-        facts.push(["method".to_owned(), solved.options.method.to_string()]);
-        if let Some(failure) = &solved.failure {
-            facts.push(["failure".to_owned(), failure.clone()]);
-        }
-        Self {
+    /// That of a solve whose summary is in the file at `path`, without what its search found on the way.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn of_solved(solved: &'a Solved, path: &str) -> Result<Self> {
+        Ok(Self {
             scenario: &solved.scenario,
             curve: &solved.curve,
             failure: solved.failure.as_deref(),
-            facts,
-            command: format!("aghf solve {}", quoted(path)),
+            told: told_in(path)?,
             outcome: None,
-        }
+        })
     }
-}
-
-/// The command that repeats a solve in its folder.
-fn command(summary: &Summary) -> String {
-    let file = if summary.success {
-        "summary.json"
-    } else {
-        "summary.failed.json"
-    };
-    format!("aghf solve {file}")
-}
-
-/// A path as a shell takes it.
-fn quoted(path: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
-    if path.chars().all(plain) {
-        return path.to_owned();
-    }
-    format!("'{}'", path.replace('\'', "'\\''"))
 }
 
 #[derive(Serialize)]
@@ -111,7 +90,7 @@ pub(super) struct MotionData {
     horizon: f64,
     failure: Option<String>,
     facts: Vec<[String; 2]>,
-    command: String,
+    commands: Vec<String>,
     made_by: String,
     joints: Vec<JointData>,
     scene: Scene,
@@ -182,24 +161,23 @@ impl MotionData {
             plots.extend(super::convergence::plots_of_search(outcome)?);
         }
         let at_rows = clearance.as_ref().map(Clearance::least);
-        let told = motion.outcome.map(|o| o.summary.feasibility.smallest_clearance_m);
         Ok(Self {
             name: scenario.name.clone(),
             robot: scenario.file.robot.clone(),
             horizon: motion.curve.horizon(),
             failure: motion.failure.map(str::to_owned),
-            facts: motion.facts.clone(),
-            command: motion.command.clone(),
+            facts: motion.told.facts.clone(),
+            commands: motion.told.commands.clone(),
             made_by: made_by(motion),
             joints: joints.collect(),
             scene: scene_of(scenario)?,
             tracks,
             values: of_f32(values),
             clearance,
-            least_clearance: told.unwrap_or(at_rows),
+            least_clearance: motion.told.least_clearance.or(at_rows),
             plots,
             minima,
-            effort: efforts.iter().sum(),
+            effort: motion.told.effort.unwrap_or(efforts.iter().sum()),
         })
     }
 }

@@ -10,6 +10,7 @@ mod links;
 mod mesh;
 mod plots;
 mod scene;
+mod told;
 mod track;
 
 pub use data::Motion;

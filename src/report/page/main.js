@@ -292,4 +292,4 @@ fit();
 play(state.playing);
 requestAnimationFrame(frame);
 // For whoever tests or films the page.
-window.report = { state, seek, play, views, camera, redraw: () => { dirty = true; } };
+window.report = { state, seek, play, views, camera, colors: () => colors, redraw: () => { dirty = true; } };

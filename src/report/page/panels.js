@@ -61,23 +61,26 @@ class JointTable {
 }
 
 const commandPanel = (motion) => {
-  const code = element("code", "", motion.command);
-  const copy = element("button", "small", "Copy");
-  copy.type = "button";
-  copy.addEventListener("click", async () => {
-    try {
-      await navigator.clipboard.writeText(motion.command);
-      copy.textContent = "Copied";
-    } catch {
-      // A page from disk may not have the clipboard: the text is chosen instead.
-      getSelection().selectAllChildren(code);
-      copy.textContent = "Chosen";
-    }
-    setTimeout(() => { copy.textContent = "Copy"; }, 1500);
-  });
+  const line = (command) => {
+    const code = element("code", "", command);
+    const copy = element("button", "small", "Copy");
+    copy.type = "button";
+    copy.addEventListener("click", async () => {
+      try {
+        await navigator.clipboard.writeText(command);
+        copy.textContent = "Copied";
+      } catch {
+        // A page from disk may not have the clipboard: the text is selected instead.
+        getSelection().selectAllChildren(code);
+        copy.textContent = "Selected";
+      }
+      setTimeout(() => { copy.textContent = "Copy"; }, 1500);
+    });
+    return element("div", "command", "", [code, copy]);
+  };
   return panel("The command that makes it again", [
-    element("div", "command", "", [code, copy]),
-    element("p", "hint", `In the folder of this page. Made by ${motion.made_by}.`),
+    ...motion.commands.map(line),
+    element("p", "hint", `Made by ${motion.made_by}.`),
   ]);
 };
 

@@ -221,7 +221,7 @@ class View {
       this.renderer.updatePath(this.nearestPath, this.nearestPoints.subarray(at, at + 6));
       lines.push({ path: this.nearestPath, width: 1.8, color: [...colors.near, 1], split: 1e9 });
     }
-    const obstacle = [...colors.obstacle, 0.42];
+    const obstacle = [...colors.obstacle, 0.36];
     this.renderer.draw({
       opaque: this.robot(this.tracks[0], time, paint),
       seeThrough: this.shown.obstacles ? this.obstacles.map((part) => ({ ...part, color: obstacle })) : [],

@@ -1,0 +1,100 @@
+//! What is told of a solve in words: by its summary, and the commands that repeat it.
+
+use crate::error::{Error, Result};
+use crate::input::read_named;
+use crate::scenario::{Summary, builtin_scenarios, is_generated};
+use serde_json::Value;
+use std::path::Path;
+
+/// The keys of a summary that a comparison shows, with what they are.
+const FACTS: [(&str, &str); 12] = [
+    ("scenario", "scenario"),
+    ("robot", "robot"),
+    ("method", "method"),
+    ("p", "degree"),
+    ("pieces", "polynomials"),
+    ("success", "success"),
+    ("control_effort", "control effort, int |u|^2 dt"),
+    ("cost", "cost that was minimised"),
+    ("final_error_inf", "final error with feedback"),
+    ("open_loop_error_inf", "final error open loop"),
+    ("gradient_norm", "gradient norm, relative"),
+    ("solve_seconds", "solve time, s"),
+];
+
+/// What a page tells of a motion.
+pub(super) struct Told {
+    /// What it is, and its value.
+    pub facts: Vec<[String; 2]>,
+    /// The commands that make it again.
+    pub commands: Vec<String>,
+    pub effort: Option<f64>,
+    pub least_clearance: Option<f64>,
+}
+
+/// That of the summary in the file at `path`.
+pub(super) fn told_in(path: &str) -> Result<Told> {
+    let text = read_named(Path::new(path), "summary")?;
+    let summary: Value = serde_json::from_str(&text)
+        .map_err(|e| Error::input(path, "summary", e.to_string()))?;
+    let mut facts = vec![["summary".to_owned(), path.to_owned()]];
+    for (key, what) in FACTS {
+        let value = match &summary[key] {
+            Value::Null => continue,
+            Value::String(text) => text.clone(),
+            Value::Number(number) if number.is_f64() => {
+                crate::output::short(number.as_f64().unwrap_or(f64::NAN))
+            }
+            other => other.to_string(),
+        };
+        facts.push([what.to_owned(), value]);
+    }
+    let variant = &summary["provenance"]["options"]["variant"];
+    if let Value::String(variant) = variant {
+        facts.push(["variant of the flow".to_owned(), variant.clone()]);
+    }
+    Ok(Told {
+        facts,
+        commands: vec![format!("aghf solve {}", quoted(path))],
+        effort: summary["control_effort"].as_f64(),
+        least_clearance: summary["smallest_clearance_m"].as_f64(),
+    })
+}
+
+/// The commands that repeat a solve: from its summary in its folder, and by all options where the scenario is built in.
+pub(super) fn commands(summary: &Summary) -> Vec<String> {
+    let file = match summary.success {
+        true => "summary.json",
+        false => "summary.failed.json",
+    };
+    let mut commands = vec![format!("aghf solve {file}")];
+    let name = &summary.scenario;
+    let known = builtin_scenarios().any(|other| other == name) || is_generated(name);
+    let options = serde_json::to_value(&summary.provenance.options);
+    if let (true, Ok(Value::Object(options))) = (known, options) {
+        let mut command = format!("aghf solve {name}");
+        for (key, value) in options {
+            let flag = match key.as_str() {
+                "num_starts" => "starts".to_owned(),
+                "time_limit_s" => "seconds".to_owned(),
+                other => other.replace('_', "-"),
+            };
+            let value = match value {
+                Value::String(text) => text,
+                other => other.to_string(),
+            };
+            command.push_str(&format!(" --{flag} {value}"));
+        }
+        commands.push(command);
+    }
+    commands
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
+    if path.chars().all(plain) {
+        return path.to_owned();
+    }
+    format!("'{}'", path.replace('\'', "'\\''"))
+}
