@@ -3,7 +3,7 @@
 use super::encode::of_f32;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
-use super::told::{Told, commands, told_in};
+use super::told::{Told, commands, method, told_in};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
 use crate::curve::Curve;
 use crate::error::Result;
@@ -42,6 +42,7 @@ impl<'a> Motion<'a> {
             told: Told {
                 facts: summary_rows(summary),
                 commands: commands(summary),
+                method: method(&summary.provenance.options),
                 effort: Some(summary.control_effort),
                 least_clearance: summary.feasibility.smallest_clearance_m,
             },
@@ -58,7 +59,7 @@ impl<'a> Motion<'a> {
             scenario: &solved.scenario,
             curve: &solved.curve,
             failure: solved.failure.as_deref(),
-            told: told_in(path)?,
+            told: told_in(path, &solved.options)?,
             outcome: None,
         })
     }
@@ -87,6 +88,7 @@ struct MinimumData {
 pub(super) struct MotionData {
     name: String,
     robot: String,
+    method: String,
     horizon: f64,
     failure: Option<String>,
     facts: Vec<[String; 2]>,
@@ -164,6 +166,7 @@ impl MotionData {
         Ok(Self {
             name: scenario.name.clone(),
             robot: scenario.file.robot.clone(),
+            method: motion.told.method.clone(),
             horizon: motion.curve.horizon(),
             failure: motion.failure.map(str::to_owned),
             facts: motion.told.facts.clone(),

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::input::read_named;
-use crate::scenario::{Summary, builtin_scenarios, is_generated};
+use crate::scenario::{Method, SolveOptions, Summary, builtin_scenarios, is_generated};
 use serde_json::Value;
 use std::path::Path;
 
@@ -28,12 +28,14 @@ pub(super) struct Told {
     pub facts: Vec<[String; 2]>,
     /// The commands that make it again.
     pub commands: Vec<String>,
+    /// The method, and the variant of a flow.
+    pub method: String,
     pub effort: Option<f64>,
     pub least_clearance: Option<f64>,
 }
 
 /// That of the summary in the file at `path`.
-pub(super) fn told_in(path: &str) -> Result<Told> {
+pub(super) fn told_in(path: &str, options: &SolveOptions) -> Result<Told> {
     let text = read_named(Path::new(path), "summary")?;
     let summary: Value = serde_json::from_str(&text)
         .map_err(|e| Error::input(path, "summary", e.to_string()))?;
@@ -49,16 +51,22 @@ pub(super) fn told_in(path: &str) -> Result<Told> {
         };
         facts.push([what.to_owned(), value]);
     }
-    let variant = &summary["provenance"]["options"]["variant"];
-    if let Value::String(variant) = variant {
-        facts.push(["variant of the flow".to_owned(), variant.clone()]);
-    }
     Ok(Told {
         facts,
         commands: vec![format!("aghf solve {}", quoted(path))],
+        method: method(options),
         effort: summary["control_effort"].as_f64(),
         least_clearance: summary["smallest_clearance_m"].as_f64(),
     })
+}
+
+/// The method in words, with the variant of a flow.
+pub(super) fn method(options: &SolveOptions) -> String {
+    match (options.method, options.variant) {
+        (Method::Relax, _) => "relaxation".to_owned(),
+        (Method::Flow, None) => "flow".to_owned(),
+        (Method::Flow, Some(variant)) => format!("flow, {variant}"),
+    }
 }
 
 /// The commands that repeat a solve: from its summary in its folder, and by all options where the scenario is built in.

@@ -80,10 +80,9 @@ const transport = element("div", "transport", "", [
 
 // The views.
 const tracks = motions.map((motion) => motion.tracks.map((track) => new Track(track)));
-const all = motions.map((motion, i) => boundsOf(motion, tracks[i]));
-all.forEach(({ lowest }, i) => { motions[i].lowest = lowest; });
-const largest = all.map(({ bounds }) => bounds).sort((a, b) => b.radius - a.radius)[0];
-const camera = new Camera(largest);
+const taken = motions.map((motion, i) => takenUp(motion, tracks[i]));
+taken.forEach(({ lowest }, i) => { motions[i].lowest = lowest; });
+const camera = new Camera(ballAbout(taken.flatMap(({ points }) => points)));
 
 const fit = () => {
   const canvas = document.querySelector("canvas");
@@ -130,7 +129,7 @@ const addMotion = (motion, i) => {
   canvas.setAttribute("aria-label", `the robot ${motion.robot} in motion`);
   const nearest = element("div", "nearest");
   const stage = element("div", "stage-view", "", [canvas]);
-  if (motions.length > 1) stage.append(element("div", "caption", motion.name));
+  if (motions.length > 1) stage.append(element("div", "caption", `${motion.name}, ${motion.method}`));
   const chips = element("div", "chips");
   let view = null;
   try {
@@ -183,7 +182,7 @@ const addMotion = (motion, i) => {
   if (clearances) numbers.push(["least clearance", `${(1000 * motion.least_clearance).toFixed(2)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
   const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.failure ? "not a success" : "success");
-  const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", motion.robot), badge]);
+  const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", `${motion.robot}, ${motion.method}`), badge]);
   const figures = element("dl", "figures", "", numbers.flatMap(([name, value]) => [element("div", "", "", [element("dt", "", name), element("dd", "", value)])]));
   header.append(element("div", "head", "", [title, figures]));
   const over = cards.filter((card) => card.plot.time);

@@ -33,9 +33,9 @@ const arc = (from, to, steps) => {
   return profile;
 };
 
-const SIDES = 32;
-const ballSolid = () => revolved(arc(-Math.PI / 2, Math.PI / 2, 16), SIDES);
-const domeSolid = () => revolved(arc(0, Math.PI / 2, 8), SIDES);
+const SIDES = 28;
+const ballSolid = () => revolved(arc(-Math.PI / 2, Math.PI / 2, 14), SIDES);
+const domeSolid = () => revolved(arc(0, Math.PI / 2, 7), SIDES);
 const tubeSolid = () => revolved([[1, -1, 1, 0], [1, 1, 1, 0]], SIDES);
 // With lids, whose rims have normals of their own.
 const cylinderSolid = () => revolved([

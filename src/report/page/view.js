@@ -235,8 +235,8 @@ class View {
   }
 }
 
-// What a motion takes up: a ball about the robot at all times and the obstacles near it, and its lowest point.
-const boundsOf = (motion, tracks) => {
+// What a motion takes up: points of the robot at all times and the obstacles near it, with radii, and its lowest point.
+const takenUp = (motion, tracks) => {
   let [low, high] = [[0, 0, 0], [0, 0, 0]];
   const points = [];
   const take = (p, r) => {
@@ -261,6 +261,12 @@ const boundsOf = (motion, tracks) => {
     // A table top that is larger than the robot's reach is not looked at as a whole.
     take(at.map((x, i) => clamp(x, low[i] - reach, high[i] + reach)), Math.min(size, 0.5 * reach));
   }
-  const centre = scaled(add(low, high), 0.5);
-  return { bounds: { points, centre, radius: Math.max(0.5 * norm(subtract(high, low)), 0.1) }, lowest };
+  return { points, lowest };
+};
+
+// A ball about points, each with a radius of its own.
+const ballAbout = (points) => {
+  const corner = (pick, sign) => points.reduce((m, [p, r]) => m.map((x, i) => pick(x, p[i] + sign * r)), [0, 0, 0]);
+  const [low, high] = [corner(Math.min, -1), corner(Math.max, 1)];
+  return { points, centre: scaled(add(low, high), 0.5), radius: Math.max(0.5 * norm(subtract(high, low)), 0.1) };
 };
