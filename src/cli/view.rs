@@ -49,14 +49,18 @@ fn page_at(path: &Path) -> Result<PathBuf> {
     }
     let pages = PAGES.map(|name| path.join(name));
     let [success, failure] = &pages;
-    pages.iter().find(|page| page.is_file()).cloned().ok_or_else(|| {
-        let condition = format!(
-            "there is neither '{}' nor '{}': `aghf solve` writes them",
-            success.display(),
-            failure.display()
-        );
-        Error::input(path.display().to_string(), "page", condition)
-    })
+    pages
+        .iter()
+        .find(|page| page.is_file())
+        .cloned()
+        .ok_or_else(|| {
+            let condition = format!(
+                "there is neither '{}' nor '{}': `aghf solve` writes them",
+                success.display(),
+                failure.display()
+            );
+            Error::input(path.display().to_string(), "page", condition)
+        })
 }
 
 /// Hands the page over to the browser of the desktop, or says why that cannot be.

@@ -63,12 +63,14 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     add("scenario", &format!("{} ({})", s.scenario, s.robot));
     add("method", &settings);
     add("success", if s.success { "yes" } else { "no" });
-    add(&gains,
+    add(
+        &gains,
         &format!(
             "{}, to be below {}",
             optional(s.final_error_inf),
             s.success_threshold
-        ));
+        ),
+    );
     add("final error open loop", &optional(s.open_loop_error_inf));
     add("control effort, int |u|^2 dt", &short(s.control_effort));
     add("dynamics defect, max |qdot - v|", &short(s.dynamics_defect));

@@ -66,11 +66,21 @@ pub(super) fn tips(model: &Model) -> Vec<Tip> {
         .filter(last)
         .map(|body| {
             let (name, point) = tip(model, body);
-            (ways[body] + point.norm(), Tip { name, body, point: point.into() })
+            (
+                ways[body] + point.norm(),
+                Tip {
+                    name,
+                    body,
+                    point: point.into(),
+                },
+            )
         })
         .collect();
     tips.sort_by(|a, b| b.0.total_cmp(&a.0));
-    tips.into_iter().map(|(_, tip)| tip).take(MOST_TIPS).collect()
+    tips.into_iter()
+        .map(|(_, tip)| tip)
+        .take(MOST_TIPS)
+        .collect()
 }
 
 /// The radii of the links at each joint, m.

@@ -101,7 +101,9 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     let span = (high - low).max(least);
     let near = (low - 0.4 * span)..(high + 0.4 * span);
     let bounds = lines.iter().flat_map(|l| [l.bounds.start, l.bounds.end]);
-    let all = bounds.filter(|bound| near.contains(bound)).chain([low, high]);
+    let all = bounds
+        .filter(|bound| near.contains(bound))
+        .chain([low, high]);
     let low = all.clone().fold(f64::INFINITY, f64::min);
     let high = all.fold(f64::NEG_INFINITY, f64::max);
     let pad = 0.07 * (high - low).max(least);
@@ -136,15 +138,16 @@ pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     {
         let size = (size.0 as u32, size.1 as u32);
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        draw(&root, &axes, lines, &across).map_err(|e| {
-            crate::error::Error::input("report", axes.title.clone(), e.to_string())
-        })?;
+        draw(&root, &axes, lines, &across)
+            .map_err(|e| crate::error::Error::input("report", axes.title.clone(), e.to_string()))?;
     }
     let [width, height] = SIZE.map(f64::from);
     Ok(Plot {
         title: axes.title,
         unit: axes.unit,
-        svg: text.replace(" fill=\"none\" opacity=\"1\"", "").replace(" \"/>", "\"/>"),
+        svg: text
+            .replace(" fill=\"none\" opacity=\"1\"", "")
+            .replace(" \"/>", "\"/>"),
         frame: [
             f64::from(MARGIN + LEFT) / width,
             1.0 - f64::from(MARGIN) / width,

@@ -37,8 +37,8 @@ pub(super) struct Told {
 /// That of the summary in the file at `path`.
 pub(super) fn told_in(path: &str, options: &SolveOptions) -> Result<Told> {
     let text = read_named(Path::new(path), "summary")?;
-    let summary: Value = serde_json::from_str(&text)
-        .map_err(|e| Error::input(path, "summary", e.to_string()))?;
+    let summary: Value =
+        serde_json::from_str(&text).map_err(|e| Error::input(path, "summary", e.to_string()))?;
     let mut facts = vec![["summary".to_owned(), path.to_owned()]];
     for (key, what) in FACTS {
         let value = match &summary[key] {

@@ -115,10 +115,7 @@ impl<'a> Distances<'a> {
         } = &self.scenario.environment;
         // From a point of the robot, inside by a radius, along the normal of the obstacle.
         let along = |from: Vector3<f64>, normal: Vector3<f64>, radius: f64| {
-            [
-                from - normal * radius,
-                from - normal * (radius + clearance),
-            ]
+            [from - normal * radius, from - normal * (radius + clearance)]
         };
         let (names, points) = match pair {
             None => Default::default(),
@@ -126,7 +123,8 @@ impl<'a> Distances<'a> {
                 let (capsule, sphere) = (&self.exact[i], &spheres[j]);
                 let [from, to] = ends(capsule, placements)?;
                 let (way, off) = (to - from, sphere.placed.centre - from);
-                let share = (off.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                let share =
+                    (off.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
                 let point = from + way * share;
                 let normal = (point - sphere.placed.centre)
                     .try_normalize(0.0)
@@ -138,8 +136,15 @@ impl<'a> Distances<'a> {
                 let (capsule, half_space) = (&self.exact[i], &half_spaces[j]);
                 let [from, to] = ends(capsule, placements)?;
                 let normal = half_space.placed.normal;
-                let lower = if normal.dot(&from) < normal.dot(&to) { from } else { to };
-                let names = [self.part(Some(i), capsule.body), half_space.name().to_owned()];
+                let lower = if normal.dot(&from) < normal.dot(&to) {
+                    from
+                } else {
+                    to
+                };
+                let names = [
+                    self.part(Some(i), capsule.body),
+                    half_space.name().to_owned(),
+                ];
                 (names, along(lower, normal, capsule.radius))
             }
             Some(Pair::Solid(i, j)) => {

@@ -204,7 +204,7 @@ fn places_that_cannot_be_written_exit_with_2_and_leave_nothing_half_done() {
         std::fs::read_to_string(folder.join("file")).expect("it is there"),
         "mine"
     );
-    for taken in ["trajectory.csv", "summary.json"] {
+    for taken in ["trajectory.csv", "summary.json", "report.html"] {
         let out = format!("taken_{taken}");
         std::fs::create_dir_all(folder.join(&out).join(taken)).expect("writable");
         assert_bad_input(

@@ -46,7 +46,11 @@ fn a_failure_is_written_beside_an_earlier_success() {
         &folder,
         &["pendulum_5_swingup", "--starts", "2", "--out", "keep"],
     );
-    let good = ["keep/summary.json", "keep/trajectory.csv"];
+    let good = [
+        "keep/report.html",
+        "keep/summary.json",
+        "keep/trajectory.csv",
+    ];
     let before = good.map(|f| text(&folder.join(f)));
     let failing = [MISSING, &["--out", "keep"]].concat();
     // Without leave not even that.
@@ -59,9 +63,10 @@ fn a_failure_is_written_beside_an_earlier_success() {
     assert_eq!(run.code, Some(3), "{}", run.stderr);
     assert_eq!(good.map(|f| text(&folder.join(f))), before);
     let failed = ["keep/summary.failed.json", "keep/trajectory.failed.csv"];
+    let page = "keep/report.failed.html";
     assert_eq!(
         files(&folder),
-        names([failed[0], good[0], failed[1], good[1]])
+        names([failed[0], failed[1], page, good[0], good[1], good[2]])
     );
     assert!(text(&folder.join(failed[1])).starts_with("# failed: "));
     // The table of a failure says so whenever it is made.

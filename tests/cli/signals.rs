@@ -64,7 +64,8 @@ fn ctrl_c_keeps_the_best_motion_and_says_so() {
             "{stdout}"
         );
         let out = "out/pendulum_2_swingup";
-        let expected = ["summary.json", "trajectory.csv"].map(|f| format!("{out}/{f}"));
+        let expected =
+            ["report.html", "summary.json", "trajectory.csv"].map(|f| format!("{out}/{f}"));
         assert_eq!(files(&folder), expected.into());
     }
 }

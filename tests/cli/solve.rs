@@ -34,6 +34,7 @@ fn without_arguments_it_plans_over_the_table() {
     let run = aghf(&folder, &[]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let expected = [
+        "out/kinova_table_01/report.html",
         "out/kinova_table_01/summary.json",
         "out/kinova_table_01/trajectory.csv",
     ];
@@ -50,7 +51,7 @@ fn without_arguments_it_plans_over_the_table() {
         model,
         ..
     } = Scenario::load("kinova_table_01").expect("built in");
-    let (header, rows) = csv_file(&folder.join(expected[1]));
+    let (header, rows) = csv_file(&folder.join(expected[2]));
     let joints = (1..=7).map(|i| format!("joint_{i}"));
     let columns = ["q", "v", "a", "u"]
         .iter()
@@ -159,7 +160,7 @@ fn json_is_the_summary_and_nothing_else() {
 fn options_override_the_scenario_and_show_in_the_summary() {
     let folder = empty_folder("options");
     let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --p 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
-        --guess line-state --out deep/in/here --json";
+        --guess line-state --out deep/in/here --json --no-report";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let expected = ["deep/in/here/summary.json", "deep/in/here/trajectory.csv"];
@@ -314,7 +315,11 @@ fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
         "{}",
         run.stdout
     );
-    let expected = ["summary.failed.json", "trajectory.failed.csv"];
+    let expected = [
+        "summary.failed.json",
+        "trajectory.failed.csv",
+        "report.failed.html",
+    ];
     let expected = expected.map(|f| format!("out/pendulum_5_swingup/{f}"));
     assert_eq!(files(&folder), expected.clone().into());
     let summary = json_file(&folder.join(&expected[0]));
