@@ -103,7 +103,7 @@ fn nobody_who_listens_is_no_reason_to_stop() {
     );
     let (code, stderr) = shell(&folder, &command);
     assert_eq!((code, stderr.as_str()), (Some(0), ""));
-    assert_eq!(files(&folder).len(), 2);
+    assert_eq!(files(&folder).len(), 3);
 }
 
 /// Two at once for the same folder: one has it, and the other says where its files are.
@@ -138,5 +138,5 @@ fn two_solves_for_one_folder_lose_none() {
         told.contains("same/") && told.contains("; the files are in "),
         "{told}"
     );
-    assert_eq!(files(&folder).len(), 4, "{:?}", files(&folder));
+    assert_eq!(files(&folder).len(), 6, "{:?}", files(&folder));
 }

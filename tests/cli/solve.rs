@@ -93,7 +93,7 @@ fn without_arguments_it_plans_over_the_table() {
         assert_eq!(column(3), tau, "at {}", row[0]);
     }
 
-    let summary = json_file(&folder.join(expected[0]));
+    let summary = json_file(&folder.join(expected[1]));
     for key in [
         "final_error_inf",
         "open_loop_error_inf",
@@ -123,7 +123,7 @@ fn without_arguments_it_plans_over_the_table() {
     assert_eq!(summary["horizon_s"].as_f64(), Some(duration));
 
     // It goes around the post, which the motion without one does not.
-    let run = aghf(&folder, &["judge", "kinova_table_01", expected[1]]);
+    let run = aghf(&folder, &["judge", "kinova_table_01", expected[2]]);
     assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
     let text = include_str!("../../robots/kinova_gen3/kinova_table_01.json");
     let mut without: serde_json::Value = serde_json::from_str(text).expect("it is built in");

@@ -59,16 +59,16 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
 
     /// The largest violation of a row where the cost was evaluated last, in its unit; zero where all are kept.
     pub(super) fn largest_violation(&self) -> f64 {
-        let count = self.rows.count().max(1);
         let units = &self.rows.of().units;
-        let mut largest = 0.0_f64;
-        for (at, h) in self.h.iter().enumerate() {
-            if self.kinds[at] == Kind::Inequality {
-                let row = h + self.relaxations[at] - self.margins[at];
-                largest = largest.max(row * units[at % count]);
-            }
-        }
-        largest.max(self.largest_equality())
+        // Rows without a term are far from being violated.
+        self.near.places().fold(0.0, |most, (at, row)| {
+            let height = match self.kinds[at] {
+                Kind::Inequality => self.h[at] + self.relaxations[at] - self.margins[at],
+                Kind::Equality => self.h[at].abs(),
+                Kind::Idle => return most,
+            };
+            f64::max(most, height * units[row])
+        })
     }
 
     /// Relaxes all rows so that each has some room, or as much as goes with its multiplier if that is less.
