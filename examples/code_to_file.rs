@@ -1,8 +1,9 @@
-//! From code to file: a built-in scenario is changed in code and solved; trajectory, summary and a plot go to a new folder in `out`.
+//! From code to file: a built-in scenario is changed in code and solved; trajectory, summary, the page of the motion and plots go to a new folder in `out`.
 
 use aghf::model::Model;
 use aghf::motion::{Sample, sample};
 use aghf::output::{OutputFolder, Sampling, write_report, write_text};
+use aghf::report::{Motion, page};
 use aghf::scenario::{Scenario, SolveOptions, solve};
 use plotters::prelude::*;
 use std::error::Error;
@@ -42,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A folder that was not there before: out/code_to_file, then out/code_to_file-2 and so on.
     let folder = OutputFolder::fresh(Path::new("out/code_to_file"))?;
     let model = &scenario.model;
-    let files = write_report(model, &report, &folder, Sampling::Rate(1e3))?;
+    let page = page(&[Motion::of_report(&scenario, &report)])?;
+    let files = write_report(model, &report, Some(&page), &folder, Sampling::Rate(1e3))?;
     let samples = sample(model, &report.curve, 400)?;
     let (positions, torques) = (folder.path().join("q.svg"), folder.path().join("u.svg"));
     write_text(&plot("positions, rad", model, &samples, |s| &s.q)?, &positions)?;

@@ -163,7 +163,13 @@ fn code_to_file() {
     let folder = empty_folder("code_to_file");
     let shown = run("code_to_file", &folder, &[]);
     assert!(shown.starts_with("success: true"), "{shown}");
-    let names = ["q.svg", "summary.json", "trajectory.csv", "u.svg"];
+    let names = [
+        "q.svg",
+        "report.html",
+        "summary.json",
+        "trajectory.csv",
+        "u.svg",
+    ];
     let of = |i: usize| {
         let folder = if i == 1 {
             "code_to_file"

@@ -164,11 +164,12 @@ class View {
   }
 
   // The solids of the robot at a time of a track.
-  robot(track, time, paint) {
+  robot(track, time, paint, withBase = true) {
     const at = track.at(time);
     const poses = new Map();
     const list = [];
     for (const { item, parts } of this.bodies) {
+      if (item.body === undefined && !withBase) continue;
       if (!poses.has(item.body)) poses.set(item.body, track.pose(item.body, at));
       const pose = poses.get(item.body);
       for (const part of parts) {
@@ -202,7 +203,7 @@ class View {
     const paint = (item) => [...(item.color ?? (item.joint ? colors.joint : colors.link)), 1];
     const ghost = (track) => {
       const color = [...colors.ghosts[(track - 1) % colors.ghosts.length], 0.3];
-      return this.robot(this.tracks[track], time, () => color);
+      return this.robot(this.tracks[track], time, () => color, false);
     };
     const ghosts = [...this.shown.tracks].filter((track) => track > 0);
     const lines = [];
