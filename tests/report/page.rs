@@ -164,6 +164,14 @@ fn a_curve_for_each_joint_and_limits_in_its_colour() {
         svg.matches(&format!("fill=\"{color}\"")).count()
     };
     assert_eq!(shaded(1), 2);
+}
+
+#[test]
+fn violations_on_the_way_are_told() {
+    // The line hits something.
+    let scenario = Scenario::load("kinova_cross_01").expect("it can be generated");
+    let (_, data) = page_of(&scenario, &solved(&scenario, 1));
+    let plots = data["plots"].as_array().expect("a list");
     let legend = plots[6]["legend"].as_array().expect("a list");
     let names: Vec<_> = legend
         .iter()
