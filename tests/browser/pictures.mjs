@@ -12,7 +12,7 @@ const LARGEST = 2e6;
 
 mkdirSync(FOLDER, { recursive: true });
 const browser = await launch();
-const report = join(solve("picture", "kinova_obstacles_01"), "report.html");
+const report = join(solve("picture", "kinova_table_01"), "report.html");
 
 // The whole page.
 const still = await open(browser, report, { viewport: { width: 1440, height: 860 } });
