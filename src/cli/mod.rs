@@ -10,6 +10,7 @@ mod import;
 mod judge;
 mod output;
 mod pairs;
+mod progress;
 mod prove;
 mod reproduce;
 mod robots;

@@ -2,19 +2,18 @@
 
 use super::choice::choice;
 use super::output::{OutArgs, SamplingArgs};
+use super::progress::Progress;
 use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json, signals, tell};
 use crate::error::{Error, Result, plain};
 use crate::flow::jacobian::JacobianKind;
-use crate::flow::rest::RestRecord;
 use crate::motion::Guess;
 use crate::ode::IntegratorKind;
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
-use crate::relax::{Iteration, PlannedStarts};
+use crate::relax::PlannedStarts;
 use crate::report::{Motion, page};
-use crate::scenario::{FlowVariant, Method, Record, SolveOptions, solve};
+use crate::scenario::{FlowVariant, Method, SolveOptions, solve};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -147,26 +146,17 @@ impl Solve {
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
         signals::stop_first(&options.interrupt);
-        let progress = if self.json || self.verbose {
-            ProgressBar::hidden()
-        } else {
-            match options.method {
-                Method::Flow if !options.flows_to_rest() => {
-                    bar(options.flow_settings(&scenario).s_max)
-                }
-                Method::Flow | Method::Relax => ProgressBar::new_spinner(),
-            }
-        };
+        let hidden = self.json || self.verbose;
+        let mut progress = Progress::new(&scenario, &options, hidden);
         let mut stages = Stages::default();
         let outcome = solve(&scenario, &options, &mut |record| {
             if self.verbose {
                 stages.observe(record);
             }
-            progress.set_message(message(record));
-            progress.inc(1);
+            progress.observe(record);
         })?;
         stages.finish();
-        progress.finish_and_clear();
+        progress.finish();
 
         let model = &scenario.model;
         let page = match self.no_report {
@@ -237,32 +227,4 @@ impl Solve {
             interrupt: other.interrupt,
         })
     }
-}
-
-/// How far a solve has come.
-fn message(record: &Record) -> String {
-    match record {
-        Record::Flow(r) => format!("s {:.1e}, action {:.4e}", r.s, r.action_at_nodes),
-        Record::Rest(r) => {
-            let RestRecord { degree, action, .. } = r;
-            format!(
-                "degree {degree}, action {action:.4e}, gradient {:.1e}",
-                r.gradient_norm
-            )
-        }
-        Record::Relax(i) => {
-            let Iteration { degree, cost, .. } = i;
-            format!(
-                "degree {degree}, cost {cost:.4e}, gradient {:.1e}",
-                i.gradient_norm
-            )
-        }
-    }
-}
-
-/// A bar that fills as the flow passes the values of `s` on its grid; shown when somebody watches.
-fn bar(s_max: f64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
-    ProgressBar::new(crate::flow::output_count(s_max))
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
