@@ -214,6 +214,14 @@ impl Scenario {
         Ok((Self::new(file, name_or_path, folder)?, options))
     }
 
+    /// A scenario from its text in JSON. `path` and `folder` are those of [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
+        Self::new(read_json(text, path)?, path, folder)
+    }
+
     /// A scenario of what a file says, or a program. `path` names it, without its folder and ending, and in errors as it is; the robot
     /// is looked for in `folder` unless it is built in.
     ///

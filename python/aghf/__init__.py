@@ -1,0 +1,54 @@
+"""Trajectory optimisation with the Affine Geometric Heat Flow, and rigid-body dynamics with exact derivatives.
+
+Arrays are of float64. Functions of states take one state, shape ``(N,)``, or a batch, shape ``(B, N)``, and their results have the same
+leading dimension; large batches use all cores. Units: m, rad, s, kg, N, N m.
+"""
+
+from ._dynamics import (
+    aba,
+    aba_derivatives,
+    crba,
+    forward_kinematics,
+    frame_jacobian,
+    frame_placement,
+    mass_matrix_and_rate,
+    omega,
+    omega_jacobian,
+    rnea,
+    rnea_derivatives,
+    rnea_second_derivatives,
+    rnea_vjp,
+    rnea_weighted_hessian,
+)
+from ._model import Model
+from ._native import _aghf
+from ._solve import Samples, Solution, solve, solve_many
+
+InputError = _aghf.InputError
+builtin_robots = _aghf.builtin_robots
+jacobians = _aghf.jacobians
+
+__all__ = [
+    "InputError",
+    "Model",
+    "Samples",
+    "Solution",
+    "aba",
+    "aba_derivatives",
+    "builtin_robots",
+    "crba",
+    "forward_kinematics",
+    "frame_jacobian",
+    "frame_placement",
+    "jacobians",
+    "mass_matrix_and_rate",
+    "omega",
+    "omega_jacobian",
+    "rnea",
+    "rnea_derivatives",
+    "rnea_second_derivatives",
+    "rnea_vjp",
+    "rnea_weighted_hessian",
+    "solve",
+    "solve_many",
+]

@@ -1,0 +1,149 @@
+"""Rigid-body dynamics, the right-hand side of the flow, and their derivatives."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._native import _aghf
+from ._model import Model, array
+
+
+class InverseDynamicsDerivatives(NamedTuple):
+    """Torques with their derivatives; rows are torques."""
+
+    tau: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    da: np.ndarray
+
+
+class ForwardDynamicsDerivatives(NamedTuple):
+    """Accelerations with their derivatives; rows are accelerations."""
+
+    a: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    dtau: np.ndarray
+
+
+class InverseDynamicsSecondDerivatives(NamedTuple):
+    """Second derivatives of torques: the first index is the torque, the others are as in the name."""
+
+    dqdq: np.ndarray
+    dvdv: np.ndarray
+    dqdv: np.ndarray
+    dadq: np.ndarray
+
+
+class RneaVjp(NamedTuple):
+    """The derivatives of ``w @ rnea(q, v, a)``."""
+
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+
+
+class RneaWeightedHessian(NamedTuple):
+    """The second derivatives of ``w @ rnea(q, v, a)``."""
+
+    qq: np.ndarray
+    qv: np.ndarray
+    vv: np.ndarray
+    qa: np.ndarray
+
+
+class OmegaJacobian(NamedTuple):
+    """The derivatives of Omega, (B38) to (B40)."""
+
+    dx: np.ndarray
+    dxdot: np.ndarray
+    dxddot: np.ndarray
+
+
+def rnea(model: Model, q, v, a) -> np.ndarray:
+    """Inverse dynamics: the torques or forces of accelerations, by the recursive Newton-Euler algorithm.
+
+    Parameters
+    ----------
+    q, v, a : array_like, shape (N,) or (B, N)
+        Positions, velocities and accelerations.
+
+    Returns
+    -------
+    numpy.ndarray, shape (N,) or (B, N)
+    """
+    return _aghf.rnea(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
+
+
+def aba(model: Model, q, v, tau) -> np.ndarray:
+    """Forward dynamics: the accelerations of torques or forces, by the articulated-body algorithm. Shapes as `rnea`."""
+    return _aghf.aba(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
+
+
+def crba(model: Model, q) -> np.ndarray:
+    """The mass matrix, whole and symmetric, shape (N, N) or (B, N, N)."""
+    return _aghf.crba(model._own, array(q, "q"))
+
+
+def mass_matrix_and_rate(model: Model, q, v) -> tuple[np.ndarray, np.ndarray]:
+    """The mass matrix ``H`` and its rate along ``v``, each (N, N) or (B, N, N)."""
+    return tuple(_aghf.mass_matrix_and_rate(model._own, array(q, "q"), array(v, "v")))
+
+
+def rnea_derivatives(model: Model, q, v, a) -> InverseDynamicsDerivatives:
+    """Inverse dynamics with its first derivatives, each (N, N) or (B, N, N); that in ``a`` is the mass matrix."""
+    found = _aghf.rnea_derivatives(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
+    return InverseDynamicsDerivatives(*found)
+
+
+def aba_derivatives(model: Model, q, v, tau) -> ForwardDynamicsDerivatives:
+    """Forward dynamics with its first derivatives; that in ``tau`` is the inverse of the mass matrix."""
+    found = _aghf.aba_derivatives(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
+    return ForwardDynamicsDerivatives(*found)
+
+
+def rnea_second_derivatives(model: Model, q, v, a) -> InverseDynamicsSecondDerivatives:
+    """Second derivatives of the inverse dynamics, each (N, N, N) or (B, N, N, N)."""
+    found = _aghf.rnea_second_derivatives(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
+    return InverseDynamicsSecondDerivatives(*found)
+
+
+def rnea_vjp(model: Model, q, v, a, w) -> RneaVjp:
+    """The product of ``w`` with the derivatives of the inverse dynamics, in O(N) per state."""
+    return RneaVjp(*_aghf.rnea_vjp(model._own, array(q, "q"), array(v, "v"), array(a, "a"), array(w, "w")))
+
+
+def rnea_weighted_hessian(model: Model, q, v, a, w) -> RneaWeightedHessian:
+    """The second derivatives of ``w @ rnea(q, v, a)``, in O(N^2) per state."""
+    own = model._own
+    found = _aghf.rnea_weighted_hessian(own, array(q, "q"), array(v, "v"), array(a, "a"), array(w, "w"))
+    return RneaWeightedHessian(*found)
+
+
+def forward_kinematics(model: Model, q) -> np.ndarray:
+    """The homogeneous placements of all bodies in the base, shape (N, 4, 4) or (B, N, 4, 4)."""
+    return _aghf.forward_kinematics(model._own, array(q, "q"))
+
+
+def frame_placement(model: Model, q, frame: str) -> np.ndarray:
+    """The homogeneous placement of a frame in the base, shape (4, 4) or (B, 4, 4)."""
+    return _aghf.frame_placements(model._own, array(q, "q"), frame)
+
+
+def frame_jacobian(model: Model, q, frame: str) -> np.ndarray:
+    """The Jacobian of a frame, shape (6, N) or (B, 6, N): its angular velocity, then that of its
+    origin, along the axes of the base. It is the ``LOCAL_WORLD_ALIGNED`` of Pinocchio, whose rows are the linear ones first."""
+    return _aghf.frame_jacobian(model._own, array(q, "q"), frame)
+
+
+def omega(model: Model, x, xdot, xddot, k: float) -> np.ndarray:
+    """The right-hand side of the flow at nodes, (B3), shape (2 N,) or (B, 2 N); ``k`` is the penalty of (11)."""
+    return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)
+
+
+def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control-form") -> OmegaJacobian:
+    """Its derivatives by the implementation of a name that `jacobians` lists, each (2 N, 2 N) or (B, 2 N, 2 N)."""
+    arguments = array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot")
+    return OmegaJacobian(*_aghf.omega_jacobian(model._own, *arguments, k, jacobian))

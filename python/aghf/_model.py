@@ -1,0 +1,79 @@
+"""Robots."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from ._native import _aghf
+
+
+class Model:
+    """A robot: a tree of rigid bodies with one joint each.
+
+    Attributes
+    ----------
+    name : str
+        The name of the robot.
+    dof : int
+        The number of joints, ``N``.
+    mass : float
+        The mass of everything that moves, kg.
+    joint_names, joint_kinds, frame_names : list of str
+    parents : numpy.ndarray, shape (N,)
+        The joint that carries each joint, -1 for the base.
+    lower, upper, velocity_limits, effort_limits : numpy.ndarray, shape (N,)
+        The limits of each joint; infinite where there is none.
+    gravity : numpy.ndarray, shape (3,)
+    notes : list of str
+        What was noticed on loading.
+    """
+
+    def __init__(self, own: _aghf.Model) -> None:
+        self._own = own
+
+    @classmethod
+    def from_urdf(cls, path_or_text: str | os.PathLike, *, mimic: str = "refuse") -> Model:
+        """Reads a URDF file, or a text that begins with ``<``.
+
+        Parameters
+        ----------
+        path_or_text : str or os.PathLike
+        mimic : {"refuse", "independent"}
+            What to do with mimic joints.
+
+        Raises
+        ------
+        InputError
+            Names the file, the element and what is wrong with it.
+        """
+        text = os.fspath(path_or_text)
+        if text.lstrip().startswith("<"):
+            return cls(_aghf.Model.parse(text, "URDF", mimic))
+        return cls(_aghf.Model.load_file(text, mimic))
+
+    @classmethod
+    def builtin(cls, name: str) -> Model:
+        """The robot that is built in under a name; `builtin_robots` lists them."""
+        return cls(_aghf.Model.builtin(name))
+
+    def __getattr__(self, name: str):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._own, name)
+
+    def to_urdf(self) -> str:
+        """The robot as URDF, fixed joints merged."""
+        return self._own.to_urdf()
+
+    def __repr__(self) -> str:
+        return repr(self._own)
+
+
+def array(x, name: str) -> np.ndarray:
+    """An argument as a contiguous array of float64, which one that is so stays."""
+    try:
+        return np.asarray(x, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from None

@@ -1,0 +1,148 @@
+"""Solving scenarios."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ._native import _aghf
+from ._model import Model, array
+
+
+class Samples(NamedTuple):
+    """A motion at times: positions, velocities, accelerations and torques, each (T, N)."""
+
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    tau: np.ndarray
+
+
+class Solution:
+    """The result of a solve.
+
+    Attributes
+    ----------
+    success : bool
+    horizon : float
+        The duration of the motion, s.
+    summary : dict
+        All that `aghf solve` writes into summary.json.
+    scenario : dict
+        The scenario that was solved.
+    minima : list of dict
+        The costs of the minima that the starts found, with the number of starts of each; of the relaxation.
+    """
+
+    def __init__(self, own: _aghf.Solution) -> None:
+        self._own = own
+
+    @property
+    def success(self) -> bool:
+        return self._own.success
+
+    @property
+    def horizon(self) -> float:
+        return self._own.horizon
+
+    @cached_property
+    def model(self) -> Model:
+        return Model(self._own.model)
+
+    @cached_property
+    def summary(self) -> dict:
+        return json.loads(self._own.summary_json())
+
+    @cached_property
+    def scenario(self) -> dict:
+        return json.loads(self._own.scenario_json())
+
+    @property
+    def minima(self) -> list[dict]:
+        return self.summary.get("minima", [])
+
+    def evaluate(self, t) -> Samples:
+        """The motion at times within ``[0, horizon]``, shape () or (T,), s."""
+        times = array(t, "t")
+        return Samples(times, *self._own.evaluate(times))
+
+    def sample(self, count: int = 201) -> Samples:
+        """The motion at so many times at equal distances, both ends included."""
+        return self.evaluate(np.linspace(0.0, self.horizon, count))
+
+    def save(self, folder: str | os.PathLike, *, replace: bool = False) -> list[str]:
+        """Writes the files of the solve into a folder; returns their paths."""
+        return self._own.save(os.fspath(folder), replace)
+
+    def report_html(self) -> str:
+        """The page that shows the motion: HTML that needs no network and no other file."""
+        return self._own.report_html()
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.report_html(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 46rem; border: 0"></iframe>'
+
+    def __repr__(self) -> str:
+        effort = self.summary["control_effort"]
+        ending = "success" if self.success else "no success"
+        return f"Solution('{self.summary['scenario']}', {ending}, {self.horizon:.4g} s, effort {effort:.4g})"
+
+
+def _named(scenario) -> tuple[str, str | None]:
+    """The name and the text of a scenario, which has none if it is built in or in a file."""
+    if isinstance(scenario, Mapping):
+        return "scenario", json.dumps(scenario, default=_plain)
+    return os.fspath(scenario), None
+
+
+def _plain(x):
+    if isinstance(x, (np.ndarray, np.generic)):
+        return x.tolist()
+    raise TypeError(f"'{type(x).__name__}' is no part of a scenario")
+
+
+def _options(options: Mapping) -> str:
+    named = {"num_starts" if key == "starts" else key: value for key, value in options.items()}
+    return json.dumps(named, default=_plain)
+
+
+def solve(
+    scenario: str | os.PathLike | Mapping,
+    *,
+    on_iteration: Callable[[dict], None] | None = None,
+    **options,
+) -> Solution:
+    """Solves a scenario. Ctrl-C ends the search with the best motion so far.
+
+    Parameters
+    ----------
+    scenario : str, os.PathLike or Mapping
+        A built-in or generated scenario by its name, the path of a file, or the keys of a scenario.
+    on_iteration : callable, optional
+        Is called with a dict of each iteration; what it raises ends the search.
+    **options
+        Those of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``, ``planned_starts``, ``threads``,
+        ``time_limit_s`` and so on.
+
+    Raises
+    ------
+    InputError
+        Names the file, the key and what is wrong with it.
+    """
+    name, text = _named(scenario)
+    return Solution(_aghf.solve(name, text, _options(options), on_iteration))
+
+
+def solve_many(
+    scenarios: Iterable[str | os.PathLike | Mapping], *, threads: int | None = None, **options
+) -> list[Solution]:
+    """Solves scenarios side by side, one per core or on so many threads; the results are in their order, and do not depend on that number."""
+    named = [_named(scenario) for scenario in scenarios]
+    return [Solution(own) for own in _aghf.solve_many(named, _options(options), threads)]

@@ -1,0 +1,21 @@
+//! The Python module `aghf._aghf`: what `aghf` has, with numpy arrays in and out. The package `aghf` gives it names and documentation.
+
+mod batch;
+mod dynamics;
+mod error;
+mod flow;
+mod model;
+mod solve;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    error::add_to(module)?;
+    module.add_class::<model::PyModel>()?;
+    module.add_class::<solve::PySolution>()?;
+    module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
+    dynamics::add_to(module)?;
+    flow::add_to(module)?;
+    solve::add_to(module)
+}

@@ -1,0 +1,160 @@
+//! Robots.
+
+use crate::error::raised;
+use aghf::model::{JointKind, Limits, Model};
+use aghf::urdf::{LoadReport, Mimic, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with};
+use numpy::{PyArray1, ToPyArray};
+use pyo3::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A robot. It never changes, so threads share it.
+#[pyclass(name = "Model", module = "aghf", frozen)]
+pub struct PyModel {
+    pub model: Arc<Model>,
+    /// What was noticed on loading it.
+    notes: Vec<String>,
+}
+
+#[pymethods]
+impl PyModel {
+    /// The robot that is built in under a name.
+    #[staticmethod]
+    fn builtin(name: &str) -> PyResult<Self> {
+        let model = builtin_robot(name).map_err(raised)?;
+        Ok(Self::new(model, &LoadReport::default()))
+    }
+
+    /// The robot in a URDF file.
+    #[staticmethod]
+    fn load_file(path: &str, mimic: &str) -> PyResult<Self> {
+        let mimic: Mimic = mimic.parse().map_err(raised)?;
+        let read = load_urdf_with(Path::new(path), UrdfOptions { mimic });
+        let (model, notes) = read.map_err(raised)?;
+        Ok(Self::new(model, &notes))
+    }
+
+    /// The robot that a URDF text describes; `name` stands for it in errors.
+    #[staticmethod]
+    fn parse(text: &str, name: &str, mimic: &str) -> PyResult<Self> {
+        let mimic: Mimic = mimic.parse().map_err(raised)?;
+        let (model, notes) = parse_urdf_with(text, name, UrdfOptions { mimic }).map_err(raised)?;
+        Ok(Self::new(model, &notes))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    #[getter]
+    fn dof(&self) -> usize {
+        self.model.dof()
+    }
+
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.model.mass()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.model
+            .joints()
+            .iter()
+            .map(|joint| joint.name())
+            .collect()
+    }
+
+    #[getter]
+    fn joint_kinds(&self) -> Vec<&str> {
+        let kinds = self.model.joints().iter().map(|joint| joint.kind());
+        kinds.map(JointKind::name).collect()
+    }
+
+    /// The index of the joint that carries each joint; -1 for the base.
+    #[getter]
+    fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let parents = self.model.joints().iter().map(|joint| joint.parent());
+        let parents: Vec<i64> = parents.map(|p| p.map_or(-1, |p| p as i64)).collect();
+        parents.to_pyarray(py)
+    }
+
+    #[getter]
+    fn frame_names(&self) -> Vec<&str> {
+        self.model
+            .frames()
+            .iter()
+            .map(|frame| frame.name.as_str())
+            .collect()
+    }
+
+    #[getter]
+    fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.model.gravity().as_slice().to_pyarray(py)
+    }
+
+    /// The limits of positions, velocities and torques, without one infinity.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.limits(py, |limits| limits.lower)
+    }
+
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.limits(py, |limits| limits.upper)
+    }
+
+    #[getter]
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.limits(py, |limits| limits.velocity)
+    }
+
+    #[getter]
+    fn effort_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.limits(py, |limits| limits.effort)
+    }
+
+    fn to_urdf(&self) -> PyResult<String> {
+        self.model.to_urdf().map_err(raised)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Model('{}', {} joints)",
+            self.model.name(),
+            self.model.dof()
+        )
+    }
+}
+
+impl PyModel {
+    /// A robot with the notes on loading it.
+    pub fn new(model: Model, notes: &LoadReport) -> Self {
+        Self {
+            model: Arc::new(model),
+            notes: notes.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    fn limits<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Limits) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        let joints = self.model.joints().iter();
+        let limits: Vec<f64> = joints.map(|joint| of(joint.limits())).collect();
+        limits.to_pyarray(py)
+    }
+}
+
+/// The names of the built-in robots.
+#[pyfunction]
+pub fn builtin_robots() -> Vec<&'static str> {
+    aghf::urdf::builtin_robots().collect()
+}

@@ -1,0 +1,240 @@
+//! Solving scenarios.
+
+use crate::batch::{Array, Numbers};
+use crate::error::raised;
+use crate::model::PyModel;
+use aghf::dynamics::{Data, rnea};
+use aghf::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
+use aghf::report::{Motion, page};
+use aghf::scenario::{Record, Scenario, SolveOptions, SolveReport, solve as solve_scenario};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// The time after which the thread of Python looks for signals, such as Ctrl-C.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The result of a solve.
+#[pyclass(name = "Solution", module = "aghf", frozen)]
+pub struct PySolution {
+    scenario: Scenario,
+    report: SolveReport,
+}
+
+/// Solves a scenario. `text` is a scenario in JSON, or else `name` that of one that is built in or of a file.
+#[pyfunction]
+#[pyo3(signature = (name, text, options, on_iteration = None))]
+fn solve<'py>(
+    py: Python<'py>,
+    name: &str,
+    text: Option<&str>,
+    options: &str,
+    on_iteration: Option<Bound<'py, PyAny>>,
+) -> PyResult<PySolution> {
+    let (scenario, options) = read(name, text, options)?;
+    let interrupt = options.interrupt.clone();
+    let (sender, records) = channel();
+    let records = Mutex::new(records);
+    let (of, with) = (&scenario, &options);
+    let report = std::thread::scope(|scope| {
+        let search = scope.spawn(move || {
+            // Nobody listens any more once the search is to stop.
+            solve_scenario(of, with, &mut |record| {
+                let _ = sender.send(*record);
+            })
+        });
+        let mut failed = None;
+        loop {
+            let hear = || {
+                let records = records.lock().unwrap_or_else(PoisonError::into_inner);
+                records.recv_timeout(LOOK)
+            };
+            let heard = match py.detach(hear) {
+                Ok(record) if failed.is_none() => match &on_iteration {
+                    Some(callback) => told(py, callback, &record),
+                    None => Ok(()),
+                },
+                Ok(_) | Err(RecvTimeoutError::Timeout) => Ok(()),
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
+            if let Err(error) = heard.and_then(|()| py.check_signals()) {
+                interrupt.raise();
+                // Ctrl-C ends the search with the best motion so far.
+                if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+                    failed = Some(error);
+                }
+            }
+        }
+        let report = py.detach(|| search.join());
+        match failed {
+            Some(error) => Err(error),
+            None => Ok(report),
+        }
+    })?;
+    let report = report.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    let report = report.map_err(raised)?;
+    Ok(PySolution { scenario, report })
+}
+
+/// The scenario and the options of a solve.
+fn read(name: &str, text: Option<&str>, options: &str) -> PyResult<(Scenario, SolveOptions)> {
+    let scenario = match text {
+        Some(text) => Scenario::parse(text, name, Path::new("")),
+        None => Scenario::load(name),
+    };
+    let options: SolveOptions = serde_json::from_str(options)
+        .map_err(|error| PyValueError::new_err(format!("options: {error}")))?;
+    Ok((scenario.map_err(raised)?, options))
+}
+
+/// Calls a function with a record as keywords of a dictionary.
+fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResult<()> {
+    let told = PyDict::new(py);
+    match record {
+        Record::Flow(flow) => {
+            told.set_item("s", flow.s)?;
+            told.set_item("action", flow.action_at_nodes)?;
+        }
+        Record::Rest(rest) => {
+            told.set_item("degree", rest.degree)?;
+            told.set_item("action", rest.action)?;
+            told.set_item("gradient_norm", rest.gradient_norm)?;
+        }
+        Record::Relax(iteration) => {
+            told.set_item("start", iteration.start)?;
+            told.set_item("horizon", iteration.horizon)?;
+            told.set_item("degree", iteration.degree)?;
+            told.set_item("cost", iteration.cost)?;
+            told.set_item("gradient_norm", iteration.gradient_norm)?;
+        }
+    }
+    callback.call1((told,)).map(drop)
+}
+
+/// Solves scenarios side by side on all cores, or `threads`, in their order; each is a scenario in JSON with its name.
+#[pyfunction]
+#[pyo3(signature = (scenarios, options, threads = None))]
+fn solve_many(
+    py: Python<'_>,
+    scenarios: Vec<(String, Option<String>)>,
+    options: &str,
+    threads: Option<usize>,
+) -> PyResult<Vec<PySolution>> {
+    let mut read_all = Vec::new();
+    for (name, text) in &scenarios {
+        let (scenario, mut own) = read(name, text.as_deref(), options)?;
+        // They share the cores.
+        own.threads = Some(1);
+        read_all.push((scenario, own));
+    }
+    let threads = threads.unwrap_or(0);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?;
+    let solved = py.detach(|| {
+        pool.install(|| {
+            let all = read_all.into_par_iter().map(|(scenario, options)| {
+                let report = solve_scenario(&scenario, &options, &mut |_| ())?;
+                Ok(PySolution { scenario, report })
+            });
+            all.collect::<aghf::Result<Vec<_>>>()
+        })
+    });
+    solved.map_err(raised)
+}
+
+#[pymethods]
+impl PySolution {
+    #[getter]
+    fn success(&self) -> bool {
+        self.report.summary.success
+    }
+
+    #[getter]
+    fn horizon(&self) -> f64 {
+        self.report.curve.horizon()
+    }
+
+    #[getter]
+    fn model(&self) -> PyModel {
+        PyModel::new(self.scenario.model.clone(), &self.scenario.load_notes)
+    }
+
+    /// The summary in JSON.
+    fn summary_json(&self) -> PyResult<String> {
+        let text = serde_json::to_string(&self.report.summary);
+        text.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// The scenario in JSON.
+    fn scenario_json(&self) -> PyResult<String> {
+        let text = serde_json::to_string(&self.scenario.file);
+        text.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Positions, velocities, accelerations and torques at times, each with the shape `(times, N)`.
+    fn evaluate<'py>(&self, py: Python<'py>, t: Numbers<'py>) -> PyResult<[Array<'py>; 4]> {
+        let (model, curve) = (&self.scenario.model, &self.report.curve);
+        let n = model.dof();
+        let refuse = |error| PyValueError::new_err(format!("t: {error}"));
+        let times = t.as_slice().map_err(refuse)?;
+        let horizon = curve.horizon();
+        let outside = |t: &&f64| !(0.0..=horizon).contains(*t);
+        if let Some(time) = times.iter().find(outside) {
+            let message = format!("t: it has {time}, the motion is from 0 to {horizon} s");
+            return Err(PyValueError::new_err(message));
+        }
+        let mut all = [const { Vec::new() }; 4].map(|mut all: Vec<f64>| {
+            all.reserve(n * times.len());
+            all
+        });
+        let data = &mut Data::new(model);
+        let mut tau = vec![0.0; n];
+        for time in times {
+            let (x, xdot) = curve.at(*time);
+            let (q, v) = x.as_slice().split_at(n);
+            let a = &xdot.as_slice()[n..];
+            rnea(model, data, q, v, a, &mut tau).map_err(raised)?;
+            for (all, own) in all.iter_mut().zip([q, v, a, &tau]) {
+                all.extend_from_slice(own);
+            }
+        }
+        let shape = [t.shape(), &[n]].concat();
+        let mut arrays = Vec::with_capacity(4);
+        for values in all {
+            arrays.push(PyArray1::from_vec(py, values).reshape(shape.clone())?);
+        }
+        arrays
+            .try_into()
+            .map_err(|_| PyValueError::new_err("results were lost"))
+    }
+
+    /// The page that shows the motion, HTML that needs nothing else.
+    fn report_html(&self) -> PyResult<String> {
+        page(&[Motion::of_report(&self.scenario, &self.report)]).map_err(raised)
+    }
+
+    /// Writes the files of the solve into a folder; returns their paths.
+    fn save(&self, folder: &str, replace: bool) -> PyResult<Vec<String>> {
+        let folder = OutputFolder::open(Path::new(folder), &REPORT_FILES, replace);
+        let (folder, page) = (folder.map_err(raised)?, self.report_html()?);
+        let (model, sampling) = (&self.scenario.model, Sampling::default());
+        let files = write_report(model, &self.report, Some(&page), &folder, sampling);
+        let files = files.map_err(raised)?;
+        Ok(files
+            .iter()
+            .map(|file| file.display().to_string())
+            .collect())
+    }
+}
+
+/// Adds the functions to the module.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(solve, module)?)?;
+    module.add_function(wrap_pyfunction!(solve_many, module)?)
+}

@@ -1,0 +1,114 @@
+"""Solving: results, callbacks, interrupts, many at once, and errors."""
+
+import json
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import aghf
+
+SWING = {
+    "robot": "pendulum_2",
+    "horizon_s": 2.0,
+    "q_start": [0.0, 0.0],
+    "v_start": [0.0, 0.0],
+    "q_goal": [1.0, 0.5],
+    "v_goal": [0.0, 0.0],
+}
+
+
+def test_a_motion_keeps_its_ends_and_its_dynamics():
+    solution = aghf.solve(SWING)
+    assert solution.success and solution.horizon == 2.0
+    motion = solution.sample(101)
+    assert motion.q.shape == (101, 2)
+    assert np.allclose(motion.q[[0, -1]], [[0, 0], [1, 0.5]], atol=1e-12)
+    assert np.allclose(motion.v[[0, -1]], 0, atol=1e-12)
+    assert np.array_equal(motion.tau, aghf.rnea(solution.model, motion.q, motion.v, motion.a))
+    assert solution.minima[0]["cost"] == pytest.approx(solution.summary["control_effort"], rel=1e-4)
+    one = solution.evaluate(1.0)
+    assert one.q.shape == (2,) and np.allclose(one.q, motion.q[50])
+    with pytest.raises(ValueError, match="from 0 to 2 s"):
+        solution.evaluate(2.5)
+    assert solution.scenario["q_goal"] == [1.0, 0.5]
+
+
+def test_arrays_are_part_of_a_scenario_and_options_have_the_names_of_the_program():
+    scenario = {**SWING, "q_goal": np.array([1.0, 0.5]), "horizon_s": np.float64(2.0)}
+    told = []
+    solution = aghf.solve(scenario, starts=2, seed=7, degree=9, on_iteration=told.append)
+    options = solution.summary["provenance"]["options"]
+    assert (options["num_starts"], options["seed"], options["degree"]) == (2, 7, 9)
+    assert {"start", "degree", "cost", "gradient_norm"} <= told[0].keys()
+    assert {record["start"] for record in told} >= {0, 1}
+    by_flow = aghf.solve("pendulum_2_swingup", method="flow")
+    assert by_flow.success and by_flow.summary["method"] == "flow" and by_flow.minima == []
+
+
+def test_the_files_of_a_solve(tmp_path):
+    solution = aghf.solve(SWING, starts=1)
+    files = solution.save(tmp_path / "out")
+    assert sorted(os.path.basename(file) for file in files) == ["report.html", "summary.json", "trajectory.csv"]
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["control_effort"] == solution.summary["control_effort"]
+    with pytest.raises(aghf.InputError, match="exists already"):
+        solution.save(tmp_path / "out")
+    solution.save(tmp_path / "out", replace=True)
+    assert solution.report_html().lstrip().lower().startswith("<!doctype html>")
+    assert solution._repr_html_().startswith("<iframe srcdoc=")
+
+
+def test_what_a_callback_raises_ends_the_search():
+    def stop(record):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        aghf.solve("kinova_free_01", starts=64, on_iteration=stop)
+
+
+def test_control_c_keeps_the_best_motion_so_far():
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    began = time.monotonic()
+    solution = aghf.solve("kinova_free_01", time_limit_s=60)
+    assert time.monotonic() - began < 30
+    assert solution.success
+    assert any("interrupted" in note for note in solution.summary["notes"])
+
+
+def test_many_are_those_one_by_one():
+    names = ["pendulum_2_swingup", "limits_03", SWING]
+    many = aghf.solve_many(names, starts=2)
+    for name, solution in zip(names, many, strict=True):
+        one = aghf.solve(name, starts=2)
+        assert one.summary["control_effort"] == solution.summary["control_effort"]
+
+
+def test_bad_scenarios_and_options_are_errors():
+    with pytest.raises(aghf.InputError) as raised:
+        aghf.solve({**SWING, "q_goal": [1.0]})
+    assert (raised.value.file, raised.value.element) == ("scenario", "q_goal")
+    for scenario, words in [
+        ("nothing", "neither a file nor a built-in scenario"),
+        ({**SWING, "horizon": 1}, "horizon"),
+        ({**SWING, "horizon_s": -1}, "horizon_s"),
+        ({}, "robot"),
+        ({**SWING, "q_goal": [float("nan"), 0]}, "scenario"),
+    ]:
+        with pytest.raises(aghf.InputError, match=words):
+            aghf.solve(scenario)
+    for options, words in [
+        ({"speed": 1}, "speed"),
+        ({"degree": "high"}, "options"),
+        ({"method": "magic"}, "magic"),
+        ({"starts": 0}, "starts"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            aghf.solve(SWING, **options)
+    with pytest.raises(TypeError):
+        aghf.solve(None)
+    with pytest.raises(TypeError):
+        aghf.solve({**SWING, "q_goal": object()})
