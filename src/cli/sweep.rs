@@ -4,7 +4,7 @@ use super::{print, tell};
 use crate::error::Result;
 use crate::experiments::sweep::{
     Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run,
-    shard_files, write_ranking, write_rows,
+    shard_files, sweep_page, write_ranking, write_rows,
 };
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -38,7 +38,7 @@ pub(super) struct Sweep {
     /// The files to join [default: all results.shard-*.csv in the folder].
     #[arg(requires = "merge")]
     files: Vec<PathBuf>,
-    /// The folder for results.csv, results.json and ranking.csv [default: out/sweeps/NAME].
+    /// The folder for results.csv, results.json, ranking.csv and report.html, a page of them [default: out/sweeps/NAME].
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -72,10 +72,12 @@ impl Sweep {
         if shard == Shard::WHOLE {
             let ranking = ranking(&sweep, &rows);
             print(&ranking_table(&ranking))?;
-            let (table, ranked) = (folder.join("results.json"), folder.join("ranking.csv"));
+            let names = ["results.json", "ranking.csv", "report.html"];
+            let [table, ranked, page] = names.map(|name| folder.join(name));
             write_rows(&rows, &table)?;
             write_ranking(&ranking, &ranked)?;
-            files.extend([table, ranked]);
+            sweep_page(&sweep, &rows, &ranking)?.write(&page)?;
+            files.extend([table, ranked, page]);
         }
         for file in files {
             print(&format!("wrote {}", file.display()))?;

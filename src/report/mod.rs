@@ -1,7 +1,7 @@
-//! The report of a motion: one page of HTML, complete in itself, that shows the robot moving and why it moves so.
+//! Reports: pages of HTML, each complete in itself. That of a motion shows the robot moving and why it moves so; others have tables and plots.
 //!
-//! Kinematics, clearances and plots are computed here; the page, `page/`, holds arrays, a renderer and a clock. Its data are JSON in which `<`
-//! is written as an escape, and its script puts names where text belongs, so that no name becomes anything else.
+//! Kinematics, clearances and plots of a motion are computed here; the page, `page/`, holds arrays, a renderer and a clock. The data of a page
+//! are JSON in which `<` is written as an escape, and its script puts names where text belongs, so that no name becomes anything else.
 
 mod convergence;
 mod data;
@@ -10,20 +10,27 @@ mod links;
 mod mesh;
 mod plots;
 mod scene;
+mod tables;
 mod told;
 mod track;
 
 pub use data::Motion;
+pub use tables::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
 
 use crate::error::Result;
 use crate::output::write_text;
 use data::MotionData;
+use serde::Serialize;
 use std::path::Path;
 
 const PAGE: &str = include_str!("page/page.html");
-const STYLE: &str = include_str!("page/style.css");
+const STYLE: &str = concat!(
+    include_str!("page/style.css"),
+    include_str!("page/tables.css")
+);
 /// The script in its parts, each knowing those before it.
-const SCRIPT: [&str; 8] = [
+const SCRIPT: [&str; 9] = [
+    include_str!("page/elements.js"),
     include_str!("page/numbers.js"),
     include_str!("page/solids.js"),
     include_str!("page/shaders.js"),
@@ -41,18 +48,19 @@ const SCRIPT: [&str; 8] = [
 pub fn page(motions: &[Motion<'_>]) -> Result<String> {
     let data: Vec<MotionData> = motions.iter().map(MotionData::new).collect::<Result<_>>()?;
     let names: Vec<&str> = motions.iter().map(|m| m.scenario.name.as_str()).collect();
-    let json = serde_json::to_string(&data)
+    filled(&data, &SCRIPT, &escaped(&names.join(" and ")))
+}
+
+/// A page with these data and script, and with a title that is escaped.
+fn filled(data: &impl Serialize, script: &[&str], title: &str) -> Result<String> {
+    let json = serde_json::to_string(data)
         .map_err(|e| crate::error::Error::input("report", "data", e.to_string()))?;
-    let mut script = String::new();
-    for part in SCRIPT {
-        script.push_str(part);
-    }
     // Each at the first place that is for it, and names and data last: what is in them is never looked at.
     let parts = [
         ("/* STYLE */", STYLE),
-        ("/* SCRIPT */", &script),
+        ("/* SCRIPT */", &script.concat()),
         ("{{DATA}}", &json.replace('<', "\\u003c")),
-        ("{{TITLE}}", &escaped(&names.join(" and "))),
+        ("{{TITLE}}", title),
     ];
     let fill = |page: String, (place, part): (&str, &str)| page.replacen(place, part, 1);
     Ok(parts.into_iter().fold(PAGE.to_owned(), fill))

@@ -4,6 +4,7 @@ mod definition;
 mod file;
 mod grid;
 mod identity;
+mod page;
 mod ranking;
 mod results;
 mod row;
@@ -15,6 +16,7 @@ pub use file::SweepFile;
 pub use grid::{
     CostLists, FlowGrid, FlowPoint, Grid, LimitLists, Parameters, RelaxGrid, RelaxPoint,
 };
+pub use page::sweep_page;
 pub use ranking::{Ranked, best, ranking, ranking_of, ranking_table, write_ranking};
 pub use results::{Results, merge, shard_files, write_rows};
 pub use row::{FlowWork, RelaxWork, Row, RowOutcome, Work};

@@ -1,9 +1,6 @@
 // The page: one column of views with a clock that they share, one of plots and tables.
 
 const motions = JSON.parse(document.getElementById("data").textContent);
-const header = document.getElementById("header");
-const main = document.getElementById("main");
-const narrow = matchMedia("(max-width: 860px)");
 
 // Colours of the picture in the style of the page, red, green and blue from 0 to 1.
 let colors = {};
@@ -31,14 +28,6 @@ const end = Math.max(...motions.map((motion) => motion.horizon));
 const views = [];
 let dirty = true;
 
-const button = (text, title, action) => {
-  const made = element("button", "", text);
-  made.type = "button";
-  made.title = title;
-  made.setAttribute("aria-label", title);
-  made.addEventListener("click", action);
-  return made;
-};
 const seek = (time) => {
   state.time = clamp(time, 0, end);
   state.pause = 0;
@@ -221,18 +210,10 @@ const addMotion = (motion, i) => {
 };
 motions.forEach(addMotion);
 
-// Light or dark, as the system has it until somebody says otherwise.
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const setTheme = (theme) => {
-  document.documentElement.dataset.theme = theme;
+followTheme(() => {
   readColors();
   dirty = true;
-};
-const themeButton = button("◐", "light or dark", () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
-themeButton.classList.add("theme");
-header.append(themeButton);
-dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
-setTheme(dark.matches ? "dark" : "light");
+});
 
 const stage = element("section", "stage", "", [element("div", `stage-views of-${motions.length}`, "", views.map((v) => v.stage)), transport]);
 main.append(stage, element("section", `columns of-${motions.length}`, "", views.map((v) => v.column)));

@@ -16,7 +16,6 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 const unit = (a) => scaled(a, 1 / (norm(a) || 1));
-const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 
 // The vector `v` turned by the quaternion `q`.
 const turned = (q, v) => {
@@ -91,12 +90,3 @@ const perspective = (fovY, aspect, near, far) => {
 const orthographic = (half, near, far) => new Float32Array([
   1 / half, 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, 2 / (near - far), 0, 0, 0, (near + far) / (near - far), 1,
 ]);
-
-// A number for people, with about four digits.
-const short = (x, digits = 4) => {
-  if (!Number.isFinite(x)) return "–";
-  if (x === 0) return "0";
-  const size = Math.abs(x);
-  if (size < 1e-4 || size >= 1e6) return x.toExponential(2);
-  return String(Number(x.toPrecision(digits)));
-};

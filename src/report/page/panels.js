@@ -8,12 +8,6 @@ const table = (className, head, rows) => {
   return element("table", className, "", parts);
 };
 
-const panel = (title, children, open = true) => {
-  const made = element("details", "panel", "", [element("summary", "", title), ...children]);
-  made.open = open;
-  return made;
-};
-
 // Every joint with its values now and its share of the effort. A row that is chosen is shown alone in the plots.
 class JointTable {
   constructor(motion, values, choose) {

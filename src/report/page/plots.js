@@ -1,16 +1,5 @@
 // Plots: SVG of the report, a cursor, values under the pointer, and a click that moves the robot there.
 
-// An element with a class, text and children.
-const element = (name, className = "", text = "", children = []) => {
-  const made = document.createElement(name);
-  if (className) made.className = className;
-  if (text) made.textContent = text;
-  made.append(...children);
-  return made;
-};
-
-const svgOf = (text) => document.importNode(new DOMParser().parseFromString(text, "image/svg+xml").documentElement, true);
-
 class PlotCard {
   // `joints` are those of a plot with a curve for each; `seek` takes a time.
   constructor(plot, motion, seek) {

@@ -1,0 +1,95 @@
+// A table that a click on a column sorts and a text filters.
+
+const ROWS_AT_FIRST = 200;
+const words = new Intl.Collator("en", { numeric: true });
+
+// Numbers before text, and nothing last whichever way it is sorted.
+const compare = (a, b, direction) => {
+  if (a === null || b === null) return (a === null) - (b === null);
+  if (typeof a !== typeof b) return typeof a === "number" ? -1 : 1;
+  return direction * (typeof a === "number" ? a - b : words.compare(a, b));
+};
+
+const cellText = (value) => {
+  if (value === null) return "";
+  if (typeof value === "string") return value;
+  return Number.isInteger(value) && Math.abs(value) < 1e9 ? String(value) : short(value, 5);
+};
+
+class SortTable {
+  constructor({ title, file, columns, rows, failed, all }) {
+    const failures = new Set(failed);
+    this.columns = columns;
+    this.rows = rows.map((cells, i) => {
+      const texts = cells.map(cellText);
+      return { cells, texts, found: texts.join(" ").toLowerCase(), failed: failures.has(i), tr: null };
+    });
+    // Text stands on the left.
+    this.worded = columns.map((_, i) => rows.some((row) => typeof row[i] === "string"));
+    this.shown = this.rows;
+    this.column = -1;
+    this.direction = 1;
+    this.most = ROWS_AT_FIRST;
+    this.filter = element("input", "filter");
+    Object.assign(this.filter, { type: "search", placeholder: "Filter, such as: failed kinova", spellcheck: false });
+    this.filter.setAttribute("aria-label", `filter the rows of ${title}`);
+    this.filter.addEventListener("input", () => this.choose());
+    this.count = element("span", "hint");
+    this.failures = button("Failures", "show failures alone", () => {
+      const on = this.failures.classList.toggle("on");
+      this.failures.setAttribute("aria-pressed", String(on));
+      this.choose();
+    });
+    this.more = button("Show more rows", "show more rows", () => { this.most *= 5; this.draw(); });
+    this.heads = columns.map((name, i) => {
+      const head = element("th", this.worded[i] ? "worded" : "", "", [button(name, `sort by ${name}`, () => this.sortBy(i))]);
+      head.scope = "col";
+      return head;
+    });
+    this.body = element("tbody");
+    const tools = [this.filter, this.count];
+    if (failures.size) tools.splice(1, 0, this.failures);
+    const parts = [
+      element("div", "tools", "", tools),
+      element("div", "scroll", "", [element("table", "sorted", "", [element("thead", "", "", [element("tr", "", "", this.heads)]), this.body])]),
+      this.more,
+    ];
+    const cut = all > rows.length ? `The first ${rows.length} of ${all} rows` : "";
+    const source = file && (cut ? `all are in ${file}` : `The same rows are in ${file}`);
+    const told = [cut, source].filter(Boolean).join("; ");
+    if (told) parts.push(element("p", "hint", `${told}.`));
+    this.root = panel(title, parts);
+    this.root.dataset.title = title;
+    this.choose();
+  }
+
+  sortBy(column) {
+    this.direction = this.column === column ? -this.direction : 1;
+    this.column = column;
+    this.heads.forEach((head, i) => {
+      if (i === column) head.setAttribute("aria-sort", this.direction > 0 ? "ascending" : "descending");
+      else head.removeAttribute("aria-sort");
+    });
+    this.choose();
+  }
+
+  // The rows that have all words of the filter, in order.
+  choose() {
+    const wanted = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const failed = this.failures.classList.contains("on");
+    this.shown = this.rows.filter((row) => wanted.every((word) => row.found.includes(word)) && (row.failed || !failed));
+    const { column, direction } = this;
+    if (column >= 0) this.shown.sort((a, b) => compare(a.cells[column], b.cells[column], direction));
+    const all = this.rows.length;
+    this.count.textContent = this.shown.length === all ? `${all} rows` : `${this.shown.length} of ${all} rows`;
+    this.draw();
+  }
+
+  draw() {
+    this.body.replaceChildren(...this.shown.slice(0, this.most).map((row) => {
+      row.tr ??= element("tr", row.failed ? "failed" : "", "", row.texts.map((text, i) => element("td", this.worded[i] ? "worded" : "", text)));
+      return row.tr;
+    }));
+    this.more.hidden = this.shown.length <= this.most;
+  }
+}

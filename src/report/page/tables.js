@@ -1,0 +1,24 @@
+// A page of plots and tables.
+
+const data = JSON.parse(document.getElementById("data").textContent);
+document.body.classList.add("tables");
+
+const figures = element("dl", "figures", "", data.figures.map(([name, value]) => element("div", "", "", [element("dt", "", name), element("dd", "", value)])));
+const title = element("div", "title", "", [element("h1", "", data.title), element("span", "robot", data.about)]);
+header.append(element("div", "head", "", [title, figures]));
+followTheme(() => {});
+
+const card = (plot) => {
+  if (plot.kind === "scatter") return new ScatterCard(plot);
+  if (plot.kind === "picture") return new PictureCard(plot);
+  return barsCard(plot);
+};
+const part = (one) => {
+  if (one.kind === "table") return new SortTable(one).root;
+  if (one.kind === "note") return element("p", "note", one.text);
+  const small = one.plots.every((plot) => plot.kind === "bars");
+  return panel(one.title, [element("div", small ? "grid" : "grid large", "", one.plots.map((plot) => card(plot).root))]);
+};
+main.append(element("div", "panels", "", data.parts.map(part)));
+// For whoever tests the page.
+window.report = { data };
