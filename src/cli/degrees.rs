@@ -3,19 +3,20 @@
 use super::output::OutArgs;
 use super::{RobotArgs, print};
 use crate::error::Result;
-use crate::experiments::{Size, by_size, size_table, write_sizes};
+use crate::experiments::{Size, by_size, size_page, size_table, write_sizes};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The file that is written.
-const FILE: &str = "degrees.csv";
+/// The files that are written.
+const FILES: [&str; 2] = ["degrees.csv", "report.html"];
 
 /// How much less effort a scenario takes with higher degrees and more pieces.
 ///
 /// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. A new folder, out/degrees/SCENARIO or
-/// with a number after that, gets degrees.csv.
+/// with a number after that, gets degrees.csv and report.html, a page
+/// of it.
 #[derive(Debug, Args)]
 pub(super) struct Degrees {
     /// A scenario that is built in, or the path of a JSON file, "-" for the standard input.
@@ -38,7 +39,7 @@ impl Degrees {
         let sizes = self.sizes.iter().map(|size| size.parse());
         let sizes = sizes.collect::<Result<Vec<Size>>>()?;
         let default = Path::new("out/degrees").join(&scenario.name);
-        let folder = self.out.folder(&default, &[FILE])?;
+        let folder = self.out.folder(&default, &FILES)?;
         let progress = ProgressBar::new(sizes.len() as u64);
         let rows = by_size(&scenario, &sizes, self.starts, &mut |size| {
             progress.set_message(size.to_string());
@@ -46,9 +47,12 @@ impl Degrees {
         })?;
         progress.finish_and_clear();
         print(&size_table(&rows))?;
-        let file = folder.path().join(FILE);
-        write_sizes(&rows, &file)?;
-        print(&format!("wrote {}", file.display()))?;
+        let [table, page] = FILES.map(|name| folder.path().join(name));
+        write_sizes(&rows, &table)?;
+        size_page(&scenario, &rows)?.write(&page)?;
+        for file in [table, page] {
+            print(&format!("wrote {}", file.display()))?;
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

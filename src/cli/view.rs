@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// The pages of a solve, that of a success first.
+/// The pages of a folder, that of a success first.
 const PAGES: [&str; 2] = ["report.html", "report.failed.html"];
 /// The longest request that is read, bytes, and the longest time that it may take.
 const LONGEST_REQUEST: u64 = 1 << 14;
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// Open the page of a motion in a browser.
+/// Open the page of a motion, a sweep or another experiment in a browser.
 ///
 /// Where there is none, or with --serve, the page is served to the browsers of this machine until Ctrl-C, and its address is printed.
 #[derive(Debug, Args)]
 pub(super) struct View {
-    /// The folder of a solve, or the path of a page.
+    /// The folder of a solve, a sweep or another experiment, or the path of a page.
     path: PathBuf,
     /// Serve the page at http://127.0.0.1:PORT/ [default of PORT: one that is free].
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
@@ -55,7 +55,7 @@ fn page_at(path: &Path) -> Result<PathBuf> {
         .cloned()
         .ok_or_else(|| {
             let condition = format!(
-                "there is neither '{}' nor '{}': `aghf solve` writes them",
+                "there is neither '{}' nor '{}', which `aghf solve`, `sweep`, `degrees` and `reproduce` write",
                 success.display(),
                 failure.display()
             );

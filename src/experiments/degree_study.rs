@@ -3,9 +3,11 @@
 use crate::error::{Error, Result};
 use crate::output::{short, table, write_whole};
 use crate::relax::RelaxSettings;
+use crate::report::{Group, Part, Plot, Scatter, Table, TablePage};
 use crate::scenario::{Details, Scenario, SolveOptions, Summary, solve};
 use comfy_table::CellAlignment;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -139,6 +141,84 @@ pub fn write_sizes(rows: &[SizeRow], path: &Path) -> Result<()> {
         }
         csv.flush()
     })
+}
+
+/// The page of rows: the effort against the degree and against the number of unknowns, and the table of `degrees.csv`.
+///
+/// # Errors
+/// The rows cannot be written as text.
+pub fn size_page(scenario: &Scenario, rows: &[SizeRow]) -> Result<TablePage> {
+    let solved = rows.iter().filter(|row| row.success).count();
+    let least = rows.iter().filter(|row| row.success);
+    let least = least.min_by(|a, b| a.control_effort.total_cmp(&b.control_effort));
+    let size = |row: &SizeRow| format!("{}x{}", row.pieces, row.p);
+    let mut figures = vec![
+        ["robot".to_owned(), scenario.file.robot.clone()],
+        ["sizes".to_owned(), rows.len().to_string()],
+        ["solved".to_owned(), solved.to_string()],
+    ];
+    figures.extend(least.map(|row| {
+        let effort = short(row.control_effort);
+        [
+            "least effort".to_owned(),
+            format!("{effort} by {}", size(row)),
+        ]
+    }));
+    let plot = |title: &str, x: &str, of: fn(&SizeRow) -> usize| {
+        Plot::Scatter(Scatter {
+            title: title.to_owned(),
+            x: x.to_owned(),
+            y: "effort, ∫|u|² dt".to_owned(),
+            groups: size_groups(rows, of),
+            joined: true,
+        })
+    };
+    let plots = vec![
+        plot("Effort against degree", "degree of each polynomial", |r| {
+            r.p
+        }),
+        plot("Effort against unknowns", "unknowns", |r| r.unknowns),
+    ];
+    let title = "Degrees and pieces".to_owned();
+    let table = Table::of_rows("Sizes", "degrees.csv", rows, |row| !row.success)?;
+    Ok(TablePage {
+        title: scenario.name.clone(),
+        about: "effort of motions of several sizes".to_owned(),
+        figures,
+        parts: vec![Part::Plots { title, plots }, Part::Table(table)],
+    })
+}
+
+/// A point for each size at the number `x` of it, by the number of pieces; the failures have a group of their own.
+fn size_groups(rows: &[SizeRow], x: fn(&SizeRow) -> usize) -> Vec<Group> {
+    let point = |row: &SizeRow| {
+        let (effort, time) = (short(row.control_effort), 1e3 * row.solve_seconds);
+        let mut name = format!(
+            "{}x{}: effort {effort}\n{} unknowns, {time:.1} ms",
+            row.pieces, row.p, row.unknowns
+        );
+        if let Some(failure) = &row.failure {
+            name += &format!("\n{failure}");
+        }
+        (x(row) as f64, row.control_effort, name)
+    };
+    let pieces: BTreeSet<usize> = rows.iter().map(|row| row.pieces).collect();
+    let mut groups = Vec::new();
+    for (i, pieces) in pieces.into_iter().enumerate() {
+        let own = rows.iter().filter(|r| r.pieces == pieces);
+        let mut good: Vec<&SizeRow> = own.filter(|r| r.success).collect();
+        good.sort_by_key(|row| x(row));
+        let name = match pieces {
+            1 => "1 piece".to_owned(),
+            _ => format!("{pieces} pieces"),
+        };
+        let points = good.into_iter().map(point).collect();
+        groups.push(Group::new(name, i, false, points));
+    }
+    let failed = rows.iter().filter(|row| !row.success).map(point).collect();
+    groups.push(Group::new("failed".to_owned(), groups.len(), true, failed));
+    groups.retain(|group| !group.is_empty());
+    groups
 }
 
 /// Rows for people.

@@ -5,4 +5,4 @@ mod degree_study;
 pub mod reproduce;
 pub mod sweep;
 
-pub use degree_study::{Size, SizeRow, by_size, size_table, write_sizes};
+pub use degree_study::{Size, SizeRow, by_size, size_page, size_table, write_sizes};

@@ -4,6 +4,7 @@ use super::{Ranked, Row, RowOutcome, Sweep};
 use crate::error::Result;
 use crate::output::short;
 use crate::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
+use crate::scenario::Method;
 use std::collections::HashMap;
 
 /// The most bars of a plot.
@@ -49,7 +50,11 @@ pub fn sweep_page(sweep: &Sweep, rows: &[Row], ranking: &[Ranked]) -> Result<Tab
     )?));
     Ok(TablePage {
         title: sweep.name.clone(),
-        about: format!("sweep of the {}", sweep.method()),
+        about: match sweep.method() {
+            Method::Flow => "sweep of the flow",
+            Method::Relax => "sweep of the relaxation",
+        }
+        .to_owned(),
         figures: figures.map(|(name, value)| [name.to_owned(), value]).into(),
         parts,
     })

@@ -95,7 +95,7 @@ class ScatterCard {
     const height = Math.round(clamp(0.58 * width, 220, 380));
     const { left, right, top, bottom } = MARGINS;
     const [across, up] = [width - left - right, height - top - bottom];
-    const x = new Axis(this.points.map((point) => point.x), Math.max(3, across / 70));
+    const x = new Axis(this.points.map((point) => point.x), Math.max(3, across / 55));
     const y = new Axis(this.points.map((point) => point.y), Math.max(3, up / 40));
     for (const point of this.points) point.at = [left + across * x.at(point.x), top + up * (1 - y.at(point.y))];
     for (const [key, value] of Object.entries({ width, height, viewBox: `0 0 ${width} ${height}` })) this.svg.setAttribute(key, value);

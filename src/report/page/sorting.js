@@ -13,8 +13,15 @@ const compare = (a, b, direction) => {
 const cellText = (value) => {
   if (value === null) return "";
   if (typeof value === "string") return value;
-  return Number.isInteger(value) && Math.abs(value) < 1e9 ? String(value) : short(value, 5);
+  const x = Number.isInteger(value) ? value : Number(value.toPrecision(5));
+  const size = Math.abs(x);
+  const plain = String(x);
+  if (x === 0 || (size >= 1e-3 && size < 1e5)) return plain;
+  const power = x.toExponential().replace("e+", "e");
+  return power.length < plain.length ? power : plain;
 };
+// Beyond these characters a text is broken into lines.
+const LONG = 36;
 
 class SortTable {
   constructor({ title, file, columns, rows, failed, all }) {
@@ -87,7 +94,7 @@ class SortTable {
 
   draw() {
     this.body.replaceChildren(...this.shown.slice(0, this.most).map((row) => {
-      row.tr ??= element("tr", row.failed ? "failed" : "", "", row.texts.map((text, i) => element("td", this.worded[i] ? "worded" : "", text)));
+      row.tr ??= element("tr", row.failed ? "failed" : "", "", row.texts.map((text, i) => element("td", (this.worded[i] ? "worded" : "") + (text.length > LONG ? " long" : ""), text)));
       return row.tr;
     }));
     this.more.hidden = this.shown.length <= this.most;

@@ -17,7 +17,7 @@ const part = (one) => {
   if (one.kind === "table") return new SortTable(one).root;
   if (one.kind === "note") return element("p", "note", one.text);
   const small = one.plots.every((plot) => plot.kind === "bars");
-  return panel(one.title, [element("div", small ? "grid" : "grid large", "", one.plots.map((plot) => card(plot).root))]);
+  return panel(one.title, [element("div", small ? "grid bars" : "grid large", "", one.plots.map((plot) => card(plot).root))]);
 };
 main.append(element("div", "panels", "", data.parts.map(part)));
 // For whoever tests the page.
