@@ -25,11 +25,11 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 ///
 /// Then solves every scenario, built in or generated, with the best sets, and times the right-hand side of the flow and its Jacobian
 /// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). A new folder, out/reproduce or out/reproduce-2 and so on, gets
-/// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg and figure_5.svg.
+/// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg, figure_5.svg and report.html, a page of all these.
 ///
 /// --variants compares the flow as published, to rest, with duals and in two phases, and the relaxation from the same guess, on pendulums,
 /// Kinova, Digit and robots with passive joints instead. A new folder, out/variants or out/variants-2 and so on, gets variants.md, which
-/// is what is printed, variants.csv and variants.svg, the action on the way of each flow.
+/// is what is printed, variants.csv, variants.svg, the action on the way of each flow, and report.html, a page of these.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
     /// Search no grids and measure less: takes about a minute. With --variants: two scenarios of each family, 10 s for each solve, not 60.

@@ -6,48 +6,54 @@ use super::{Reproduction, ScenarioResult, Search, Series, SystemResult, fit};
 use crate::experiments::sweep::FlowPoint;
 use crate::scenario::Limit;
 
-/// A table of Markdown.
-pub(super) struct Table(String);
+/// A table, for Markdown and for a page.
+pub(super) struct Table {
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
 
 impl Table {
     pub(super) fn new(header: &[&str]) -> Self {
-        let mut table = Self(String::new());
-        table.row(header.iter().map(|h| (*h).to_owned()));
-        table.row(header.iter().map(|_| "---".to_owned()));
-        table
+        Self {
+            header: header.iter().map(|h| (*h).to_owned()).collect(),
+            rows: Vec::new(),
+        }
     }
 
     pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        self.0.push('|');
-        for cell in cells {
-            self.0.push_str(&format!(" {cell} |"));
-        }
-        self.0.push('\n');
+        self.rows.push(cells.into_iter().collect());
     }
 
-    pub(super) fn text(&self) -> &str {
-        &self.0
+    /// The table as Markdown.
+    pub(super) fn text(&self) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let rule: Vec<String> = self.header.iter().map(|_| "---".to_owned()).collect();
+        let rows = self.rows.iter().map(|row| line(row));
+        [line(&self.header), line(&rule)]
+            .into_iter()
+            .chain(rows)
+            .collect()
     }
 }
+
+/// What is told of the searches beside their table.
+pub(super) const SEARCHED: &str = "Each scenario of a system was solved with every set of the grid. Best: the fastest set among those that succeed in most \
+    scenarios, while other solves ran, and the one of least effort among them.\n";
 
 /// The whole report. What the supplement does not tell has an empty cell.
 pub(super) fn report(reproduction: &Reproduction) -> String {
     let mut parts = vec!["# The paper's experiments, run anew\n".to_owned()];
     if !reproduction.searches.is_empty() {
-        parts.push(searches(&reproduction.searches));
-        parts.push(
-            "Each scenario of a system was solved with every set of the grid. Best: the fastest set among those that succeed in most \
-            scenarios, while other solves ran, and the one of least effort among them.\n"
-                .to_owned(),
-        );
+        parts.push(searches(&reproduction.searches).text());
+        parts.push(SEARCHED.to_owned());
     }
     if !reproduction.systems.is_empty() {
-        parts.push(solves(&reproduction.systems));
+        parts.push(solves(&reproduction.systems).text());
         parts.push(solve_settings(reproduction));
     }
     if reproduction.has_times() {
-        parts.push(times(&reproduction.series));
-        parts.push(fits(&reproduction.series));
+        parts.push(times(&reproduction.series).text());
+        parts.push(fits(&reproduction.series).text());
         parts.push(time_settings(reproduction));
     }
     parts.push(machine(reproduction.seconds));
@@ -55,7 +61,7 @@ pub(super) fn report(reproduction: &Reproduction) -> String {
 }
 
 /// One row for each system that has a grid.
-fn searches(searches: &[Search]) -> String {
+pub(super) fn searches(searches: &[Search]) -> Table {
     let mut table = Table::new(&[
         "system",
         "grid",
@@ -88,11 +94,11 @@ fn searches(searches: &[Search]) -> String {
             least,
         ]);
     }
-    table.0
+    table
 }
 
 /// One row for each system and each of its best sets.
-fn solves(systems: &[SystemResult]) -> String {
+pub(super) fn solves(systems: &[SystemResult]) -> Table {
     let mut table = Table::new(&[
         "system",
         "set of",
@@ -142,10 +148,10 @@ fn solves(systems: &[SystemResult]) -> String {
             breaking.join(", "),
         ]);
     }
-    table.0
+    table
 }
 
-fn solve_settings(reproduction: &Reproduction) -> String {
+pub(super) fn solve_settings(reproduction: &Reproduction) -> String {
     let results = || reproduction.systems.iter().flat_map(|s| &s.results);
     let gains = (reproduction.systems.iter()).flat_map(|s| {
         s.results.iter().map(|r| {
@@ -176,7 +182,7 @@ fn solve_settings(reproduction: &Reproduction) -> String {
 }
 
 /// Means and deviations by the number of joints.
-fn times(series: &[Series]) -> String {
+pub(super) fn times(series: &[Series]) -> Table {
     let robots = series.first().map_or(&[][..], |s| &s.points);
     let header: Vec<String> = robots.iter().map(|(_, n, _)| format!("N = {n}")).collect();
     let first = ["microseconds a call at one node"];
@@ -201,11 +207,11 @@ fn times(series: &[Series]) -> String {
         );
         table.row(std::iter::once(name).chain(cells));
     }
-    table.0
+    table
 }
 
 /// The growth with the number of joints.
-fn fits(series: &[Series]) -> String {
+pub(super) fn fits(series: &[Series]) -> Table {
     let mut table = Table::new(&[
         "growth",
         "polynomial of least squares, microseconds",
@@ -231,10 +237,10 @@ fn fits(series: &[Series]) -> String {
             series.quantity.paper().unwrap_or_default().to_owned(),
         ]);
     }
-    table.0
+    table
 }
 
-fn time_settings(reproduction: &Reproduction) -> String {
+pub(super) fn time_settings(reproduction: &Reproduction) -> String {
     let robots = reproduction.series.first().map_or(&[][..], |s| &s.points);
     let names: Vec<&str> = robots.iter().map(|(name, ..)| name.as_str()).collect();
     format!(

@@ -4,6 +4,7 @@
 pub mod fit;
 mod format;
 mod markdown;
+mod page;
 mod plot;
 mod searches;
 mod solves;
@@ -143,8 +144,9 @@ pub fn reproduce(
 
 impl Reproduction {
     /// The names of the files that are written.
-    pub const FILES: [&'static str; 6] = [
+    pub const FILES: [&'static str; 7] = [
         "report.md",
+        "report.html",
         "solves.csv",
         "scaling.csv",
         "fits.csv",
@@ -163,16 +165,17 @@ impl Reproduction {
         markdown::report(self)
     }
 
-    /// Writes `report.md`, `solves.csv`, `scaling.csv`, `fits.csv` and, where there are times, `figure_4.svg` and `figure_5.svg`
+    /// Writes `report.md`, its page `report.html`, `solves.csv`, `scaling.csv`, `fits.csv` and, where there are times, `figure_4.svg` and `figure_5.svg`
     /// into `folder`, which is made if need be, and returns where they are.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-        let [report, solves, scaling, fits, figure_4, figure_5] = Self::FILES;
+        let [report, page, solves, scaling, fits, figure_4, figure_5] = Self::FILES;
         let mut contents = vec![
             (report, Ok(self.markdown())),
+            (page, Ok(page::reproduction(self)?.html()?)),
             (solves, tables::solves(&self.systems)),
             (scaling, tables::scaling(self)),
             (fits, tables::fits(&self.series)),

@@ -3,7 +3,7 @@
 use super::format::figures;
 use super::markdown::{Table, machine};
 use super::timing::median;
-use super::{plot, tables};
+use super::{page, plot, tables};
 use crate::error::{Error, Result};
 use crate::motion::Interrupt;
 use crate::names::Named;
@@ -218,21 +218,27 @@ fn point(record: &Record) -> Option<(f64, f64)> {
 
 impl Comparison {
     /// The names of the files that are written.
-    pub const FILES: [&'static str; 3] = ["variants.md", "variants.csv", "variants.svg"];
+    pub const FILES: [&'static str; 4] =
+        ["variants.md", "variants.csv", "variants.svg", "report.html"];
 
-    /// The table in Markdown: a row for each family.
-    #[must_use]
-    pub fn markdown(&self) -> String {
+    /// A row for each family.
+    pub(super) fn table(&self) -> Table {
         let header: Vec<&str> = std::iter::once("family").chain(VARIANTS).collect();
         let mut table = Table::new(&header);
         for (family, _) in &self.settings.families {
             let cells = VARIANTS.map(|variant| self.cell(family, variant));
             table.row(std::iter::once(family.clone()).chain(cells));
         }
+        table
+    }
+
+    /// The table in Markdown: a row for each family.
+    #[must_use]
+    pub fn markdown(&self) -> String {
         format!(
             "# Variants of the flow\n\n{}\nSolved of tried, median effort and median time of those solved. Each solve once, with {} s at most; a \
             dash: not defined. `relax` has one start, with passive joints as many as its defaults.\n\n{}",
-            table.text(),
+            self.table().text(),
             self.settings.time_limit.as_secs_f64(),
             machine(self.seconds)
         )
@@ -256,17 +262,18 @@ impl Comparison {
         format!("{count}, {}, {} ms", figures(effort, 4), figures(time, 2))
     }
 
-    /// Writes `variants.md`, `variants.csv` and `variants.svg` into `folder`, which is made if need be, and returns where they are.
+    /// Writes `variants.md`, `variants.csv`, `variants.svg` and the page `report.html` into `folder`, which is made if need be, and returns where they are.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-        let [report, results, picture] = Self::FILES;
+        let [report, results, picture, page] = Self::FILES;
         let contents = [
             (report, Ok(self.markdown())),
             (results, tables::variants(&self.results)),
             (picture, plot::actions(&self.settings.drawn, &self.paths)),
+            (page, Ok(page::comparison(self)?.html()?)),
         ];
         let mut files = Vec::new();
         for (name, text) in contents {

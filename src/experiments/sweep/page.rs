@@ -9,6 +9,8 @@ use std::collections::HashMap;
 
 /// The most bars of a plot.
 const MOST_BARS: usize = 60;
+/// The colours of the outcomes: no green for a failure.
+const OUTCOME_COLOURS: [usize; RowOutcome::ALL.len()] = [0, 1, 3, 4, 6];
 
 /// The page of a sweep whose rows are those of all sets, with what came of them: efforts against times, rates of success by parameter, and
 /// the tables of `ranking.csv` and `results.csv`.
@@ -80,23 +82,26 @@ fn efforts(rows: &[Row]) -> Scatter {
         }
         Some((time, effort, name))
     };
-    let groups = RowOutcome::ALL.iter().enumerate().map(|(i, outcome)| {
-        let own = rows.iter().filter(|row| row.outcome == *outcome);
-        let failed = *outcome != RowOutcome::Success;
-        Group::new(
-            outcome.name().to_owned(),
-            i,
-            failed,
-            own.filter_map(point).collect(),
-        )
-    });
+    let groups = RowOutcome::ALL
+        .iter()
+        .zip(OUTCOME_COLOURS)
+        .map(|(outcome, colour)| {
+            let own = rows.iter().filter(|row| row.outcome == *outcome);
+            let failed = *outcome != RowOutcome::Success;
+            Group::new(
+                outcome.name().to_owned(),
+                colour,
+                failed,
+                own.filter_map(point).collect(),
+            )
+        });
     let without = rows
         .iter()
         .filter(|row| row.control_effort.is_none())
         .count();
     let note = match without {
         0 => String::new(),
-        _ => format!("; {without} without a motion are no points"),
+        _ => format!(" that led to a motion ({without} did not)"),
     };
     Scatter {
         title: format!("A point for each set{note}"),

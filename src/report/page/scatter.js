@@ -52,11 +52,11 @@ class Axis {
 // A tick without the digits of rounding.
 const tickLabel = (x) => {
   const size = Math.abs(x);
-  if (x !== 0 && (size < 1e-3 || size >= 1e5)) return x.toExponential().replace("e+", "e");
+  if (x !== 0 && (size < 1e-3 || size >= 1e4)) return x.toExponential().replace("e+", "e");
   return String(Number(x.toPrecision(6)));
 };
 
-const MARGINS = { left: 58, right: 14, top: 10, bottom: 42 };
+const MARGINS = { left: 66, right: 14, top: 10, bottom: 42 };
 
 class ScatterCard {
   constructor(plot) {
