@@ -55,7 +55,7 @@ fn page_at(path: &Path) -> Result<PathBuf> {
         .cloned()
         .ok_or_else(|| {
             let condition = format!(
-                "there is neither '{}' nor '{}', which `aghf solve`, `sweep`, `degrees` and `reproduce` write",
+                "there is neither '{}' nor '{}', which are written by `aghf solve`, `sweep`, `degrees` and `reproduce`",
                 success.display(),
                 failure.display()
             );

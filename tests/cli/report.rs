@@ -1,4 +1,4 @@
-//! The page of a motion: where it is written, served and compared.
+//! Pages: where it is written, served and compared.
 
 use crate::command::{aghf, assert_bad_input, empty_folder, files};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -32,7 +32,7 @@ fn the_page_is_served_to_this_machine_and_nothing_else_is() {
     assert_bad_input(
         &folder,
         &["view", "nowhere"],
-        "nowhere: page; `aghf solve` writes",
+        "nowhere: page; written by `aghf solve`",
     );
     let run = aghf(&folder, &["solve", SWING, "--out", "here"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);

@@ -118,7 +118,13 @@ fn killed(test: &str, grid: &str) -> Vec<String> {
     }
     assert!(kills >= 5, "killed {kills} times only");
     assert_eq!(timeless(&sweep(&folder, &[], "results.csv")), whole);
-    let expected = ["ranking.csv", "results.csv", "results.json", "sweep.json"];
+    let expected = [
+        "ranking.csv",
+        "report.html",
+        "results.csv",
+        "results.json",
+        "sweep.json",
+    ];
     // Files that a kill left half written stay beside their places.
     let found = files(&folder.join("out/sweeps/grid"));
     let found: Vec<_> = found.iter().filter(|f| !f.ends_with(".partial")).collect();

@@ -1,7 +1,8 @@
-//! The page of a motion: what is in it. `tests/browser` has what it does.
+//! The pages of motions and of tables: what is in them. `tests/browser` has what they do.
 
 mod page;
 mod shapes;
+mod tables;
 
 use aghf::report::{Motion, page};
 use aghf::scenario::{Scenario, SolveOptions, SolveReport, solve};

@@ -89,6 +89,7 @@ fn a_report_on_pendulums_has_all_rows_and_files() {
     let written = reproduction.write(&folder).expect("writable");
     let expected = [
         "report.md",
+        "report.html",
         "solves.csv",
         "scaling.csv",
         "fits.csv",
