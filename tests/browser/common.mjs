@@ -29,8 +29,8 @@ export const launch = () => chromium.launch({
 export const WIDE = { width: 1440, height: 900 };
 export const NARROW = { width: 390, height: 844 };
 
-// A page from disk, at rest at its start. What the browser complains of, and any request beside the page itself, is in `complaints`.
-export const open = async (browser, file, { viewport = WIDE, colorScheme = "light", deviceScaleFactor = 1 } = {}) => {
+// A page from disk. What the browser complains of, and any request beside the page itself, is in `complaints`.
+export const visit = async (browser, file, { viewport = WIDE, colorScheme = "light", deviceScaleFactor = 1 } = {}) => {
   const context = await browser.newContext({ viewport, colorScheme, deviceScaleFactor, hasTouch: viewport === NARROW });
   const page = await context.newPage();
   const complaints = [];
@@ -39,10 +39,22 @@ export const open = async (browser, file, { viewport = WIDE, colorScheme = "ligh
   page.on("request", (request) => { if (request.url() !== `file://${file}`) complaints.push(`it asks for ${request.url()}`); });
   await page.goto(`file://${file}`);
   await page.waitForFunction(() => window.report);
-  await page.evaluate(() => { window.report.play(false); window.report.seek(0); });
-  await drawn(page);
   return { page, complaints, close: () => context.close() };
 };
+
+// The page of a motion at rest at its start.
+export const open = async (browser, file, options) => {
+  const visited = await visit(browser, file, options);
+  await visited.page.evaluate(() => { window.report.play(false); window.report.seek(0); });
+  await drawn(visited.page);
+  return visited;
+};
+
+// What is wider than the page and no part of what scrolls by itself.
+export const beyondThePage = (page) => page.evaluate(() => [...document.querySelectorAll("body *")].filter((one) => {
+  const box = one.getBoundingClientRect();
+  return box.width > 0 && box.right > innerWidth + 1 && !one.closest(".scroll, .chips, svg");
+}).map((one) => `${one.tagName}.${one.className}: ${one.textContent.slice(0, 40)}`));
 
 // Waits until what was asked for is drawn.
 export const drawn = (page) => page.evaluate(() => new Promise((done) => {

@@ -38,7 +38,7 @@ class SortTable {
     this.direction = 1;
     this.most = ROWS_AT_FIRST;
     this.filter = element("input", "filter");
-    Object.assign(this.filter, { type: "search", placeholder: "Filter, such as: failed kinova", spellcheck: false });
+    Object.assign(this.filter, { type: "search", placeholder: "Filter by words", spellcheck: false });
     this.filter.setAttribute("aria-label", `filter the rows of ${title}`);
     this.filter.addEventListener("input", () => this.choose());
     this.count = element("span", "hint");
