@@ -71,9 +71,8 @@ pub(super) fn reproduction(of: &Reproduction) -> Result<TablePage> {
 pub(super) fn comparison(of: &Comparison) -> Result<TablePage> {
     let [_, results, picture, _] = Comparison::FILES;
     let svg = plot::actions(&of.settings.drawn, &of.paths).map_err(|e| Error::io(picture, e))?;
-    let title = format!("Action on the way, {}", of.settings.drawn);
     let drawn = Plot::Picture {
-        title: title.clone(),
+        title: format!("Action on the way, {}", of.settings.drawn),
         svg,
         circles: Vec::new(),
     };
@@ -97,7 +96,7 @@ pub(super) fn comparison(of: &Comparison) -> Result<TablePage> {
                 &of.table(),
             ),
             Part::Plots {
-                title,
+                title: "Action on the way".to_owned(),
                 plots: vec![drawn],
             },
             Part::Table(rows),

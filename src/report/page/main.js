@@ -177,9 +177,12 @@ const addMotion = (motion, i) => {
   const over = cards.filter((card) => card.plot.time);
   const search = cards.filter((card) => !card.plot.time);
   const grid = (some) => element("div", "grid", "", some.map((card) => card.root));
+  const limits = motion.joints.length > MOST_SHADED
+    ? "for a joint that is chosen in the table below it is shaded beyond its limits"
+    : "beyond the limits of the joints it is shaded";
   const panels = [
     motion.failure && element("p", "fault", motion.failure),
-    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there; beyond the limits of the joints it is shaded."), grid(over)]),
+    panel("Over time", [element("p", "hint", `A click in a plot moves the robot there; ${limits}.`), grid(over)]),
     panel("Joints", [joints.root]),
     search.length ? panel("The search", [grid(search)]) : null,
     minimaPanel(motion, track),

@@ -1,5 +1,8 @@
 // Plots: SVG of the report, a cursor, values under the pointer, and a click that moves the robot there.
 
+// Beyond these joints the limits of all together would shade the whole plot, so those of a joint show where it is chosen.
+const MOST_SHADED = 8;
+
 class PlotCard {
   // `joints` are those of a plot with a curve for each; `seek` takes a time.
   constructor(plot, motion, seek) {
@@ -25,6 +28,7 @@ class PlotCard {
     }
     if (plot.title === "Clearance") this.root.append(this.readout);
     this.root.dataset.title = plot.title;
+    if (this.joints && this.joints.length > MOST_SHADED) this.root.classList.add("many");
     this.marks = this.joints ? this.joints.map((joint) => [...this.svg.querySelectorAll(`[stroke="${joint.color}"], [fill="${joint.color}"]`)]) : [];
     const [left, right, top, bottom] = plot.frame;
     Object.assign(this.cursor.style, { top: `${100 * top}%`, height: `${100 * (bottom - top)}%` });

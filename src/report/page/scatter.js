@@ -180,7 +180,7 @@ class PictureCard {
       target.addEventListener("pointerleave", () => { tip.hidden = true; });
       picture.append(target);
     });
-    this.root = element("figure", "plot picture", "", [element("h3", "", title), area]);
+    this.root = element("figure", "plot picture", "", [area]);
     this.root.dataset.title = title;
   }
 }

@@ -1,6 +1,8 @@
 // A table that a click on a column sorts and a text filters.
 
 const ROWS_AT_FIRST = 200;
+// So few rows need no filter.
+const FEW_ROWS = 8;
 const words = new Intl.Collator("en", { numeric: true });
 
 // Numbers before text, and nothing last whichever way it is sorted.
@@ -56,8 +58,9 @@ class SortTable {
     this.body = element("tbody");
     const tools = [this.filter, this.count];
     if (failures.size) tools.splice(1, 0, this.failures);
+    const few = rows.length <= FEW_ROWS;
     const parts = [
-      element("div", "tools", "", tools),
+      ...(few ? [] : [element("div", "tools", "", tools)]),
       element("div", "scroll", "", [element("table", "sorted", "", [element("thead", "", "", [element("tr", "", "", this.heads)]), this.body])]),
       this.more,
     ];
