@@ -266,6 +266,7 @@ test("a sweep: points, bars, tables that sort and filter, names under the pointe
 
   assert.equal(await at.locator('[data-title="k"] .value').count(), 2);
   const plot = at.locator(".scatter").first();
+  await plot.scrollIntoViewIfNeeded();
   const point = await plot.locator("path.dots").first().evaluate((path) => {
     const [x, y] = path.getAttribute("d").slice(1).split(" ").map(Number);
     const box = path.ownerSVGElement.getBoundingClientRect();
