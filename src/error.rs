@@ -42,7 +42,7 @@ pub enum Error {
 
 impl Error {
     /// An [`Error::Input`].
-    pub(crate) fn input(
+    pub fn input(
         file: impl Into<String>,
         element: impl Into<String>,
         condition: impl Into<String>,

@@ -66,7 +66,7 @@ pub fn report(times: &mut Times) {
     println!("\nmedians in microseconds by N; growth fitted over the four largest robots");
     for (what, points) in columns {
         let row: Vec<String> = (points.iter())
-            .map(|(n, t)| format!("{n}: {:.1}", 1e6 * t))
+            .map(|(n, t)| format!("{n}: {:.2}", 1e6 * t))
             .collect();
         let largest = &points[points.len().saturating_sub(4)..];
         println!(

@@ -3,7 +3,7 @@
 use super::autodiff::Scratch;
 use super::pair_loads::PairLoads;
 use crate::dynamics::path_to_base;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, cross_matrix};
@@ -85,6 +85,23 @@ impl<S: Scalar> WeightedDerivatives<S> {
     pub fn add_entry(&mut self, i: usize, first: S, second: S) {
         self.gradient[i] += first;
         self.hessian[(i, i)] += second;
+    }
+
+    /// Adds weighted derivatives in `x` that are there whole: `gradient` with `2 N` entries, and `hessian` with the products of
+    /// gradients, `2 N` by `2 N`, which is left out where only the gradient is asked for.
+    ///
+    /// # Errors
+    /// One of them is for another robot.
+    pub fn add_dense(&mut self, gradient: &DVector<S>, hessian: &DMatrix<S>) -> Result<()> {
+        let n = self.gradient.len();
+        check_length("gradient", n, gradient.len())?;
+        check_length("rows of the Hessian", n, hessian.nrows())?;
+        check_length("columns of the Hessian", n, hessian.ncols())?;
+        self.gradient += gradient;
+        if self.second {
+            self.hessian += hessian;
+        }
+        Ok(())
     }
 
     /// Adds what depends on the place `p` of a point of `body` in the base frame: `force`, the weighted gradient in `p`, and

@@ -89,6 +89,24 @@ impl<C: Scalar> Model<C> {
         Ok(model)
     }
 
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// There is no such body, or another frame has its name.
+    pub fn add_frame(&mut self, frame: Frame<C>) -> Result<()> {
+        let refused = |condition: &str| {
+            Error::input(&self.name, format!("frame '{}'", frame.name), condition)
+        };
+        if frame.body.is_some_and(|body| body >= self.dof()) {
+            return Err(refused("there is no such body"));
+        }
+        if self.frames.iter().any(|other| other.name == frame.name) {
+            return Err(refused("the name occurs twice"));
+        }
+        self.frames.push(frame);
+        Ok(())
+    }
+
     /// The same model with other frames.
     pub(crate) fn with_frames(mut self, frames: Vec<Frame<C>>) -> Self {
         self.frames = frames;

@@ -8,6 +8,7 @@ use super::obstacles::{
     BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
     SphereObstacle,
 };
+use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::provenance::is_summary;
 use super::self_collision::in_full;
@@ -158,6 +159,8 @@ pub struct Scenario {
     pub robot_xxh64: String,
     /// Its text, and where that is from.
     pub(crate) source: RobotSource,
+    /// What no key names.
+    pub(super) own: OwnTerms,
 }
 
 impl Scenario {
@@ -303,6 +306,7 @@ impl Scenario {
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
+            own: OwnTerms::default(),
         })
     }
 

@@ -172,10 +172,12 @@ impl Scenario {
         (self.file.enforced_limits).bound(&self.model, limit, joint)
     }
 
-    /// Tells whether there are no constraints: no obstacle, no limit that is enforced, no passive joint.
+    /// Tells whether there are no constraints: no obstacle, no limit that is enforced, no passive joint, none of the user's own.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.environment.is_empty() && !self.limits_are_enforced()
+        self.environment.is_empty()
+            && !self.limits_are_enforced()
+            && self.own.constraints.is_empty()
     }
 
     /// Tells whether any joint has a bound, the torque of a passive one included.
@@ -184,7 +186,7 @@ impl Scenario {
         Limit::OF_JOINTS.into_iter().any(bounded)
     }
 
-    /// The constraints on the state: clear of obstacles, within the limits that are enforced.
+    /// The constraints on the state: clear of obstacles, within the limits that are enforced, and those of the user's own.
     ///
     /// # Errors
     /// As [`Environment::constraints`](super::Environment::constraints).
@@ -192,6 +194,7 @@ impl Scenario {
         let mut constraints = self.environment.constraints()?;
         let bound = |limit, joint| self.bound(limit, joint);
         constraints.extend(limits_of_state(self.model.dof(), bound));
+        constraints.extend(self.own.constraints.iter().cloned());
         Ok(constraints)
     }
 

@@ -14,6 +14,7 @@ mod nearest;
 mod objective;
 mod obstacles;
 mod options;
+mod own_terms;
 mod passive;
 mod preflight;
 mod provenance;
@@ -37,6 +38,7 @@ pub use obstacles::{
     SphereObstacle,
 };
 pub use options::{FlowVariant, Method, SolveOptions};
+pub use own_terms::SharedCost;
 pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};

@@ -122,6 +122,7 @@ impl Scenario {
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("free_horizon", file.free_horizon.is_some()),
+            ("running cost of one's own", self.own.running_cost.is_some()),
         ];
         if let Some((key, _)) = keys.iter().find(|(_, given)| *given) {
             let condition = "the method 'flow' does not know it, only 'relax' does";

@@ -59,8 +59,8 @@ impl Scenario {
         slowest(&self.file.q_start, &self.file.q_goal, speed)
     }
 
-    /// Refuses a scenario that has no solution for a reason that is seen without a search: an end beyond a limit or in collision, a
-    /// horizon in which a joint cannot cover its way; and an end at rest that the torques cannot hold, a passive joint by none. Only constraints of the
+    /// Refuses a scenario that has no solution for a reason that is seen without a search: an end beyond a limit, in collision or
+    /// against a constraint of the user's own, a horizon in which a joint cannot cover its way; and an end at rest that the torques cannot hold, a passive joint by none. Only constraints of the
     /// scenario count, each within the tolerance of the search, [`RelaxSettings::FEASIBLE`]; a final velocity that is free is not looked
     /// at.
     ///
@@ -88,6 +88,9 @@ impl Scenario {
         self.check_horizon()?;
         for end in &ends {
             self.check_clear(end)?;
+            if let Some(v) = end.v {
+                self.check_own_constraints(end.keys[0], end.q, v)?;
+            }
             if end.v.is_some_and(|v| v.iter().all(|v| *v == 0.0)) {
                 self.check_rest(end)?;
             }

@@ -9,9 +9,7 @@ use crate::error::Result;
 use crate::flow::rest::RestRecord;
 use crate::flow::{EffortSummary, FlowRecord, effort_of};
 use crate::motion::{Feedback, Stopped, replay_error, simulate};
-use crate::relax::{
-    ControlEffort, Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation,
-};
+use crate::relax::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
 /// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
@@ -92,14 +90,9 @@ fn solve_by_relaxation(
     let started = Instant::now();
     let constraints = scenario.constraints()?;
     let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
-    let (model, kept) = (&scenario.model, &constraints);
-    let cost = match &scenario.file.running_cost {
-        None => ControlEffort::new(model),
-        Some(weights) => ControlEffort::weighted(model, &weights.weighted(model.dof())?)?,
-    };
     let solution = Relaxation::new(&problem)
-        .cost(cost)
-        .constraints(kept)
+        .cost(scenario.running_cost()?)
+        .constraints(&constraints)
         .settings(settings.clone())
         .observe(observe)
         .solve()?;
@@ -127,7 +120,7 @@ fn solve_by_relaxation(
     // What was minimised, where that was not the control effort alone.
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
-    let other = time.is_some() || scenario.file.running_cost.is_some();
+    let other = time.is_some() || scenario.has_running_cost();
     let details = Details::Relax(RelaxDetails {
         horizon_s: horizon,
         cost: other.then(|| solution.cost + time.unwrap_or(0.0)),

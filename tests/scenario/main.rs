@@ -12,6 +12,7 @@ mod limits;
 mod locked;
 mod objective;
 mod output;
+mod own_terms;
 mod passive;
 mod preflight;
 mod reproduce;
