@@ -7,7 +7,9 @@ leading dimension; large batches use all cores. Units: m, rad, s, kg, N, N m.
 from ._dynamics import (
     aba,
     aba_derivatives,
+    aba_second_derivatives,
     crba,
+    energy,
     forward_kinematics,
     frame_jacobian,
     frame_placement,
@@ -22,28 +24,41 @@ from ._dynamics import (
 )
 from ._model import Model
 from ._native import _aghf
-from ._solve import Samples, Solution, solve, solve_many
+from ._pinocchio import from_pinocchio, pinocchio_configuration
+from ._solve import Samples, Solution, solve, solve_many, sweep
+from ._table import Table
+from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
 
 InputError = _aghf.InputError
 builtin_robots = _aghf.builtin_robots
 jacobians = _aghf.jacobians
 
 __all__ = [
+    "Constraint",
     "InputError",
     "Model",
+    "RunningCost",
     "Samples",
     "Solution",
+    "Table",
     "aba",
     "aba_derivatives",
+    "aba_second_derivatives",
     "builtin_robots",
+    "check",
+    "check_constraint",
+    "check_cost",
     "crba",
+    "energy",
     "forward_kinematics",
     "frame_jacobian",
     "frame_placement",
+    "from_pinocchio",
     "jacobians",
     "mass_matrix_and_rate",
     "omega",
     "omega_jacobian",
+    "pinocchio_configuration",
     "rnea",
     "rnea_derivatives",
     "rnea_second_derivatives",
@@ -51,4 +66,5 @@ __all__ = [
     "rnea_weighted_hessian",
     "solve",
     "solve_many",
+    "sweep",
 ]

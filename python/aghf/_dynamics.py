@@ -37,6 +37,21 @@ class InverseDynamicsSecondDerivatives(NamedTuple):
     dadq: np.ndarray
 
 
+class ForwardDynamicsSecondDerivatives(NamedTuple):
+    """Second derivatives of accelerations at torques that stay: the first index is the acceleration."""
+
+    dqdq: np.ndarray
+    dvdv: np.ndarray
+    dqdv: np.ndarray
+
+
+class Energy(NamedTuple):
+    """Energies, J."""
+
+    kinetic: np.ndarray
+    potential: np.ndarray
+
+
 class RneaVjp(NamedTuple):
     """The derivatives of ``w @ rnea(q, v, a)``."""
 
@@ -74,22 +89,27 @@ def rnea(model: Model, q, v, a) -> np.ndarray:
     -------
     numpy.ndarray, shape (N,) or (B, N)
     """
-    return _aghf.rnea(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
+    return _aghf.rnea(model._own, array(q, "q"), array(v, "v"), array(a, "a"))[0]
 
 
 def aba(model: Model, q, v, tau) -> np.ndarray:
     """Forward dynamics: the accelerations of torques or forces, by the articulated-body algorithm. Shapes as `rnea`."""
-    return _aghf.aba(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
+    return _aghf.aba(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))[0]
 
 
 def crba(model: Model, q) -> np.ndarray:
     """The mass matrix, whole and symmetric, shape (N, N) or (B, N, N)."""
-    return _aghf.crba(model._own, array(q, "q"))
+    return _aghf.crba(model._own, array(q, "q"))[0]
 
 
 def mass_matrix_and_rate(model: Model, q, v) -> tuple[np.ndarray, np.ndarray]:
     """The mass matrix ``H`` and its rate along ``v``, each (N, N) or (B, N, N)."""
     return tuple(_aghf.mass_matrix_and_rate(model._own, array(q, "q"), array(v, "v")))
+
+
+def energy(model: Model, q, v) -> Energy:
+    """The kinetic and the potential energy, each a number or (B,); the latter is zero where all is at the origin of the base."""
+    return Energy(*_aghf.energy(model._own, array(q, "q"), array(v, "v")))
 
 
 def rnea_derivatives(model: Model, q, v, a) -> InverseDynamicsDerivatives:
@@ -110,6 +130,12 @@ def rnea_second_derivatives(model: Model, q, v, a) -> InverseDynamicsSecondDeriv
     return InverseDynamicsSecondDerivatives(*found)
 
 
+def aba_second_derivatives(model: Model, q, v, tau) -> ForwardDynamicsSecondDerivatives:
+    """Second derivatives of the forward dynamics in the state, each (N, N, N) or (B, N, N, N)."""
+    found = _aghf.aba_second_derivatives(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
+    return ForwardDynamicsSecondDerivatives(*found)
+
+
 def rnea_vjp(model: Model, q, v, a, w) -> RneaVjp:
     """The product of ``w`` with the derivatives of the inverse dynamics, in O(N) per state."""
     return RneaVjp(*_aghf.rnea_vjp(model._own, array(q, "q"), array(v, "v"), array(a, "a"), array(w, "w")))
@@ -124,23 +150,23 @@ def rnea_weighted_hessian(model: Model, q, v, a, w) -> RneaWeightedHessian:
 
 def forward_kinematics(model: Model, q) -> np.ndarray:
     """The homogeneous placements of all bodies in the base, shape (N, 4, 4) or (B, N, 4, 4)."""
-    return _aghf.forward_kinematics(model._own, array(q, "q"))
+    return _aghf.forward_kinematics(model._own, array(q, "q"))[0]
 
 
 def frame_placement(model: Model, q, frame: str) -> np.ndarray:
     """The homogeneous placement of a frame in the base, shape (4, 4) or (B, 4, 4)."""
-    return _aghf.frame_placements(model._own, array(q, "q"), frame)
+    return _aghf.frame_placements(model._own, array(q, "q"), frame)[0]
 
 
 def frame_jacobian(model: Model, q, frame: str) -> np.ndarray:
     """The Jacobian of a frame, shape (6, N) or (B, 6, N): its angular velocity, then that of its
     origin, along the axes of the base. It is the ``LOCAL_WORLD_ALIGNED`` of Pinocchio, whose rows are the linear ones first."""
-    return _aghf.frame_jacobian(model._own, array(q, "q"), frame)
+    return _aghf.frame_jacobian(model._own, array(q, "q"), frame)[0]
 
 
 def omega(model: Model, x, xdot, xddot, k: float) -> np.ndarray:
     """The right-hand side of the flow at nodes, (B3), shape (2 N,) or (B, 2 N); ``k`` is the penalty of (11)."""
-    return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)
+    return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)[0]
 
 
 def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control-form") -> OmegaJacobian:

@@ -58,6 +58,13 @@ class Model:
         """The robot that is built in under a name; `builtin_robots` lists them."""
         return cls(_aghf.Model.builtin(name))
 
+    @classmethod
+    def from_pinocchio(cls, model) -> Model:
+        """The robot of a ``pinocchio.Model``; see `aghf.from_pinocchio`."""
+        from ._pinocchio import from_pinocchio
+
+        return from_pinocchio(model)
+
     def __getattr__(self, name: str):
         if name.startswith("_"):
             raise AttributeError(name)

@@ -13,6 +13,8 @@ import numpy as np
 
 from ._native import _aghf
 from ._model import Model, array
+from ._table import Table
+from ._verify import Constraint, RunningCost
 
 
 class Samples(NamedTuple):
@@ -116,6 +118,8 @@ def _options(options: Mapping) -> str:
 def solve(
     scenario: str | os.PathLike | Mapping,
     *,
+    running_cost: RunningCost | None = None,
+    constraints: Iterable[Constraint] = (),
     on_iteration: Callable[[dict], None] | None = None,
     **options,
 ) -> Solution:
@@ -125,6 +129,10 @@ def solve(
     ----------
     scenario : str, os.PathLike or Mapping
         A built-in or generated scenario by its name, the path of a file, or the keys of a scenario.
+    running_cost : RunningCost, optional
+        Is minimised in place of the scenario's; see `check_cost`. Only the relaxation can.
+    constraints : iterable of Constraint, optional
+        Are kept beside those of the scenario, and judged with them; see `check_constraint`.
     on_iteration : callable, optional
         Is called with a dict of each iteration; what it raises ends the search.
     **options
@@ -137,7 +145,7 @@ def solve(
         Names the file, the key and what is wrong with it.
     """
     name, text = _named(scenario)
-    return Solution(_aghf.solve(name, text, _options(options), on_iteration))
+    return Solution(_aghf.solve(name, text, _options(options), running_cost, list(constraints), on_iteration))
 
 
 def solve_many(
@@ -146,3 +154,19 @@ def solve_many(
     """Solves scenarios side by side, one per core or on so many threads; the results are in their order, and do not depend on that number."""
     named = [_named(scenario) for scenario in scenarios]
     return [Solution(own) for own in _aghf.solve_many(named, _options(options), threads)]
+
+
+def sweep(name: str | os.PathLike, *, threads: int | None = None) -> Table:
+    """Solves scenarios with every combination of parameters of a grid, on all cores or so many threads.
+
+    Parameters
+    ----------
+    name : str or os.PathLike
+        A sweep that is built in, a TOML file, or a folder of scenarios. `aghf sweep` on the command line also goes on where it was stopped.
+
+    Returns
+    -------
+    Table
+        A row per solve: the scenario, its parameters, the outcome, and what was measured.
+    """
+    return Table.from_rows(json.loads(_aghf.sweep(os.fspath(name), threads)))

@@ -1,14 +1,18 @@
 //! Functions of states over batches of them.
 //!
 //! An argument has the shape `(N,)` for one state or `(batch, N)` for several, in which case all have; results have the same leading
-//! dimension. Nothing is copied: rows of contiguous arrays are read where they are, and numpy takes over the vectors that were filled.
+//! dimension. Nothing is copied but what goes into lanes: rows of contiguous arrays are read where they are, and numpy takes over the
+//! vectors that were filled.
 
 use crate::error::raised;
 use aghf::Result;
+use aghf::model::Model;
+use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Numbers from Python.
 pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
@@ -16,73 +20,211 @@ pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 /// An array for Python.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 
-/// An argument with its name and the number of its entries per state.
-pub type Argument<'a, 'py> = (&'static str, &'a Numbers<'py>, usize);
+/// The number of states that go through the arithmetic side by side. Four would have other sines than one (see [`Lanes`]), and results
+/// in batches are to be those of single states, bit for bit.
+const LANES: usize = 8;
+
+/// Several states.
+type Wide = Lanes<f64, LANES>;
 
 /// The number of states from which on a batch is spread over threads.
 const LEAST_PARALLEL: usize = 64;
 
-/// The number of states that a thread takes at once.
+/// The least number of states that a thread takes at once.
 const CHUNK: usize = 16;
 
-/// Computes arrays of these shapes per state from arguments. `work` gets the rows of one state and room for its results, and something of
-/// `scratch`, which is made once per thread. Python runs on meanwhile.
-pub fn over_states<'py, T, const I: usize, const O: usize>(
+/// What is computed with: the scalars of the dynamics and of the flow.
+pub trait Number: AlgebraOver<f64> + Tanh {}
+impl<S: AlgebraOver<f64> + Tanh> Number for S {}
+
+/// A function of states of a robot, with `I` arguments and `O` results, over any scalar.
+pub trait FunctionOfStates<const I: usize, const O: usize>: Sync {
+    /// What is made once per thread.
+    type Scratch<'m, S: Number>;
+
+    /// The names of the arguments.
+    const NAMES: [&'static str; I];
+
+    /// The number of entries of each argument, for a robot with `n` joints.
+    fn widths(&self, n: usize) -> [usize; I];
+
+    /// The shape of each result.
+    fn shapes(&self, n: usize) -> [Vec<usize>; O];
+
+    /// The scratch.
+    fn scratch<'m, S: Number>(&self, model: &'m Model) -> Self::Scratch<'m, S>;
+
+    /// Fills the results, each row by row.
+    fn evaluate<S: Number>(
+        &self,
+        model: &Model,
+        scratch: &mut Self::Scratch<'_, S>,
+        arguments: [&[S]; I],
+        results: &mut [&mut [S]; O],
+    ) -> Result<()>;
+}
+
+/// Evaluates a function at one state or at all of a batch, with the states of a batch in lanes. Python runs on meanwhile.
+pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usize>(
     py: Python<'py>,
-    arguments: [Argument<'_, 'py>; I],
-    shapes: [&[usize]; O],
-    scratch: impl Fn() -> T + Sync,
-    work: impl Fn(&mut T, [&[f64]; I], &mut [&mut [f64]; O]) -> Result<()> + Sync,
+    model: &Model,
+    function: &F,
+    arguments: [&Numbers<'py>; I],
 ) -> PyResult<[Array<'py>; O]> {
-    let batch = batch_of(&arguments)?;
-    let states = batch.unwrap_or(1);
-    let mut inputs: [(&[f64], usize); I] = [(&[], 0); I];
-    for (input, (name, array, width)) in inputs.iter_mut().zip(&arguments) {
-        let refuse = |_| PyValueError::new_err(format!("{name}: it is not contiguous"));
-        *input = (array.as_slice().map_err(refuse)?, *width);
-    }
-    let sizes = shapes.map(|shape| shape.iter().product::<usize>());
-    let mut filled = sizes.map(|size| vec![0.0; size * states]);
-    let computed = py.detach(|| {
-        let mut i = 0;
-        let mut rows_of = filled.each_mut().map(|all| {
-            i += 1;
-            all.chunks_exact_mut(sizes[i - 1].max(1))
+    let n = model.dof();
+    let (widths, shapes) = (function.widths(n), function.shapes(n));
+    let states = States::read(F::NAMES, arguments, widths)?;
+    if states.count() == 1 {
+        let scratch = || function.scratch(model);
+        return states.evaluate(py, shapes, 1, scratch, |scratch, group, mut rows| {
+            function.evaluate(model, scratch, states.row(group.start), &mut rows)
         });
-        let row = |_| {
-            rows_of
-                .each_mut()
-                .map(|rows| rows.next().unwrap_or_default())
-        };
-        let mut rows: Vec<[&mut [f64]; O]> = (0..states).map(row).collect();
-        let one = |scratch: &mut T, (state, row): (usize, &mut [&mut [f64]; O])| {
-            let own = inputs.map(|(all, width)| &all[state * width..][..width]);
-            work(scratch, own, row)
-        };
-        if states < LEAST_PARALLEL {
-            let mut scratch = scratch();
-            let mut all = rows.iter_mut().enumerate();
-            return all.try_for_each(|state| one(&mut scratch, state));
-        }
-        let all = rows.par_iter_mut().enumerate().with_min_len(CHUNK);
-        all.try_for_each_init(&scratch, one)
-    });
-    computed.map_err(raised)?;
-    let mut arrays = Vec::with_capacity(O);
-    for (values, shape) in filled.into_iter().zip(shapes) {
-        let shape: Vec<usize> = batch.iter().chain(shape).copied().collect();
-        arrays.push(PyArray1::from_vec(py, values).reshape(shape)?);
     }
-    // There are as many as there are shapes.
-    arrays
-        .try_into()
-        .map_err(|_| PyValueError::new_err("results were lost"))
+    let zeros = |size| vec![Wide::splat(0.0); size];
+    let sizes = shapes.each_ref().map(|shape| size_of(shape));
+    let scratch = || (function.scratch(model), widths.map(zeros), sizes.map(zeros));
+    states.evaluate(
+        py,
+        shapes,
+        LANES,
+        scratch,
+        |(scratch, inputs, outputs), group, rows| {
+            for lane in 0..LANES {
+                // The lanes that are left repeat the last state.
+                let own = states.row((group.start + lane).min(group.end - 1));
+                for (to, from) in inputs.iter_mut().zip(own) {
+                    to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
+                }
+            }
+            let arguments = inputs.each_ref().map(Vec::as_slice);
+            let mut results = outputs.each_mut().map(Vec::as_mut_slice);
+            function.evaluate(model, scratch, arguments, &mut results)?;
+            for (rows, from) in rows.into_iter().zip(outputs) {
+                for (lane, row) in rows.chunks_exact_mut(from.len().max(1)).enumerate() {
+                    row.iter_mut()
+                        .zip(&*from)
+                        .for_each(|(to, x)| *to = x.0[lane]);
+                }
+            }
+            Ok(())
+        },
+    )
+}
+
+/// The arguments of a function at one state or several.
+pub struct States<'a, const I: usize> {
+    arguments: [&'a [f64]; I],
+    widths: [usize; I],
+    /// `None` without a leading dimension.
+    batch: Option<usize>,
+}
+
+impl<'a, const I: usize> States<'a, I> {
+    /// Checks the shapes of arguments with so many entries per state.
+    pub fn read(
+        names: [&str; I],
+        arguments: [&'a Numbers<'_>; I],
+        widths: [usize; I],
+    ) -> PyResult<Self> {
+        let batch = batch_of(&names, &arguments, &widths)?;
+        let mut read: [&[f64]; I] = [&[]; I];
+        for (read, (name, array)) in read.iter_mut().zip(names.iter().zip(arguments)) {
+            let refuse = |_| PyValueError::new_err(format!("{name}: it is not contiguous"));
+            *read = array.as_slice().map_err(refuse)?;
+        }
+        Ok(Self {
+            arguments: read,
+            widths,
+            batch,
+        })
+    }
+
+    fn count(&self) -> usize {
+        self.batch.unwrap_or(1)
+    }
+
+    /// The arguments at a state.
+    pub fn row(&self, state: usize) -> [&'a [f64]; I] {
+        std::array::from_fn(|i| &self.arguments[i][state * self.widths[i]..][..self.widths[i]])
+    }
+
+    /// Fills arrays of these shapes per state. `work` gets a group of at most `size` states, room for the results of all of them and
+    /// something of `scratch`, which is made once per thread.
+    pub fn evaluate<'py, T, const O: usize>(
+        &self,
+        py: Python<'py>,
+        shapes: [Vec<usize>; O],
+        size: usize,
+        scratch: impl Fn() -> T + Sync,
+        work: impl Fn(&mut T, Range<usize>, [&mut [f64]; O]) -> Result<()> + Sync,
+    ) -> PyResult<[Array<'py>; O]> {
+        let states = self.count();
+        let sizes = shapes.each_ref().map(|shape| size_of(shape));
+        let mut filled = sizes.map(|size| vec![0.0; size * states]);
+        let computed = py.detach(|| {
+            let groups = groups(
+                &mut filled,
+                sizes.map(|entries| size * entries),
+                states.div_ceil(size),
+            );
+            let one = |scratch: &mut T, (group, rows): (usize, [&mut [f64]; O])| {
+                let first = group * size;
+                work(scratch, first..states.min(first + size), rows)
+            };
+            if states < LEAST_PARALLEL {
+                let mut scratch = scratch();
+                let mut all = groups.into_iter().enumerate();
+                return all.try_for_each(|group| one(&mut scratch, group));
+            }
+            let all = groups.into_par_iter().enumerate();
+            let chunk = CHUNK.div_ceil(size);
+            all.with_min_len(chunk).try_for_each_init(&scratch, one)
+        });
+        computed.map_err(raised)?;
+        let mut arrays = Vec::with_capacity(O);
+        for (values, shape) in filled.into_iter().zip(shapes) {
+            let shape: Vec<usize> = self.batch.into_iter().chain(shape).collect();
+            arrays.push(PyArray1::from_vec(py, values).reshape(shape)?);
+        }
+        // There are as many as there are shapes.
+        arrays
+            .try_into()
+            .map_err(|_| PyValueError::new_err("results were lost"))
+    }
+}
+
+/// The number of entries of an array.
+fn size_of(shape: &[usize]) -> usize {
+    shape.iter().product()
+}
+
+/// The parts, of these sizes, of each array that belong to each group.
+fn groups<const O: usize>(
+    filled: &mut [Vec<f64>; O],
+    sizes: [usize; O],
+    count: usize,
+) -> Vec<[&mut [f64]; O]> {
+    let mut i = 0;
+    let mut chunks = filled.each_mut().map(|all| {
+        i += 1;
+        all.chunks_mut(sizes[i - 1].max(1))
+    });
+    let next = |_| {
+        chunks
+            .each_mut()
+            .map(|chunks| chunks.next().unwrap_or_default())
+    };
+    (0..count).map(next).collect()
 }
 
 /// The number of states of all arguments; `None` of one without a leading dimension.
-fn batch_of(arguments: &[Argument<'_, '_>]) -> PyResult<Option<usize>> {
+fn batch_of(
+    names: &[&str],
+    arguments: &[&Numbers<'_>],
+    widths: &[usize],
+) -> PyResult<Option<usize>> {
     let mut common: Option<Option<usize>> = None;
-    for (name, array, width) in arguments {
+    for ((name, array), width) in names.iter().zip(arguments).zip(widths) {
         let batch = match array.shape() {
             [entries] if entries == width => None,
             [batch, entries] if entries == width => Some(*batch),
@@ -112,7 +254,7 @@ fn batch_of(arguments: &[Argument<'_, '_>]) -> PyResult<Option<usize>> {
 }
 
 /// Writes a matrix row by row.
-pub fn by_rows(matrix: &nalgebra::DMatrix<f64>, out: &mut [f64]) {
+pub fn by_rows<S: Scalar>(matrix: &nalgebra::DMatrix<S>, out: &mut [S]) {
     let columns = matrix.ncols().max(1);
     for (i, row) in out.chunks_exact_mut(columns).enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
@@ -120,3 +262,61 @@ pub fn by_rows(matrix: &nalgebra::DMatrix<f64>, out: &mut [f64]) {
         }
     }
 }
+
+/// Declares a function of states and its Python function, which returns a list of the results:
+/// `fn name(model, n; argument: width, ...) -> [shape, ...]`, its scratch over the scalar `S`, and what it computes.
+macro_rules! function_of_states {
+    (
+        $(#[$doc:meta])*
+        fn $name:ident as $type:ident($model:ident, $n:ident; $($argument:ident: $width:expr),+) -> [$($shape:expr),+]
+        $scratch:ident: $scratch_type:ty = $new:expr;
+        $results:ident => $body:expr
+    ) => {
+        struct $type;
+
+        impl $crate::batch::FunctionOfStates<
+            { [$(stringify!($argument)),+].len() },
+            { [$(stringify!($shape)),+].len() },
+        > for $type {
+            type Scratch<'m, S: $crate::batch::Number> = $scratch_type;
+
+            const NAMES: [&'static str; [$(stringify!($argument)),+].len()] = [$(stringify!($argument)),+];
+
+            fn widths(&self, $n: usize) -> [usize; [$(stringify!($argument)),+].len()] {
+                [$($width),+]
+            }
+
+            fn shapes(&self, $n: usize) -> [Vec<usize>; [$(stringify!($shape)),+].len()] {
+                let _ = $n;
+                [$($shape.to_vec()),+]
+            }
+
+            fn scratch<S: $crate::batch::Number>(&self, $model: &Model) -> $scratch_type {
+                let $n = $model.dof();
+                let _ = $n;
+                $new
+            }
+
+            fn evaluate<S: $crate::batch::Number>(
+                &self,
+                $model: &Model,
+                $scratch: &mut $scratch_type,
+                [$($argument),+]: [&[S]; [$(stringify!($argument)),+].len()],
+                $results: &mut [&mut [S]; [$(stringify!($shape)),+].len()],
+            ) -> Result<()> {
+                $body
+            }
+        }
+
+        $(#[$doc])*
+        #[pyfunction]
+        fn $name<'py>(
+            py: Python<'py>,
+            model: &PyModel,
+            $($argument: Numbers<'py>),+
+        ) -> PyResult<[Array<'py>; [$(stringify!($shape)),+].len()]> {
+            over_states(py, &model.model, &$type, [$(&$argument),+])
+        }
+    };
+}
+pub(crate) use function_of_states;

@@ -1,11 +1,104 @@
 //! The right-hand side of the flow and its Jacobian.
 
-use crate::batch::{Array, Numbers, by_rows, over_states};
+use crate::batch::{Array, FunctionOfStates, Number, Numbers, States, by_rows, over_states};
 use crate::error::raised;
 use crate::model::PyModel;
-use aghf::flow::jacobian::{JacobianKind, Jacobians, NodeBlocks};
+use aghf::Result;
+use aghf::flow::jacobian::{
+    ControlFormJacobian, JacobianKind, Jacobians, NodeBlocks, NodeJacobian,
+};
 use aghf::flow::{ControlForm, Node, RightHandSide};
+use aghf::model::Model;
 use pyo3::prelude::*;
+
+/// The names of the arguments.
+const NAMES: [&str; 3] = ["x", "xdot", "xddot"];
+
+/// Omega with the penalty of (11).
+struct Omega {
+    k: f64,
+}
+
+impl FunctionOfStates<3, 1> for Omega {
+    type Scratch<'m, S: Number> = ControlForm<'m, f64, S>;
+
+    const NAMES: [&'static str; 3] = NAMES;
+
+    fn widths(&self, n: usize) -> [usize; 3] {
+        [2 * n; 3]
+    }
+
+    fn shapes(&self, n: usize) -> [Vec<usize>; 1] {
+        [vec![2 * n]]
+    }
+
+    fn scratch<'m, S: Number>(&self, model: &'m Model) -> Self::Scratch<'m, S> {
+        ControlForm::new(model)
+    }
+
+    fn evaluate<S: Number>(
+        &self,
+        _: &Model,
+        form: &mut Self::Scratch<'_, S>,
+        [x, xdot, xddot]: [&[S]; 3],
+        [out]: &mut [&mut [S]; 1],
+    ) -> Result<()> {
+        let t = S::zero();
+        form.omega(Node { t, x, xdot, xddot }, self.k, out)
+    }
+}
+
+/// Its Jacobian in control form.
+struct InControlForm {
+    k: f64,
+}
+
+impl FunctionOfStates<3, 3> for InControlForm {
+    type Scratch<'m, S: Number> = (ControlFormJacobian<'m, f64, S>, NodeBlocks<S>);
+
+    const NAMES: [&'static str; 3] = NAMES;
+
+    fn widths(&self, n: usize) -> [usize; 3] {
+        [2 * n; 3]
+    }
+
+    fn shapes(&self, n: usize) -> [Vec<usize>; 3] {
+        shapes_of_blocks(n)
+    }
+
+    fn scratch<'m, S: Number>(&self, model: &'m Model) -> Self::Scratch<'m, S> {
+        (
+            ControlFormJacobian::new(model),
+            NodeBlocks::new(model.dof()),
+        )
+    }
+
+    fn evaluate<S: Number>(
+        &self,
+        _: &Model,
+        (jacobian, blocks): &mut Self::Scratch<'_, S>,
+        [x, xdot, xddot]: [&[S]; 3],
+        out: &mut [&mut [S]; 3],
+    ) -> Result<()> {
+        let t = S::zero();
+        jacobian.evaluate(Node { t, x, xdot, xddot }, self.k, blocks)?;
+        put(blocks, out);
+        Ok(())
+    }
+}
+
+/// The shapes of the blocks of a Jacobian.
+fn shapes_of_blocks(n: usize) -> [Vec<usize>; 3] {
+    [(); 3].map(|()| vec![2 * n; 2])
+}
+
+/// Writes blocks row by row.
+fn put<S: Number>(blocks: &NodeBlocks<S>, out: &mut [&mut [S]; 3]) {
+    let all = [&blocks.dx, &blocks.dxdot, &blocks.dxddot];
+    for (block, out) in all.into_iter().zip(out) {
+        by_rows(block, out);
+    }
+}
 
 /// Omega at nodes.
 #[pyfunction]
@@ -16,26 +109,12 @@ fn omega<'py>(
     xdot: Numbers<'py>,
     xddot: Numbers<'py>,
     k: f64,
-) -> PyResult<Array<'py>> {
-    let (model, n) = (&*model.model, 2 * model.model.dof());
-    let arguments = [("x", &x, n), ("xdot", &xdot, n), ("xddot", &xddot, n)];
-    let scratch = || ControlForm::new(model);
-    let [found] = over_states(
-        py,
-        arguments,
-        [&[n]],
-        scratch,
-        |form, [x, xdot, xddot], [out]| {
-            let t = 0.0;
-            form.omega(Node { t, x, xdot, xddot }, k, out)
-        },
-    )?;
-    Ok(found)
+) -> PyResult<[Array<'py>; 1]> {
+    over_states(py, &model.model, &Omega { k }, [&x, &xdot, &xddot])
 }
 
 /// The derivatives of Omega in x, xdot and xddot by the implementation of this name.
 #[pyfunction]
-#[pyo3(signature = (model, x, xdot, xddot, k, jacobian = "control-form"))]
 fn omega_jacobian<'py>(
     py: Python<'py>,
     model: &PyModel,
@@ -46,21 +125,23 @@ fn omega_jacobian<'py>(
     jacobian: &str,
 ) -> PyResult<[Array<'py>; 3]> {
     let kind: JacobianKind = jacobian.parse().map_err(raised)?;
-    let (model, n) = (&*model.model, 2 * model.model.dof());
-    let arguments = [("x", &x, n), ("xdot", &xdot, n), ("xddot", &xddot, n)];
-    let scratch = || (kind.build(model), NodeBlocks::new(model.dof()));
-    over_states(
+    let (model, arguments) = (&*model.model, [&x, &xdot, &xddot]);
+    if kind == JacobianKind::ControlForm {
+        return over_states(py, model, &InControlForm { k }, arguments);
+    }
+    // The others are for one node at a time.
+    let n = model.dof();
+    let states = States::read(NAMES, arguments, [2 * n; 3])?;
+    let scratch = || (kind.build(model), NodeBlocks::new(n));
+    states.evaluate(
         py,
-        arguments,
-        [&[n, n]; 3],
+        shapes_of_blocks(n),
+        1,
         scratch,
-        |(form, blocks), [x, xdot, xddot], out| {
-            let t = 0.0;
+        |(form, blocks), group, mut out| {
+            let (t, [x, xdot, xddot]) = (0.0, states.row(group.start));
             form.evaluate(Node { t, x, xdot, xddot }, k, blocks)?;
-            let all = [&blocks.dx, &blocks.dxdot, &blocks.dxddot];
-            for (block, out) in all.into_iter().zip(out) {
-                by_rows(block, out);
-            }
+            put(blocks, &mut out);
             Ok(())
         },
     )

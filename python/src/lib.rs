@@ -3,8 +3,10 @@
 mod batch;
 mod dynamics;
 mod error;
+mod experiments;
 mod flow;
 mod model;
+mod own_terms;
 mod solve;
 
 use pyo3::prelude::*;
@@ -17,5 +19,6 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
     dynamics::add_to(module)?;
     flow::add_to(module)?;
-    solve::add_to(module)
+    solve::add_to(module)?;
+    experiments::add_to(module)
 }

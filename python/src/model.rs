@@ -1,12 +1,36 @@
 //! Robots.
 
 use crate::error::raised;
-use aghf::model::{JointKind, Limits, Model};
+use aghf::Error;
+use aghf::model::{Frame, JointKind, JointSpec, Limits, Model};
+use aghf::spatial::{Inertia, Placement};
 use aghf::urdf::{LoadReport, Mimic, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with};
+use nalgebra::{Matrix3, Vector3};
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Of a joint: name, kind, index of the parent or -1, placement in that (a rotation by rows, then a translation), axis, mass with its
+/// centre and the inertia about it by rows, and the limits: lower, upper, velocity, effort.
+type JointParts = (
+    String,
+    String,
+    i64,
+    [f64; 12],
+    [f64; 3],
+    (f64, [f64; 3], [f64; 9]),
+    [f64; 4],
+);
+
+/// A placement of a rotation by rows and a translation.
+fn placement_of(numbers: &[f64; 12]) -> Placement<f64> {
+    let (rotation, translation) = numbers.split_at(9);
+    Placement::new(
+        Matrix3::from_row_slice(rotation),
+        Vector3::from_column_slice(translation),
+    )
+}
 
 /// A robot. It never changes, so threads share it.
 #[pyclass(name = "Model", module = "aghf", frozen)]
@@ -40,6 +64,61 @@ impl PyModel {
         let mimic: Mimic = mimic.parse().map_err(raised)?;
         let (model, notes) = parse_urdf_with(text, name, UrdfOptions { mimic }).map_err(raised)?;
         Ok(Self::new(model, &notes))
+    }
+
+    /// The robot with these joints, in which parents come before children, and frames. Placements and inertias are rows of numbers.
+    #[staticmethod]
+    fn from_parts(
+        name: &str,
+        joints: Vec<JointParts>,
+        frames: Vec<(String, i64, [f64; 12])>,
+        gravity: [f64; 3],
+    ) -> PyResult<Self> {
+        let body_of = |index: i64| usize::try_from(index).ok();
+        let spec = |joint: JointParts| {
+            let (name, kind, parent, origin, axis, (mass, com, inertia), limits) = joint;
+            let kinds = [
+                JointKind::Revolute,
+                JointKind::Continuous,
+                JointKind::Prismatic,
+            ];
+            let found = kinds.into_iter().find(|known| known.name() == kind);
+            let Some(kind) = found else {
+                let condition = format!("its kind is '{kind}'");
+                return Err(Error::input(name, "kind", condition));
+            };
+            let [lower, upper, velocity, effort] = limits;
+            Ok(JointSpec {
+                name,
+                kind,
+                parent: body_of(parent),
+                origin: placement_of(&origin),
+                axis: Vector3::from(axis),
+                inertia: Inertia::from_com(
+                    mass,
+                    Vector3::from(com),
+                    Matrix3::from_row_slice(&inertia),
+                ),
+                limits: Limits {
+                    lower,
+                    upper,
+                    velocity,
+                    effort,
+                },
+            })
+        };
+        let specs: aghf::Result<Vec<_>> = joints.into_iter().map(spec).collect();
+        let mut model = specs
+            .and_then(|specs| Model::from_joints(name, specs))
+            .map_err(raised)?
+            .with_gravity(Vector3::from(gravity));
+        for (frame, body, placement) in frames {
+            let added =
+                model.add_frame(Frame::new(&frame, body_of(body), placement_of(&placement)));
+            added.map_err(raised)?;
+        }
+        model.check_regular(name).map_err(raised)?;
+        Ok(Self::new(model, &LoadReport::default()))
     }
 
     #[getter]

@@ -3,6 +3,7 @@
 use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::model::PyModel;
+use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use aghf::dynamics::{Data, rnea};
 use aghf::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
 use aghf::report::{Motion, page};
@@ -14,7 +15,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The time after which the thread of Python looks for signals, such as Ctrl-C.
@@ -29,15 +30,24 @@ pub struct PySolution {
 
 /// Solves a scenario. `text` is a scenario in JSON, or else `name` that of one that is built in or of a file.
 #[pyfunction]
-#[pyo3(signature = (name, text, options, on_iteration = None))]
 fn solve<'py>(
     py: Python<'py>,
     name: &str,
     text: Option<&str>,
     options: &str,
+    running_cost: Option<Py<PyAny>>,
+    constraints: Vec<Bound<'py, PyAny>>,
     on_iteration: Option<Bound<'py, PyAny>>,
 ) -> PyResult<PySolution> {
-    let (scenario, options) = read(name, text, options)?;
+    let (mut scenario, options) = read(name, text, options)?;
+    let raised_first = Raised::default();
+    if let Some(object) = running_cost {
+        let raised = raised_first.clone();
+        scenario.set_running_cost(Arc::new(PyRunningCost { object, raised }));
+    }
+    for constraint in &constraints {
+        scenario.add_constraint(PyConstraint::new(constraint, raised_first.clone())?);
+    }
     let interrupt = options.interrupt.clone();
     let (sender, records) = channel();
     let records = Mutex::new(records);
@@ -78,7 +88,7 @@ fn solve<'py>(
         }
     })?;
     let report = report.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    let report = report.map_err(raised)?;
+    let report = report.map_err(|error| raised_first.take().unwrap_or_else(|| raised(error)))?;
     Ok(PySolution { scenario, report })
 }
 

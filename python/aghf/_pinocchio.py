@@ -1,0 +1,128 @@
+"""Models of Pinocchio."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._dynamics import rnea
+from ._model import Model
+from ._native import _aghf
+
+#: The largest relative difference of the torques of a model and of what was made of it.
+_AGREEMENT = 1e-9
+
+
+def from_pinocchio(model) -> Model:
+    """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
+
+    Torques at random states are compared before it is returned. `pinocchio_configuration` has the ``q`` of Pinocchio, in which an unbounded
+    revolute joint has a cosine and a sine.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        Of revolute and prismatic joints about and along any axes, on a fixed base.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        The joint, and what it has that is not known here: more than one degree of freedom, a mimic joint or an armature; or a
+        body without inertia.
+    ImportError
+        Pinocchio is not installed.
+    """
+    import pinocchio
+
+    joints = [_joint(model, i) for i in range(1, model.njoints)]
+    frames, names = [], set(list(model.names)[1:])
+    for frame in model.frames:
+        # A joint has a frame of its name here as there.
+        if frame.name in names or frame.type == pinocchio.FrameType.JOINT or frame.name == "universe":
+            continue
+        names.add(frame.name)
+        frames.append((frame.name, frame.parentJoint - 1, _placement(frame.placement)))
+    own = _aghf.Model.from_parts(model.name or "pinocchio", joints, frames, model.gravity.linear.tolist())
+    ours = Model(own)
+    _compare(pinocchio, model, ours)
+    return ours
+
+
+def pinocchio_configuration(model, q) -> np.ndarray:
+    """The ``q`` of a ``pinocchio.Model`` at our positions, shape (nq,) or (B, nq)."""
+    q = np.asarray(q, dtype=float)
+    rows = [np.asarray(q[..., i]) for i in range(model.njoints - 1)]
+    there = np.zeros((*q.shape[:-1], model.nq))
+    for joint, own in zip(list(model.joints)[1:], rows, strict=True):
+        if joint.nq == 2:
+            there[..., joint.idx_q], there[..., joint.idx_q + 1] = np.cos(own), np.sin(own)
+        else:
+            there[..., joint.idx_q] = own
+    return there
+
+
+def _refused(model, element: str, condition: str):
+    error = _aghf.InputError(f"{model.name}: {element}: {condition}")
+    error.file, error.element, error.condition = model.name, element, condition
+    return error
+
+
+def _placement(placement) -> list[float]:
+    return [*np.asarray(placement.rotation).ravel().tolist(), *np.asarray(placement.translation).tolist()]
+
+
+def _limit(model, new: str, old: str, i: int) -> float:
+    """A limit by the name that it has in this version; infinite where it is zero, as in a URDF."""
+    values = getattr(model, new) if hasattr(model, new) else getattr(model, old)
+    return float(values[i]) or float("inf")
+
+
+def _joint(model, i: int) -> tuple:
+    joint, name = model.joints[i], model.names[i]
+    element = f"joint '{name}'"
+    if joint.nv != 1 or "Mimic" in joint.shortname():
+        raise _refused(model, element, f"it is a {joint.shortname()}, a joint has one degree of freedom of its own here")
+    if model.armature[joint.idx_v] != 0.0:
+        raise _refused(model, element, "it has an armature, which the dynamics here do not have")
+    data = joint.createData()
+    joint.calc(data, np.array([1.0, 0.0]) if joint.nq == 2 else np.zeros(1))
+    subspace = np.asarray(data.S, dtype=float).ravel()
+    linear, angular = subspace[:3], subspace[3:]
+    lower, upper = float("-inf"), float("inf")
+    if joint.nq == 1:
+        lower, upper = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+    if np.any(linear):
+        kind, axis = "prismatic", linear
+    else:
+        kind, axis = "continuous" if joint.nq == 2 else "revolute", angular
+    inertia = model.inertias[i]
+    mass = float(inertia.mass)
+    return (
+        name,
+        kind,
+        int(model.parents[i]) - 1,
+        _placement(model.jointPlacements[i]),
+        axis.tolist(),
+        (mass, np.asarray(inertia.lever).tolist(), np.asarray(inertia.inertia).ravel().tolist()),
+        [
+            lower,
+            upper,
+            _limit(model, "upperVelocityLimit", "velocityLimit", joint.idx_v),
+            _limit(model, "upperEffortLimit", "effortLimit", joint.idx_v),
+        ],
+    )
+
+
+def _compare(pinocchio, model, ours: Model) -> None:
+    """Refuses what does not have the torques of the model."""
+    data = model.createData()
+    q, v, a = np.random.default_rng(0).normal(size=(3, 3, ours.dof))
+    torques = rnea(ours, q, v, a)
+    for q, v, a, tau in zip(q, v, a, torques, strict=True):
+        expected = pinocchio.rnea(model, data, pinocchio_configuration(model, q), v, a)
+        error = np.abs(tau - expected).max() / max(np.abs(expected).max(), 1.0)
+        if not error <= _AGREEMENT:
+            raise _refused(model, "inverse dynamics", f"its torques differ by {error:.1e}, relative")

@@ -1,0 +1,32 @@
+"""Tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+
+class Table(dict):
+    """A table as a dict of columns, lists of the same length, which ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take."""
+
+    @classmethod
+    def from_rows(cls, rows: Iterable[Mapping]) -> Table:
+        """The table of these rows; what one lacks is None."""
+        rows = list(rows)
+        names = dict.fromkeys(name for row in rows for name in row)
+        return cls({name: [row.get(name) for row in rows] for name in names})
+
+    def rows(self) -> list[dict]:
+        """The rows as dicts."""
+        return [dict(zip(self, row, strict=True)) for row in zip(*self.values(), strict=True)]
+
+    def to_pandas(self):
+        """The table as a ``pandas.DataFrame``, which needs pandas."""
+        import pandas
+
+        return pandas.DataFrame(dict(self))
+
+    def to_polars(self):
+        """The table as a ``polars.DataFrame``, which needs polars."""
+        import polars
+
+        return polars.DataFrame(dict(self), strict=False)
