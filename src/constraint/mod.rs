@@ -3,8 +3,8 @@
 //! A [`Constraint`] is its value; the [guide](crate::guide::constraint) writes one in ten lines. What an optimiser needs
 //! of the derivatives are contractions with weights, one for each row of `g`:
 //!
-//! $$ \sum_j w_j \frac{\partial g_j}{\partial x}, \qquad \sum_j \left( w_j \frac{\partial^2 g_j}{\partial x^2}
-//!    + c_j \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T \right) , $$
+//! $$ \sum_j w_j \frac{\partial g_j}{\partial x}, \qquad \sum_j \left( w_j \frac{\partial^2 g_j}{\partial x^2} +
+//!    c_j \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T \right) , $$
 //!
 //! with $w = b^{\prime}(g)$ and $c = b^{\prime\prime}(g)$ for penalties, or with multipliers and the weight of the active rows for an
 //! augmented Lagrangian. They come from dual numbers of the value unless a constraint knows better, as all do that are here. An

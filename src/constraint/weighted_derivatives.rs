@@ -21,7 +21,7 @@ use num_traits::Zero;
 ///    \frac{\partial^2}{\partial q_i \partial q_j} = \sum_p J_i^T M J_j + f \cdot (\omega_i \times J_j), $$
 ///
 /// with $F_j$ the force on the subtree of `j`. The sums over points are the stiffness of the subtree, 6 by 6, and
-/// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\, Q)\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
+/// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\\, Q)\\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
 ///
 /// What depends on the distance of two points of different bodies is said with [`add_pair`](Self::add_pair), and adds up to a force and a
 /// coupling, 6 by 6, for each pair of bodies.
@@ -67,13 +67,13 @@ impl<S: Scalar> WeightedDerivatives<S> {
         }
     }
 
-    /// $\sum_j w_j\, \partial g_j / \partial x$, `2 N` entries.
+    /// $\sum_j w_j\\, \partial g_j / \partial x$, `2 N` entries.
     #[must_use]
     pub fn gradient(&self) -> &DVector<S> {
         &self.gradient
     }
 
-    /// $\sum_j w_j\, \partial^2 g_j / \partial x^2 + c_j\, \partial g_j / \partial x\, (\partial g_j / \partial x)^T$, `2 N` by `2 N`;
+    /// $\sum_j w_j\\, \partial^2 g_j / \partial x^2 + c_j\\, \partial g_j / \partial x\\, (\partial g_j / \partial x)^T$, `2 N` by `2 N`;
     /// zero when it was not asked for.
     #[must_use]
     pub fn hessian(&self) -> &DMatrix<S> {

@@ -37,7 +37,7 @@ impl<S: Scalar> ForwardDynamicsDerivatives<S> {
 /// Forward dynamics at `(q, v, tau)`, `N` entries each, and its derivatives in all three, into `out`; line 5 of
 /// Algorithm B1 with `tau` zero.
 ///
-/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\, \partial ID / \partial q$
+/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\\, \partial ID / \partial q$
 /// at $a = FD$, and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
 /// algorithms", RSS 2018). Cost O(N^3).
 ///

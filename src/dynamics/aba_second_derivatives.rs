@@ -8,11 +8,11 @@ use crate::scalar::Scalar;
 /// The second derivatives of forward dynamics in the state, at a force that does not change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForwardDynamicsSecondDerivatives<S: Scalar> {
-    /// $\partial^2 FD_i / (\partial q_j\, \partial q_k)$.
+    /// $\partial^2 FD_i / (\partial q_j\\, \partial q_k)$.
     pub dqdq: Tensor3<S>,
-    /// $\partial^2 FD_i / (\partial v_j\, \partial v_k)$.
+    /// $\partial^2 FD_i / (\partial v_j\\, \partial v_k)$.
     pub dvdv: Tensor3<S>,
-    /// $\partial^2 FD_i / (\partial q_j\, \partial v_k)$.
+    /// $\partial^2 FD_i / (\partial q_j\\, \partial v_k)$.
     pub dqdv: Tensor3<S>,
 }
 

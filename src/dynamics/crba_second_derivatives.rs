@@ -13,11 +13,11 @@ use nalgebra::{DMatrix, DVectorView};
 pub struct MassMatrixDerivatives<S: Scalar> {
     /// $H(q)$, `N` by `N`.
     pub h: DMatrix<S>,
-    /// $\dot H_{ij} = \sum_k \partial H_{ij} / \partial q_k\, v_k$ (B71), `N` by `N`.
+    /// $\dot H_{ij} = \sum_k \partial H_{ij} / \partial q_k\\, v_k$ (B71), `N` by `N`.
     pub hdot: DMatrix<S>,
-    /// $(\partial H / \partial q)_{ijk} = \partial H_{ij} / \partial q_k$.
+    /// $(\partial H / \partial q)\_{ijk} = \partial H_{ij} / \partial q_k$.
     pub dq: Tensor3<S>,
-    /// $(\partial^2 H / \partial q^2)_{ijkl} = \partial^2 H_{ij} / (\partial q_k\, \partial q_l)$.
+    /// $(\partial^2 H / \partial q^2)\_{ijkl} = \partial^2 H_{ij} / (\partial q_k\\, \partial q_l)$.
     pub dqdq: Tensor4<S>,
 }
 
@@ -123,7 +123,7 @@ impl<S: Scalar> Products<'_, S> {
         out.dq[(j, i, k)] = value;
     }
 
-    /// $\partial^2 H_{ij} / (\partial q_k\, \partial q_l)$ for $k \le l$.
+    /// $\partial^2 H_{ij} / (\partial q_k\\, \partial q_l)$ for $k \le l$.
     fn second(&self, i: usize, j: usize, k: usize, l: usize, out: &mut MassMatrixDerivatives<S>) {
         let inertia = self.inertia;
         let value = self.seen_twice(i, k, l).dot(&inertia.apply(&self.axes[j]))

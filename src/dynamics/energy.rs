@@ -22,7 +22,7 @@ pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
     Ok(twice * S::from_f64(0.5))
 }
 
-/// The potential energy $-\sum m\, g \cdot c$ of the moving bodies, in J, zero where the centres of mass are at the height
+/// The potential energy $-\sum m\\, g \cdot c$ of the moving bodies, in J, zero where the centres of mass are at the height
 /// of the base. Cost O(N).
 ///
 /// # Errors

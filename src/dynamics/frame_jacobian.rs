@@ -7,7 +7,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 /// The geometric Jacobian $J(q)$ of a frame, 6 by `N`: rows 0 to 2 of $J v$ are its angular velocity, rows 3 to 5 the velocity
-/// of its origin, both along the axes of the base. Column $j$ is $[\omega_j;\; v_j + \omega_j \times p]$ with
+/// of its origin, both along the axes of the base. Column $j$ is $[\omega_j;\\; v_j + \omega_j \times p]$ with
 /// $S_j = [\omega_j; v_j]$ the axis of a joint that carries the frame and $p$ the origin of the frame, else zero. The frame of
 /// the body of joint `i` is `Frame::new("", Some(i), Placement::identity())`.
 ///

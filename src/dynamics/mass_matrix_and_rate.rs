@@ -7,7 +7,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force};
 use nalgebra::DMatrix;
 
-/// The mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\, v_k$ along the velocity `v`; line 1
+/// The mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\\, v_k$ along the velocity `v`; line 1
 /// of Algorithm B1.
 ///
 /// For `j` an ancestor of `i`, $H_{ij} = S_j^T I_i^C S_i$ with $I_i^C$ the inertia of the subtree of `i`; its rate

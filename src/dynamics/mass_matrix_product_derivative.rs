@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
-/// $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\, w$ in `q` for a fixed `w`, into `k`,
+/// $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\\, w$ in `q` for a fixed `w`, into `k`,
 /// `N` by `N`. Cost O(N d) with d the depth of the tree.
 ///
 /// With `w` for joint velocities the bodies have virtual velocities $\mu$ and momenta $I \mu$. Moving joint `k` carries its

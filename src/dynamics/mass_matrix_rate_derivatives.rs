@@ -4,9 +4,9 @@ use crate::error::Result;
 use crate::linalg::{Tensor3, Tensor4};
 use crate::scalar::Scalar;
 
-/// The derivative of $\dot H = \sum_l \partial H / \partial q_l\, \dot q_l$ in `q`,
+/// The derivative of $\dot H = \sum_l \partial H / \partial q_l\\, \dot q_l$ in `q`,
 ///
-/// $$ \frac{\partial \dot H_{ij}}{\partial q_k} = \sum_l \frac{\partial^2 H_{ij}}{\partial q_k\, \partial q_l} \dot q_l, $$
+/// $$ \frac{\partial \dot H_{ij}}{\partial q_k} = \sum_l \frac{\partial^2 H_{ij}}{\partial q_k\\, \partial q_l} \dot q_l, $$
 ///
 /// from $\partial^2 H / \partial q^2$ and the `N` entries of $\dot q$, into `out`; line 6 of Algorithm B2. Cost O(N^4).
 ///

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Inverse dynamics $\tau = H(q)\, a + C(q, v)$: the forces that make the joints accelerate by `a`, equation (1) of the
+/// Inverse dynamics $\tau = H(q)\\, a + C(q, v)$: the forces that make the joints accelerate by `a`, equation (1) of the
 /// paper. `C` holds Coriolis, centrifugal and gravity forces.
 ///
 /// `q`, `v`, `a`, `tau` have `N` entries: rad or m, per s, per s^2; N m or N. Cost O(N).

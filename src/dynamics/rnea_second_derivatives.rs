@@ -15,7 +15,7 @@
 //!
 //! so that its force changes by $2 B \nu_l + I \alpha_l$. With these,
 //!
-//! $$ \frac{\partial ID_i}{\partial y_k} = S_i^T \left( 2 B \nu_k + I \alpha_k + [y = q,\, i < k]\, S_k \times^* f \right) $$
+//! $$ \frac{\partial ID_i}{\partial y_k} = S_i^T \left( 2 B \nu_k + I \alpha_k + [y = q,\\, i < k]\\, S_k \times^* f \right) $$
 //!
 //! holds for `y` any of `q`, `v`, `a`, where $I, B, f$ are those of the subtree of the later of `i` and `k`, and `i < k` says
 //! that `i` is nearer to the base. For `l` not after `k` the rates $\nu_k$ and $\alpha_k$ of `k` itself change by
@@ -40,13 +40,13 @@ use crate::spatial::{Coriolis, Force, Inertia, Motion};
 /// `ID` is linear in `a` with the slope $H(q)$, so those in `(a, a)` and in `(a, v)` vanish.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseDynamicsSecondDerivatives<S: Scalar> {
-    /// $\partial^2 ID_i / (\partial q_j\, \partial q_k)$.
+    /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
     pub dqdq: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial v_j\, \partial v_k)$.
+    /// $\partial^2 ID_i / (\partial v_j\\, \partial v_k)$.
     pub dvdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial q_j\, \partial v_k)$.
+    /// $\partial^2 ID_i / (\partial q_j\\, \partial v_k)$.
     pub dqdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial a_j\, \partial q_k) = \partial H_{ij} / \partial q_k$.
+    /// $\partial^2 ID_i / (\partial a_j\\, \partial q_k) = \partial H_{ij} / \partial q_k$.
     pub dadq: Tensor3<S>,
 }
 

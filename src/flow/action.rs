@@ -15,7 +15,7 @@ const INTERVALS: usize = 2000;
 pub struct EffortSummary {
     /// $\int |u|^2 dt$, in N^2 m^2 s, by Simpson's rule.
     pub control_effort: f64,
-    /// The action $\int L\, dt$, by Simpson's rule.
+    /// The action $\int L\\, dt$, by Simpson's rule.
     pub action: f64,
     /// The action by Clenshaw-Curtis quadrature over the nodes of each segment: what the flow itself sees.
     pub action_at_nodes: f64,

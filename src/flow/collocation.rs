@@ -119,8 +119,8 @@ fn differentiate<C: Scalar, S: AlgebraOver<C>>(
 
 /// The Jacobian of [`Collocation::rates`] in the unknowns, `2 N (p - 1)` squared, from that of $\Omega$ at each node:
 ///
-/// $$ \frac{\partial (d\xi_i / ds)}{\partial \xi_j} = \delta_{ij} \frac{d\Omega}{dx} + D_{ij} \frac{d\Omega}{d\dot x}
-///    + (D^2)_{ij} \frac{d\Omega}{d\ddot x}. $$
+/// $$ \frac{\partial (d\xi_i / ds)}{\partial \xi_j} = \delta_{ij} \frac{d\Omega}{dx} + D_{ij} \frac{d\Omega}{d\dot x} +
+///    (D^2)_{ij} \frac{d\Omega}{d\ddot x}. $$
 ///
 /// Every implementation of [`NodeJacobian`] is assembled here and nowhere else. `blocks` is scratch.
 ///

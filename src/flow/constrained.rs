@@ -128,7 +128,7 @@ where
 
 /// The terms that penalties on the state add to the flow, (A4), and to its Jacobian:
 ///
-/// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\, \gamma_{P1} \\\\
+/// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\\, \gamma_{P1} \\\\
 ///    (H H)^{-1} \gamma_{P2} \end{bmatrix}, \qquad \gamma = \sum_j b^{\prime}(g_j) \frac{\partial g_j}{\partial x} . $$
 ///
 /// In its derivative in `x`,

@@ -88,7 +88,7 @@ impl<C: Scalar> ControlCost<C> for () {
     }
 }
 
-/// The linear term of an augmented Lagrangian, $\ell_i(t, u) = \lambda_i(t)\, u$, for joints whose torque should vanish. The quadratic
+/// The linear term of an augmented Lagrangian, $\ell_i(t, u) = \lambda_i(t)\\, u$, for joints whose torque should vanish. The quadratic
 /// term, $\tfrac{\rho}2 u^2$, is their [weight](super::ActuationWeights). A joint without a component, or whose component is zero,
 /// has none.
 #[derive(Clone, Debug, PartialEq)]

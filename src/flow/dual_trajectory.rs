@@ -83,7 +83,7 @@ impl DualTrajectory {
         Self::new(chebyshev.horizon(), chebyshev.coefficients(values))
     }
 
-    /// The step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\, c$, with the violation `c` of the
+    /// The step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\\, c$, with the violation `c` of the
     /// constraints through its values at the nodes of `chebyshev`: one row per component, one column per node.
     ///
     /// # Errors

@@ -40,7 +40,7 @@ impl<C: Scalar, L: Lagrangian<C>> Lagrangian<C> for &L {
     }
 }
 
-/// The Lagrangian of the paper in its control form, $k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
+/// The Lagrangian of the paper in its control form, $k\\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AghfLagrangian;
 
@@ -162,7 +162,7 @@ pub(super) fn split<S>(x: &[S]) -> (&[S], &[S]) {
 
 /// The Lagrangian by its definition, equations (5) and (11):
 ///
-/// $$ L = (\dot x - F_d)^T G\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\\\ FD_0 \end{bmatrix}, \quad
+/// $$ L = (\dot x - F_d)^T G\\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\\\ FD_0 \end{bmatrix}, \quad
 ///    G = \begin{bmatrix} k I & 0 \\\\ 0 & H^T H \end{bmatrix}, \quad FD_0 = -H^{-1} C. $$
 ///
 /// `x` and `xdot` have `2 N` entries. It allocates: this is the definition that the fast forms are tested against.
@@ -191,7 +191,7 @@ pub fn lagrangian<C: Scalar, S: AlgebraOver<C>>(
     Ok(slip.dot(&slip).scale(k) + force.dot(&force))
 }
 
-/// The Lagrangian from the control `u`, $L = k\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
+/// The Lagrangian from the control `u`, $L = k\\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 ///
 /// It is the same number as [`lagrangian`] gives, since $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control
 /// (13). `xdot_p1`, `x_p2` and `u` have `N` entries.

@@ -9,8 +9,8 @@ use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 /// The heat flow (7) of any [`Lagrangian`] in any [`Metric`], the paper's (11) unless another is given:
 ///
 /// $$ \Omega = G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial x} \right), \quad
-///    \frac{d}{dt} = \frac{\partial}{\partial t} + \dot x^T \frac{\partial}{\partial x}
-///    + \ddot x^T \frac{\partial}{\partial \dot x} . $$
+///    \frac{d}{dt} = \frac{\partial}{\partial t} + \dot x^T \frac{\partial}{\partial x} +
+///    \ddot x^T \frac{\partial}{\partial \dot x} . $$
 ///
 /// Second derivatives of `L` come from nested dual numbers, `4 N` evaluations of it: slow, allocating, and right for
 /// whatever `L` is. With [`ForwardDual::of`](super::jacobian::ForwardDual::of) around it the Jacobian is right as well.

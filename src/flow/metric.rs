@@ -173,7 +173,7 @@ impl<C: Scalar> Drift<C> for FreeDynamics {
     }
 }
 
-/// The Lagrangian $L = (\dot x - F_d)^T G\, (\dot x - F_d)$ of the affine geometric heat flow, for any drift and any metric. Those of
+/// The Lagrangian $L = (\dot x - F_d)^T G\\, (\dot x - F_d)$ of the affine geometric heat flow, for any drift and any metric. Those of
 /// (5) and (11) give the paper's.
 #[derive(Clone, Copy, Debug)]
 pub struct AffineLagrangian<D, M> {

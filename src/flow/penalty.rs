@@ -12,9 +12,9 @@ pub struct Penalty<C = f64> {
 }
 
 impl<C: Scalar> Penalty<C> {
-    /// $b(g)$ and its first three derivatives, the derivatives of the activation kept. With $t = \tanh(c_{cons}\, g)$ those of
-    /// the activation are $S^{\prime} = \tfrac12 c\, (1 - t^2)$, $S^{\prime\prime} = -2 c\, t S^{\prime}$ and $S^{\prime\prime\prime}
-    /// = -2 c\, (c\, (1 - t^2)\, S^{\prime} + t S^{\prime\prime})$.
+    /// $b(g)$ and its first three derivatives, the derivatives of the activation kept. With $t = \tanh(c_{cons}\\, g)$ those of
+    /// the activation are $S^{\prime} = \tfrac12 c\\, (1 - t^2)$, $S^{\prime\prime} = -2 c\\, t S^{\prime}$ and $S^{\prime\prime\prime}
+    /// = -2 c\\, (c\\, (1 - t^2)\\, S^{\prime} + t S^{\prime\prime})$.
     #[inline]
     #[must_use]
     pub fn derivatives<S: AlgebraOver<C> + Tanh>(&self, g: S) -> [S; 4] {
@@ -37,20 +37,20 @@ impl<C: Scalar> Penalty<C> {
     }
 }
 
-/// (A3): the activation $S(g) = \tfrac12 + \tfrac12 \tanh(c_{cons}\, g)$. It goes from 0 to 1 where the constraint is
+/// (A3): the activation $S(g) = \tfrac12 + \tfrac12 \tanh(c_{cons}\\, g)$. It goes from 0 to 1 where the constraint is
 /// violated, and is one half on the boundary.
 pub fn activation<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let half = S::from_f64(0.5);
     half + half * g.scale(c_cons).tanh()
 }
 
-/// $S'(g) = \tfrac12 c_{cons} (1 - \tanh^2(c_{cons}\, g))$.
+/// $S'(g) = \tfrac12 c_{cons} (1 - \tanh^2(c_{cons}\\, g))$.
 pub fn activation_slope<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let tanh = g.scale(c_cons).tanh();
     (S::from_f64(0.5) * (S::one() - tanh * tanh)).scale(c_cons)
 }
 
-/// (A2): the penalty $b(g) = k_{cons}\, g^2 S(g)$.
+/// (A2): the penalty $b(g) = k_{cons}\\, g^2 S(g)$.
 pub fn penalty<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     (g * g * activation(g, c_cons)).scale(k_cons)
 }

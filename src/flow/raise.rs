@@ -11,9 +11,9 @@ use nalgebra::{DMatrix, DVector};
 /// $G^{-1} \gamma(x)$ in the metric $G = \mathrm{blockdiag}(k I, H W H)$, and its derivative in `x`.
 ///
 /// With $z = H^{-1} \gamma_{P2}$ and $y = H^{-1} W^{-1} z$, that is $H W H y = \gamma_{P2}$, the rows of its derivative are
-/// $\tfrac1k\, d\gamma_{P1}$ and
+/// $\tfrac1k\\, d\gamma_{P1}$ and
 ///
-/// $$ dy = H^{-1} \left[ W^{-1} H^{-1} (d\gamma_{P2} - K_z\, dx_{P1}) - K_y\, dx_{P1} \right], \quad
+/// $$ dy = H^{-1} \left[ W^{-1} H^{-1} (d\gamma_{P2} - K_z\\, dx_{P1}) - K_y\\, dx_{P1} \right], \quad
 ///    K_w = \frac{\partial (H w)}{\partial q} . $$
 ///
 /// Cost O(N^3).

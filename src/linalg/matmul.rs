@@ -9,7 +9,7 @@ use std::any::Any;
 /// Writes the product $A B$ of an `m` by `k` and a `k` by `n` matrix to `out`, `m` by `n`. Cost O(m k n).
 ///
 /// Over `f64` it is `faer`'s product, and over every other scalar `nalgebra`'s, which takes up to twice as long where one side is
-/// small. The two round differently: entries differ by at most a few times `k` units of rounding of $|A|\, |B|$.
+/// small. The two round differently: entries differ by at most a few times `k` units of rounding of $|A|\\, |B|$.
 ///
 /// # Panics
 /// Shapes do not agree.

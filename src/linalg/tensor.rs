@@ -2,9 +2,9 @@
 //!
 //! One convention holds everywhere: **a derivative index comes last**, in the order in which the derivatives are written.
 //!
-//! - for a matrix `M`: $(dM)_{ijk} = \partial M_{ij} / \partial x_k$,
-//! - and $(d^2 M)_{ijkl} = \partial^2 M_{ij} / (\partial x_k\, \partial x_l)$;
-//! - for a vector `f`: $(d^2 f)_{ijk} = \partial^2 f_i / (\partial x_j\, \partial y_k)$ in the field named `dxdy`.
+//! - for a matrix `M`: $(dM)\_{ijk} = \partial M_{ij} / \partial x_k$,
+//! - and $(d^2 M)\_{ijkl} = \partial^2 M_{ij} / (\partial x_k\\, \partial x_l)$;
+//! - for a vector `f`: $(d^2 f)\_{ijk} = \partial^2 f_i / (\partial x_j\\, \partial y_k)$ in the field named `dxdy`.
 
 use crate::error::{Result, check_length};
 use crate::scalar::Scalar;
@@ -54,7 +54,7 @@ impl<S: Scalar> Tensor3<S> {
             .map(|slice| DMatrixView::from_slice(slice, self.n, self.n))
     }
 
-    /// The matrix $M_{jk} = \sum_i T_{ijk}\, w_i$; `w` has `N` entries. Cost O(N^3).
+    /// The matrix $M_{jk} = \sum_i T_{ijk}\\, w_i$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_first(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -64,7 +64,7 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The matrix $M_{ik} = \sum_j T_{ijk}\, w_j$; `w` has `N` entries. Cost O(N^3).
+    /// The matrix $M_{ik} = \sum_j T_{ijk}\\, w_j$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_second(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -74,7 +74,7 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The matrix $M_{ij} = \sum_k T_{ijk}\, w_k$; `w` has `N` entries. Cost O(N^3).
+    /// The matrix $M_{ij} = \sum_k T_{ijk}\\, w_k$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_third(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -84,13 +84,13 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The tensor $R_{ijk} = \sum_l M_{il}\, T_{ljk}$; `m` is `N` by `N`. Cost O(N^4).
+    /// The tensor $R_{ijk} = \sum_l M_{il}\\, T_{ljk}$; `m` is `N` by `N`. Cost O(N^4).
     #[must_use]
     pub fn map_first(&self, m: &DMatrix<S>) -> Self {
         self.of_slices(|slice| m * slice)
     }
 
-    /// The tensor $R_{ijk} = \sum_l T_{ilk}\, M_{lj}$; `m` is `N` by `N`. Cost O(N^4).
+    /// The tensor $R_{ijk} = \sum_l T_{ilk}\\, M_{lj}$; `m` is `N` by `N`. Cost O(N^4).
     #[must_use]
     pub fn map_second(&self, m: &DMatrix<S>) -> Self {
         self.of_slices(|slice| slice * m)
@@ -146,7 +146,7 @@ impl<S: Scalar> Tensor4<S> {
         &self.entries
     }
 
-    /// The tensor $R_{ijk} = \sum_l T_{ijkl}\, w_l$, into `out`; `w` has `N` entries. Cost O(N^4).
+    /// The tensor $R_{ijk} = \sum_l T_{ijkl}\\, w_l$, into `out`; `w` has `N` entries. Cost O(N^4).
     pub fn times_fourth(&self, w: &[S], out: &mut Tensor3<S>) {
         out.fill(S::zero());
         for (slice, factor) in (self.entries.chunks_exact(self.n.pow(3).max(1))).zip(w) {
@@ -156,7 +156,7 @@ impl<S: Scalar> Tensor4<S> {
         }
     }
 
-    /// The matrix $M_{kl} = \sum_{ij} T_{ijkl}\, u_i\, w_j$; `u` and `w` have `N` entries. Cost O(N^4).
+    /// The matrix $M_{kl} = \sum_{ij} T_{ijkl}\\, u_i\\, w_j$; `u` and `w` have `N` entries. Cost O(N^4).
     #[must_use]
     pub fn times_first_and_second(&self, u: &DVector<S>, w: &DVector<S>) -> DMatrix<S> {
         let slices = self.entries.chunks_exact((self.n * self.n).max(1));

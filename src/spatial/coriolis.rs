@@ -7,18 +7,18 @@ use std::ops::{Add, AddAssign};
 
 /// The Coriolis matrix of a body with inertia $I$ and velocity $v$,
 ///
-/// $$ B = \tfrac12 \left( v \times^* I - I\, v \times + (I v) \bar\times^* \right), $$
+/// $$ B = \tfrac12 \left( v \times^* I - I\\, v \times + (I v) \bar\times^* \right), $$
 ///
 /// where $f \bar\times^* m = m \times^* f$ (Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body
 /// dynamics using spatial vector algebra", 2022). For a particle of mass $\mu$ at $r$ with velocity $\dot r$ the
-/// definition reduces to $B m = (r \times f, f)$ with $f = \mu\, m_\omega \times \dot r$. So `B` reads only the
+/// definition reduces to $B m = (r \times f, f)$ with $f = \mu\\, m_\omega \times \dot r$. So `B` reads only the
 /// angular part of its argument and twelve numbers hold it. It satisfies $\dot I = B + B^T$ and $B v = v \times^* I v$,
 /// and it adds up over bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coriolis<S: Scalar> {
-    /// The block that maps an angular motion to a moment: $-\sum \mu\, [r]_\times [\dot r]_\times$.
+    /// The block that maps an angular motion to a moment: $-\sum \mu\\, [r]\_\times [\dot r]\_\times$.
     moment: Matrix3<S>,
-    /// The linear momentum $\sum \mu\, \dot r$.
+    /// The linear momentum $\sum \mu\\, \dot r$.
     momentum: Vector3<S>,
 }
 

@@ -4,7 +4,7 @@ use super::{Motion, apply, apply_to_constant, cross, matrix, multiply};
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// The placement of a frame B in a frame A: $r_A = R\, r_B + p$.
+/// The placement of a frame B in a frame A: $r_A = R\\, r_B + p$.
 ///
 /// In Featherstone's notation this is ${}^A X_B$ with $R = E^T$.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use std::fmt;
 const NAMED: usize = 3;
 
 crate::names::named_enum! {
-/// The treatment of a joint that is to follow another one (a `mimic` element: $q_i = m\, q_j + c$).
+/// The treatment of a joint that is to follow another one (a `mimic` element: $q_i = m\\, q_j + c$).
 ///
 /// Such a joint is not natural here: joint `i` moves body `i` and is degree of freedom `i`, with a force of its own, in
 /// every algorithm of this library.

@@ -30,7 +30,7 @@ pub fn value(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// A factor `c` and an exponent `e`: the power $c\, x^e$ that is nearest to the points in the logarithms.
+/// A factor `c` and an exponent `e`: the power $c\\, x^e$ that is nearest to the points in the logarithms.
 /// `None` if a point is not positive or all have the same `x`.
 #[must_use]
 pub fn power_law(points: &[(f64, f64)]) -> Option<(f64, f64)> {

@@ -15,8 +15,8 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, $$
 /// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v}
 ///    \right)^T u \right] $$
-/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2}
-///    + H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
+/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} +
+///    H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
 ///
 /// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}$. The last
 /// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. All derivatives are

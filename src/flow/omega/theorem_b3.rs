@@ -26,8 +26,8 @@ pub struct TheoremB3<S: Scalar> {
     pub dfd0_dq: DMatrix<S>,
     /// $\partial FD_0 / \partial x_{P2}$.
     pub dfd0_dv: DMatrix<S>,
-    /// $\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j}
-    /// (\dot x_{P2} - FD_0)_k$.
+    /// $\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]\_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j}
+    /// (\dot x_{P2} - FD_0)\_k$.
     pub dh_dq_w: DMatrix<S>,
     ldlt: Ldlt<S>,
     force: DVector<S>,
@@ -82,7 +82,7 @@ impl<S: Scalar> TheoremB3<S> {
         Ok(())
     }
 
-    /// (B6): $\Omega_1 = 2 [\ddot x_{P1} - \dot x_{P2};\; (H^T H)^{-1} \gamma]$ with
+    /// (B6): $\Omega_1 = 2 [\ddot x_{P1} - \dot x_{P2};\\; (H^T H)^{-1} \gamma]$ with
     /// $\gamma = (\dot H^T H + H^T \dot H) \dot x_{P2} + H^T H \ddot x_{P2} + \dot H^T C + H^T \dot C$.
     pub fn omega_1(&mut self, node: Node<'_, S>, omega_1: &mut DVector<S>) {
         let (n, one, zero, two) = (self.c.len(), S::one(), S::zero(), S::from_f64(2.0));
@@ -101,7 +101,7 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B7): $\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\; (H^T H)^{-1} \frac{\partial FD_0}{\partial
+    /// (B7): $\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\\; (H^T H)^{-1} \frac{\partial FD_0}{\partial
     /// x_{P2}}^T f]$ with $f = H^T (2 C + 2 H \dot x_{P2})$.
     pub fn omega_2<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_2: &mut DVector<S>)
     where
@@ -122,7 +122,7 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B8): $\Omega_3 = [0;\; 2 k (H^T H)^{-1} (\dot x_{P1} - x_{P2})]$.
+    /// (B8): $\Omega_3 = [0;\\; 2 k (H^T H)^{-1} (\dot x_{P1} - x_{P2})]$.
     pub fn omega_3<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_3: &mut DVector<S>)
     where
         S: AlgebraOver<C>,
@@ -138,7 +138,7 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B9): $\Omega_4 = [\tfrac2k \left[ \frac{\partial H}{\partial x_{P1}} w \right]^T H w;\; 0]$ with
+    /// (B9): $\Omega_4 = [\tfrac2k \left[ \frac{\partial H}{\partial x_{P1}} w \right]^T H w;\\; 0]$ with
     /// $w = \dot x_{P2} - FD_0$.
     pub fn omega_4<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_4: &mut DVector<S>)
     where

@@ -5,7 +5,7 @@
 //!
 //! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the coefficients of a continuous
 //!    piecewise polynomial in the state.
-//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\, \delta = -\nabla A$ with the exact Hessian, becomes a step of Newton's
+//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\\, \delta = -\nabla A$ with the exact Hessian, becomes a step of Newton's
 //!    method as `h` grows (`euler.rs`).
 //! 3. Between stretches of the flow duals take over what large penalties would have to do: of the slip $\dot x_{P1} - x_{P2}$, of rows of
 //!    constraints, of torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).

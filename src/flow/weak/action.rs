@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 /// $$ \frac{\partial A}{\partial c_m} = \sum_g w_g \left( \varphi_m L_x + \dot\varphi_m L_{\dot x} \right), $$
 /// $$ \frac{\partial^2 A}{\partial c_m \partial c_n} = \sum_g w_g \left( \varphi_m \varphi_n L_{x x} + \varphi_m \dot\varphi_n L_{x \dot x} +
 ///    \dot\varphi_m \varphi_n L_{\dot x x} + \dot\varphi_m \dot\varphi_n L_{\dot x \dot x} \right), \qquad
-///    M_{m n} = \sum_g w_g\, \varphi_m \varphi_n\, G . $$
+///    M_{m n} = \sum_g w_g\\, \varphi_m \varphi_n\\, G . $$
 ///
 /// As $\Omega = G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$, the flow tested with the functions in its own metric is $M \dot c = -\nabla A$: no
 /// derivative of the control is needed, and pieces meet as the action wants them to.

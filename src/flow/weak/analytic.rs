@@ -17,7 +17,7 @@ pub(super) type Wide<S> = Lanes<S, LANES>;
 
 /// The Lagrangian
 ///
-/// $$ L = k\, |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}, \qquad e = \dot x_{P1} - x_{P2}, \quad
+/// $$ L = k\\, |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}, \qquad e = \dot x_{P1} - x_{P2}, \quad
 ///    u = ID(x_{P1}, x_{P2}, \dot x_{P2}), $$
 ///
 /// with diagonal weights, in the metric $G = \mathrm{blockdiag}(k I, H W_G H)$. With $W = W_G = I$, without the other weights and without

@@ -36,8 +36,8 @@ pub struct LagrangianDerivatives<S: Scalar> {
     pub values: Vec<S>,
     /// $\partial L / \partial x$ of each point, a column each, then $\partial L / \partial \dot x$: `2 N` by `2 M`.
     pub gradients: DMatrix<S>,
-    /// Second derivatives, a column a block of `2 N` by `2 N` column by column: those in $x\, x$ of each point, then those in
-    /// $x\, \dot x$, $\dot x\, x$ and $\dot x\, \dot x$; $4 N^2$ by `4 M`.
+    /// Second derivatives, a column a block of `2 N` by `2 N` column by column: those in $x\\, x$ of each point, then those in
+    /// $x\\, \dot x$, $\dot x\\, x$ and $\dot x\\, \dot x$; $4 N^2$ by `4 M`.
     pub hessians: DMatrix<S>,
     /// True if second derivatives are to be those of Gauss and Newton: what makes them indefinite is left out.
     pub convex: bool,
@@ -55,8 +55,8 @@ impl<S: Scalar> LagrangianDerivatives<S> {
         }
     }
 
-    /// The second derivatives of one kind at point `g`, `2 N` by `2 N` column by column: 0 for those in $x\, x$, 1 in $x\, \dot x$, 2 in
-    /// $\dot x\, x$, 3 in $\dot x\, \dot x$.
+    /// The second derivatives of one kind at point `g`, `2 N` by `2 N` column by column: 0 for those in $x\\, x$, 1 in $x\\, \dot x$, 2 in
+    /// $\dot x\\, x$, 3 in $\dot x\\, \dot x$.
     pub fn block_mut(&mut self, g: usize, kind: usize) -> &mut [S] {
         let column = kind * self.values.len() + g;
         self.hessians.column_mut(column).data.into_slice_mut()

@@ -5,7 +5,7 @@ use crate::relax::tuning::{APART, FAR, INSIDE};
 /// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
 /// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
 ///
-/// $$ \psi(h) = \min_{s, t > 0} \{ \nu t - \mu \log s - \mu \log t : h + s = t \} . $$
+/// $$ \psi(h) = \min_{s, t > 0} \\{ \nu t - \mu \log s - \mu \log t : h + s = t \\} . $$
 ///
 /// The multiplier $\hat z = \psi'(h) \in (0, \nu)$ solves $h = \mu / (\nu - z) - \mu / z$, with $s = \mu / \hat z$ and
 /// $t = \mu / (\nu - \hat z)$. Far inside $\psi$ is the usual barrier $-\mu \log(-h)$, far outside it is $\nu h$, and as $\mu \to 0$ it

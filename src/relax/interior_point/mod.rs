@@ -3,7 +3,7 @@
 //! The rows at the points of the quadrature are not constraints of the minimiser: each has a [`Barrier`] that is finite everywhere, so
 //! that every curve may be tried, and no start has to be feasible. What is minimised is therefore smooth and has no constraints,
 //!
-//! $$ \phi(c) = \int l_0 + \sum_j \psi_{\mu, \nu}(h_j + m_j)\, dt , $$
+//! $$ \phi(c) = \int l_0 + \sum_j \psi_{\mu, \nu}(h_j + m_j)\\, dt , $$
 //!
 //! and a trust region does it. The Hessian is that of primal-dual interior points, whose multipliers are iterates of their own, so
 //! that few steps are needed when $\mu$ becomes smaller.

@@ -9,7 +9,7 @@ use crate::relax::{Grid, PointCost, PointDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
-/// A horizon that is to be found: $\int l\, dt + w T$ is minimised over `T` as well.
+/// A horizon that is to be found: $\int l\\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeHorizon {
     /// The shortest there may be, s.
@@ -66,8 +66,8 @@ impl FreeHorizon {
 /// slopes: with $z = (q, \dot q, \ddot q)$ and coefficients that move with the rates $c'$,
 ///
 /// $$ \frac{\partial J}{\partial T} = \sum_g w_g \left( \frac{l}{T} + \frac{\partial l}{\partial z} \cdot
-///    \left( \phi c',\ \dot\phi c' - \frac{\dot q}{T},\ \ddot\phi c' - \frac{2 \ddot q}{T} \right)
-///    + \frac{t}{T} \frac{\partial l}{\partial t} \right). $$
+///    \left( \phi c',\ \dot\phi c' - \frac{\dot q}{T},\ \ddot\phi c' - \frac{2 \ddot q}{T} \right) +
+///    \frac{t}{T} \frac{\partial l}{\partial t} \right). $$
 ///
 /// At a minimum over the other coefficients it is the derivative of that minimum.
 ///

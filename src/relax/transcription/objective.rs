@@ -6,12 +6,12 @@ use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// The sum $\sum_g w_g\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
+/// The sum $\sum_g w_g\\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
 ///
 /// With $\phi_m^x$ the function `m` (`x` = 0) and its derivatives at a point and $W^{xy}$ the `N` by `N` blocks of the Hessian of `l` there,
 ///
 /// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
-///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\, W^{xy}. $$
+///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\\, W^{xy}. $$
 ///
 /// The products of functions are tabulated, so all blocks of the Hessian of a segment with `p` functions and `M` points are two products of
 /// matrices, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.

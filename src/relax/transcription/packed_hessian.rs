@@ -18,8 +18,8 @@ const fn index(x: usize, y: usize) -> usize {
 ///
 /// Two functions $\phi_a, \phi_b$ of a curve make a block of its Hessian of them, with $\phi^x$ the derivative that goes with `x`:
 ///
-/// $$ \sum_{x, y} \phi_a^x \phi_b^y\, W^{xy} = \sum_x \phi_a^x \phi_b^x\, W^{xx} + \sum_{x < y}
-///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\,T}}{2}. $$
+/// $$ \sum_{x, y} \phi_a^x \phi_b^y\\, W^{xy} = \sum_x \phi_a^x \phi_b^x\\, W^{xx} + \sum_{x < y}
+///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\\,T}}{2}. $$
 ///
 /// So twice the symmetric and twice the antisymmetric parts are kept, half of each, which takes half of the products that all blocks
 /// would.

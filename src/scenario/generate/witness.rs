@@ -20,7 +20,7 @@ const PARTS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.08, 0.0];
 /// Every so many times first, where most motions that break a limit do so already.
 const STRIDE: usize = 24;
 
-/// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\, h(t / T)$, a polynomial of degree 5 in every joint, so that the
+/// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\\, h(t / T)$, a polynomial of degree 5 in every joint, so that the
 /// relaxation has it among its motions.
 pub(super) struct Witness<'a> {
     pub model: &'a Model,

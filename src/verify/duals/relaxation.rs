@@ -19,7 +19,7 @@ const ROUNDING_GROWTH: f64 = 10.0;
 /// Compares the gradient of the control effort on random curves of two segments with the right-hand side of the flow there, in the
 /// weak form: for each function $\varphi$ of the basis and each joint of the robot, with $\delta x = (\varphi, \dot \varphi)$,
 ///
-/// $$ \delta \int |u|^2 dt = -\int \delta x^T G\, \Omega\, dt - 2 \dot \varphi^T H\, \Delta u, $$
+/// $$ \delta \int |u|^2 dt = -\int \delta x^T G\\, \Omega\\, dt - 2 \dot \varphi^T H\\, \Delta u, $$
 ///
 /// where $\Delta u$ is by how much the control jumps from the first segment to the second. So where the effort is least, the flow is at rest
 /// for all variations that keep $v = \dot q$.

@@ -176,7 +176,7 @@ impl<'p> Reference<'p> {
         Ok(slices.iter().map(whole).collect())
     }
 
-    /// $[\partial H / \partial x_{P1}\, w]_{ij} = \sum_k \partial H_{ik} / \partial q_j\, w_k$.
+    /// $[\partial H / \partial x_{P1}\\, w]\_{ij} = \sum_k \partial H_{ik} / \partial q_j\\, w_k$.
     pub fn dh_dq_w(&self) -> DMatrix<Gf> {
         let columns: Vec<_> = self.dh[..self.n].iter().map(|dh| dh * &self.w).collect();
         DMatrix::from_columns(&columns)

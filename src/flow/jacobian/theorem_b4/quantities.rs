@@ -125,7 +125,7 @@ impl<S: Scalar> Quantities<S> {
         m
     }
 
-    /// $\frac{\partial (H^T H)^{-1}}{\partial x_{P1}} w$ as the matrix $\sum_j \partial (H^T H)^{-1}_{ij} / \partial q_k\, w_j$.
+    /// $\frac{\partial (H^T H)^{-1}}{\partial x_{P1}} w$ as the matrix $\sum_j \partial (H^T H)^{-1}_{ij} / \partial q_k\\, w_j$.
     ///
     /// With $M = H^T H$ it is $-M^{-1} \frac{\partial M}{\partial x_{P1}} y$ at $y = M^{-1} w$, and
     /// $\frac{\partial M}{\partial x_{P1}} y = \frac{\partial H^T}{\partial x_{P1}} H y + H^T \frac{\partial H}{\partial x_{P1}} y$.

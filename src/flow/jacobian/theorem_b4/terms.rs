@@ -25,7 +25,7 @@ impl<S: Scalar> Quantities<S> {
     }
 
     /// (B52): $\Gamma = w^T \frac{\partial H^T}{\partial x_{P1}} H w$ with $w = \dot x_{P2} - FD_0$; entry `k` is
-    /// $\sum_{ij} w_j\, \partial H_{ij} / \partial q_k\, (H w)_i$.
+    /// $\sum_{ij} w_j\\, \partial H_{ij} / \partial q_k\\, (H w)_i$.
     #[must_use]
     pub fn capital_gamma(&self) -> DVector<S> {
         let w = self.w();

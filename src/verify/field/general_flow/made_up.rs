@@ -24,7 +24,7 @@ pub(super) fn trajectory(p: &RandomInstance, skip: usize) -> Result<DualTrajecto
     DualTrajectory::new(p.extra[0], coefficients)
 }
 
-/// The cost $(a t + b)\, u^3 + t^2 u$ with numbers of each joint: no derivative that the flow reads vanishes.
+/// The cost $(a t + b)\\, u^3 + t^2 u$ with numbers of each joint: no derivative that the flow reads vanishes.
 #[derive(Clone)]
 pub(in crate::verify::field) struct Cubic(DVector<Gf>);
 
@@ -64,7 +64,7 @@ impl Metric<Gf> for MatrixAlone {
     }
 }
 
-/// A metric that couples all states and changes with time, $k I + t\, x x^T$.
+/// A metric that couples all states and changes with time, $k I + t\\, x x^T$.
 pub(in crate::verify::field) struct Coupled;
 
 impl Metric<Gf> for Coupled {
