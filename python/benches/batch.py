@@ -60,7 +60,6 @@ def by_pinocchio(robot: str) -> dict[str, float]:
         "aba": lambda i: pin.aba(model, data, p[i], v[i], a[i]),
         "rnea_derivatives": lambda i: pin.computeRNEADerivatives(model, data, p[i], v[i], a[i]),
         "aba_derivatives": lambda i: pin.computeABADerivatives(model, data, p[i], v[i], a[i]),
-        "rnea_second_derivatives": lambda i: pin.ComputeRNEASecondOrderDerivatives(model, data, p[i], v[i], a[i]),
     }
     times = {}
     for name, function in functions.items():

@@ -5,6 +5,7 @@
 //! vectors that were filled.
 
 use crate::error::raised;
+use crate::exact::Exact;
 use aghf::Result;
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
@@ -20,12 +21,11 @@ pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 /// An array for Python.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 
-/// The number of states that go through the arithmetic side by side. Four would have other sines than one (see [`Lanes`]), and results
-/// in batches are to be those of single states, bit for bit.
-const LANES: usize = 8;
+/// The number of states that go through the arithmetic side by side.
+const LANES: usize = 4;
 
 /// Several states.
-type Wide = Lanes<f64, LANES>;
+type Wide = Lanes<Exact, LANES>;
 
 /// The number of states from which on a batch is spread over threads.
 const LEAST_PARALLEL: usize = 64;
@@ -80,7 +80,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
             function.evaluate(model, scratch, states.row(group.start), &mut rows)
         });
     }
-    let zeros = |size| vec![Wide::splat(0.0); size];
+    let zeros = |size| vec![Wide::splat(Exact(0.0)); size];
     let sizes = shapes.each_ref().map(|shape| size_of(shape));
     let scratch = || (function.scratch(model), widths.map(zeros), sizes.map(zeros));
     states.evaluate(
@@ -93,7 +93,9 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
                 // The lanes that are left repeat the last state.
                 let own = states.row((group.start + lane).min(group.end - 1));
                 for (to, from) in inputs.iter_mut().zip(own) {
-                    to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
+                    to.iter_mut()
+                        .zip(from)
+                        .for_each(|(to, x)| to.0[lane] = Exact(*x));
                 }
             }
             let arguments = inputs.each_ref().map(Vec::as_slice);
@@ -103,7 +105,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
                 for (lane, row) in rows.chunks_exact_mut(from.len().max(1)).enumerate() {
                     row.iter_mut()
                         .zip(&*from)
-                        .for_each(|(to, x)| *to = x.0[lane]);
+                        .for_each(|(to, x)| *to = x.0[lane].0);
                 }
             }
             Ok(())

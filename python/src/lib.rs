@@ -3,6 +3,7 @@
 mod batch;
 mod dynamics;
 mod error;
+mod exact;
 mod experiments;
 mod flow;
 mod model;
