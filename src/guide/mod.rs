@@ -1,7 +1,10 @@
-//! How to extend the mathematics: one page for each thing that a user can replace, with an example that is compiled and run as a test.
-//! A page on [many solves](sweeps) tells how to run them on one machine or several, one on [the variants of the flow](variants) what each is.
+//! A book in pages: how to begin, and how to extend the mathematics.
 //!
-//! Every page of the former has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
+//! To begin with: [a first motion](first_motion), from a URDF to a plot; [the command line](command_line); [the notation](notation) of the
+//! paper, the code and Pinocchio; [many solves](sweeps) on one machine or several; [the variants of the flow](variants).
+//!
+//! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test.
+//! Each of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
 //! goes, and what the limits are.
 //!
 //! | to replace | implement | verified by |
@@ -16,6 +19,15 @@
 //!
 //! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which examples there are
 //! to begin with.
+
+#[doc = include_str!("first_motion.md")]
+pub mod first_motion {}
+
+#[doc = include_str!("notation.md")]
+pub mod notation {}
+
+#[doc = include_str!("command_line.md")]
+pub mod command_line {}
 
 #[doc = include_str!("your_crate.md")]
 pub mod your_crate {}
