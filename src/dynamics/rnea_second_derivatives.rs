@@ -1,52 +1,53 @@
 //! Analytic second derivatives of inverse dynamics (RNEA_2D in the supplement).
 //!
-//! The first-order formulas of [`rnea_derivatives`](super::rnea_derivatives) are differentiated once more. The tensors are
-//! those of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics"; one formula for all
-//! three kinds of coordinates stands here for their table of cases.
+//! The tensors are those of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics" (2022), which fills
+//! them joint by joint on the path of the last one as well. The formulas here are the Hessian of
+//! [`rnea_weighted_hessian`](super::rnea_weighted_hessian) for weights that choose one joint `i`: its virtual velocities are $S_i$
+//! after that joint and zero before it. Entries vanish unless the three joints are on one path to the base. Let `k` be the last of
+//! them, with $I, B, F$ those of its subtree. A rate of $v_k$ and of $q_k$ changes `B` by
 //!
-//! A unit rate of a coordinate of joint `l` carries the bodies and axes after `l` along with $S_l$ if it is a rate of $q_l$.
-//! Beyond that the velocity $v$ of a body after `l` changes by $\nu_l$ and its acceleration by $\alpha_l - v \times \nu_l$:
+//! $$ B_v = B(I, S_k), \quad B_q = S_k \times^* B - B\, S_k \times + B(I, \dot\Psi_k) $$
 //!
-//! | rate of | $\nu_l$ | $\alpha_l$ |
-//! | --- | --- | --- |
-//! | $q_l$ | $\dot S_l$ | $\ddot\Psi_l$ |
-//! | $v_l$ | $S_l$ | $2 \dot S_l$ |
-//! | $a_l$ | $0$ | $S_l$ |
+//! and one of $q_k$ changes `I` by $\dot I = B_v + B_v^T$. With $F_q, F_v, F_a$ the derivatives of `F` in the coordinates of joint
+//! `k`, as in [`rnea_derivatives`](super::rnea_derivatives), and `j` a joint that is not after `k`,
 //!
-//! so that its force changes by $2 B \nu_l + I \alpha_l$. With these,
+//! $$ \begin{aligned}
+//!    \partial^2 ID_i / \partial q_j \partial q_k &= S_i \cdot (2 B_q \dot\Psi_j + \dot I \ddot\Psi_j + [i < j]\, S_j \times^* F_q), \\\\
+//!    \partial^2 ID_i / \partial q_j \partial v_k &= S_i \cdot (2 B_v \dot\Psi_j + [i < j]\, S_j \times^* F_v), \\\\
+//!    \partial^2 ID_i / \partial q_k \partial v_j &= S_i \cdot (2 B_q S_j + 2 \dot I \dot\Psi_j), \\\\
+//!    \partial^2 ID_i / \partial v_j \partial v_k &= S_i \cdot 2 B_v S_j, \\\\
+//!    \partial^2 ID_i / \partial a_j \partial q_k &= S_i \cdot \dot I S_j, \quad
+//!    \partial^2 ID_i / \partial a_k \partial q_j = [i < j]\, S_i \cdot (S_j \times^* F_a),
+//! \end{aligned} $$
 //!
-//! $$ \frac{\partial ID_i}{\partial y_k} = S_i^T \left( 2 B \nu_k + I \alpha_k + [y = q,\\, i < k]\\, S_k \times^* f \right) $$
+//! where `i < j` says that `i` is nearer to the base. What joint `k` itself feels of joints `i` and `j` before it, `i` not after `j`, is
+//! $S_i \cdot (S_j \times^* F_a)$ in $a_i, q_j$, the above with the opposite sign in $v_i, v_j$ and in $q_i, v_j$, and with the couples
+//! $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$
 //!
-//! holds for `y` any of `q`, `v`, `a`, where $I, B, f$ are those of the subtree of the later of `i` and `k`, and `i < k` says
-//! that `i` is nearer to the base. For `l` not after `k` the rates $\nu_k$ and $\alpha_k$ of `k` itself change by
-//!
-//! | rate of | $\delta\nu_k$ | $\delta\alpha_k$ |
-//! | --- | --- | --- |
-//! | $q_k$ | $\nu_l \times S_k$ | $\alpha_l \times S_k + 2 \nu_l \times \dot S_k$ |
-//! | $v_k$ | $0$ | $2 \nu_l \times S_k$ |
-//! | $a_k$ | $0$ | $0$ |
-//!
-//! and `B` by $B(I, \nu_l)$, which gives the second derivatives.
+//! $$ \partial^2 ID_k / \partial q_i \partial q_j = \dot\Psi_i \cdot P_j + \ddot\Psi_i \cdot (S_j \times^* F_a), \quad
+//!    \partial^2 ID_k / \partial v_i \partial q_j = S_i \cdot P_j + 2 \dot\Psi_i \cdot (S_j \times^* F_a). $$
 
+use super::rnea_derivatives::SubtreeForceDerivatives;
 use super::{Data, path_to_base};
 use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Coriolis, Force, Inertia, Motion};
+use crate::spatial::{Coriolis, Force, Motion, cross, dot};
+use nalgebra::Vector3;
 
 /// The second derivatives of inverse dynamics that do not vanish.
 ///
 /// `ID` is linear in `a` with the slope $H(q)$, so those in `(a, a)` and in `(a, v)` vanish.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseDynamicsSecondDerivatives<S: Scalar> {
-    /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
+    /// $\partial^2 ID_i / (\partial q_j\, \partial q_k)$.
     pub dqdq: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial v_j\\, \partial v_k)$.
+    /// $\partial^2 ID_i / (\partial v_j\, \partial v_k)$.
     pub dvdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial q_j\\, \partial v_k)$.
+    /// $\partial^2 ID_i / (\partial q_j\, \partial v_k)$.
     pub dqdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial a_j\\, \partial q_k) = \partial H_{ij} / \partial q_k$.
+    /// $\partial^2 ID_i / (\partial a_j\, \partial q_k) = \partial H_{ij} / \partial q_k$.
     pub dadq: Tensor3<S>,
 }
 
@@ -59,26 +60,6 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
             dvdv: Tensor3::new(n),
             dqdv: Tensor3::new(n),
             dadq: Tensor3::new(n),
-        }
-    }
-
-    /// Stores the derivative of $ID_i$ in the coordinates `y` of joint `k` and `x` of joint `l`.
-    fn store(&mut self, i: usize, (y, k): (Kind, usize), (x, l): (Kind, usize), value: S) {
-        use Kind::{A, Q, V};
-        match (y, x) {
-            (Q, Q) => {
-                self.dqdq[(i, k, l)] = value;
-                self.dqdq[(i, l, k)] = value;
-            }
-            (V, V) => {
-                self.dvdv[(i, k, l)] = value;
-                self.dvdv[(i, l, k)] = value;
-            }
-            (Q, V) => self.dqdv[(i, k, l)] = value,
-            (V, Q) => self.dqdv[(i, l, k)] = value,
-            (A, Q) => self.dadq[(i, k, l)] = value,
-            (Q, A) => self.dadq[(i, l, k)] = value,
-            (A, V | A) | (V, A) => {}
         }
     }
 }
@@ -106,140 +87,116 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
         tensor.fill(S::zero());
     }
     data.prepare_derivatives(model, q, v, a)?;
-    for (last, joint) in model.joints().iter().enumerate().rev() {
-        let subtree = Subtree {
-            inertia: data.inertias[last],
-            coriolis: data.coriolis[last],
-            force: data.forces[last],
-        };
-        // Of the three joints `i`, `k` and `l <= k` either `i` is the last, or `k` is.
-        for k in path_to_base(model, last) {
-            for l in path_to_base(model, k) {
-                for (y, x) in PAIRS {
-                    let (at_k, at_l) = (Change::new(y, k, data), Change::new(x, l, data));
-                    let value = data.axes[last].dot(&at_k.after(&at_l, &subtree));
-                    out.store(last, (y, k), (x, l), value);
-                }
-            }
-        }
-        for l in path_to_base(model, last) {
-            for (y, x) in PAIRS {
-                let (at_k, at_l) = (Change::new(y, last, data), Change::new(x, l, data));
-                let between = at_k.between(&at_l, &subtree);
-                let before = at_k.before(&at_l, &subtree);
-                for i in path_to_base(model, last).skip(1) {
-                    let force = if i < l { &before } else { &between };
-                    out.store(i, (y, last), (x, l), data.axes[i].dot(force));
-                }
-            }
+    for (k, joint) in model.joints().iter().enumerate().rev() {
+        let last = Last::new(k, data);
+        for j in path_to_base(model, k) {
+            last.fill(model, data, j, out);
         }
         if let Some(parent) = joint.parent() {
-            data.inertias[parent] += subtree.inertia;
-            data.coriolis[parent] += subtree.coriolis;
-            data.forces[parent] += subtree.force;
+            let force = data.forces[k];
+            data.forces[parent] += force;
+            data.add_to_subtree(k, parent);
         }
     }
     Ok(())
 }
 
-/// The three coordinates of a joint.
-#[derive(Clone, Copy)]
-enum Kind {
-    Q,
-    V,
-    A,
+/// What the subtree of the last of three joints, `k`, has to do with the others.
+struct Last<S: Scalar> {
+    k: usize,
+    /// $F_q, F_v, F_a$.
+    force: SubtreeForceDerivatives<S>,
+    /// $B_q$.
+    b_by_q: Coriolis<S>,
+    /// $B_v$.
+    b_by_v: Coriolis<S>,
+    /// $P$.
+    couple: Vector3<S>,
 }
 
-/// The kinds of the later and of the earlier coordinate in a second derivative that does not vanish.
-const PAIRS: [(Kind, Kind); 6] = [
-    (Kind::Q, Kind::Q),
-    (Kind::V, Kind::V),
-    (Kind::Q, Kind::V),
-    (Kind::V, Kind::Q),
-    (Kind::A, Kind::Q),
-    (Kind::Q, Kind::A),
-];
-
-/// The sums over the bodies after a joint.
-struct Subtree<S: Scalar> {
-    inertia: Inertia<S>,
-    coriolis: Coriolis<S>,
-    force: Force<S>,
-}
-
-/// What a unit rate of one coordinate of a joint does.
-struct Change<S: Scalar> {
-    kind: Kind,
-    /// $S$.
-    axis: Motion<S>,
-    /// $\dot S$.
-    rate: Motion<S>,
-    /// $\nu$.
-    nu: Motion<S>,
-    /// $\alpha$.
-    alpha: Motion<S>,
-}
-
-impl<S: Scalar> Change<S> {
-    fn new(kind: Kind, joint: usize, data: &Data<S>) -> Self {
-        let (axis, rate) = (data.axes[joint], data.axis_rates[joint]);
-        let (nu, alpha) = match kind {
-            Kind::Q => (rate, data.psi_ddot[joint]),
-            Kind::V => (axis, rate + rate),
-            Kind::A => (Motion::zero(), axis),
-        };
+impl<S: Scalar> Last<S> {
+    /// Of joint `k`, with the sums over its subtree in `data`.
+    fn new(k: usize, data: &Data<S>) -> Self {
+        let (axis, rate) = (&data.axes[k], &data.axis_rates[k]);
+        let (inertia, coriolis) = (&data.inertias[k], &data.coriolis[k]);
         Self {
-            kind,
-            axis,
-            rate,
-            nu,
-            alpha,
+            k,
+            force: data.push(k),
+            b_by_q: coriolis.carried(axis) + Coriolis::new(inertia, rate),
+            b_by_v: Coriolis::new(inertia, axis),
+            couple: coriolis.apply_transpose(axis) * S::from_f64(2.0),
         }
     }
 
-    /// $2 B \nu + I \alpha$: how the force on the subtree changes beyond being carried along.
-    fn force(&self, subtree: &Subtree<S>) -> Force<S> {
-        let half = subtree.coriolis.apply(&self.nu);
-        half + half + subtree.inertia.apply(&self.alpha)
+    /// $\dot I m$.
+    fn inertia_rate(&self, m: &Motion<S>) -> Force<S> {
+        self.b_by_v.apply(m) + Force::couple(self.b_by_v.apply_transpose(m))
     }
 
-    /// What `force` brings joints that are not carried along: for a rate of `q`, $S \times^*$ it, else nothing.
-    fn carried(&self, force: &Force<S>) -> Force<S> {
-        match self.kind {
-            Kind::Q => self.axis.cross_force(force),
-            Kind::V | Kind::A => Force::zero(),
-        }
-    }
-
-    /// $\delta\nu$ and $\delta\alpha$ under a change at a joint that is not after this one.
-    fn changed_by(&self, l: &Self) -> (Motion<S>, Motion<S>) {
-        let turned = l.nu.cross(&self.axis);
-        match self.kind {
-            Kind::Q => {
-                let twice = l.nu.cross(&(self.rate + self.rate));
-                (turned, l.alpha.cross(&self.axis) + twice)
+    /// The entries of joints `k` and `j` and any third one before `k`.
+    fn fill<C: Scalar>(
+        &self,
+        model: &Model<C>,
+        data: &Data<S>,
+        j: usize,
+        out: &mut InverseDynamicsSecondDerivatives<S>,
+    ) {
+        let two = S::from_f64(2.0);
+        let k = self.k;
+        let (axis, rate, psi_ddot) = (&data.axes[j], &data.axis_rates[j], &data.psi_ddot[j]);
+        let qq = self.b_by_q.apply(rate) * two + self.inertia_rate(psi_ddot);
+        let qv = self.b_by_v.apply(rate) * two;
+        let vq = (self.b_by_q.apply(axis) + self.inertia_rate(rate)) * two;
+        let vv = self.b_by_v.apply(axis) * two;
+        let aq = self.inertia_rate(axis);
+        // Joints from k up to j.
+        for i in path_to_base(model, k).take_while(|i| *i >= j) {
+            let axis_i = &data.axes[i];
+            let by_qq = axis_i.dot(&qq);
+            let by_qv = axis_i.dot(&qv);
+            let by_vv = axis_i.dot(&vv);
+            out.dqdq[(i, j, k)] = by_qq;
+            out.dqdq[(i, k, j)] = by_qq;
+            out.dvdv[(i, j, k)] = by_vv;
+            out.dvdv[(i, k, j)] = by_vv;
+            out.dqdv[(i, j, k)] = by_qv;
+            out.dqdv[(i, k, j)] = axis_i.dot(&vq);
+            out.dadq[(i, j, k)] = axis_i.dot(&aq);
+            if i < k {
+                out.dvdv[(k, j, i)] = -by_vv;
+                out.dvdv[(k, i, j)] = -by_vv;
+                out.dqdv[(k, j, i)] = -by_qv;
             }
-            Kind::V => (Motion::zero(), turned + turned),
-            Kind::A => (Motion::zero(), Motion::zero()),
         }
-    }
-
-    /// The second-order force for a joint that both changes carry along, or that is the last of all.
-    fn after(&self, l: &Self, subtree: &Subtree<S>) -> Force<S> {
-        let (delta_nu, delta_alpha) = self.changed_by(l);
-        let half = Coriolis::new(&subtree.inertia, &l.nu).apply(&self.nu)
-            + subtree.coriolis.apply(&delta_nu);
-        half + half + subtree.inertia.apply(&delta_alpha)
-    }
-
-    /// The same for a joint before this one that `l` carries along.
-    fn between(&self, l: &Self, subtree: &Subtree<S>) -> Force<S> {
-        self.after(l, subtree) + self.carried(&l.force(subtree))
-    }
-
-    /// The same for a joint before both.
-    fn before(&self, l: &Self, subtree: &Subtree<S>) -> Force<S> {
-        let first = self.force(subtree) + self.carried(&subtree.force);
-        self.between(l, subtree) + l.carried(&first)
+        // Joints before j, which feel what joint j carries.
+        let qq = qq + axis.cross_force(&self.force.by_q);
+        let qv = qv + axis.cross_force(&self.force.by_v);
+        let qa = axis.cross_force(&self.force.by_a);
+        for i in path_to_base(model, j).skip(1) {
+            let axis_i = &data.axes[i];
+            let by_qq = axis_i.dot(&qq);
+            let by_vv = axis_i.dot(&vv);
+            let by_qa = axis_i.dot(&qa);
+            out.dqdq[(i, j, k)] = by_qq;
+            out.dqdq[(i, k, j)] = by_qq;
+            out.dvdv[(i, j, k)] = by_vv;
+            out.dvdv[(i, k, j)] = by_vv;
+            out.dqdv[(i, j, k)] = axis_i.dot(&qv);
+            out.dqdv[(i, k, j)] = axis_i.dot(&vq);
+            out.dadq[(i, j, k)] = axis_i.dot(&aq);
+            out.dadq[(i, k, j)] = by_qa;
+            out.dadq[(k, i, j)] = by_qa;
+        }
+        if j < k {
+            let couple =
+                cross(&axis.angular, &self.couple) - self.b_by_v.apply_transpose(rate) * two;
+            for i in path_to_base(model, j) {
+                let (axis_i, rate_i) = (&data.axes[i], &data.axis_rates[i]);
+                let by_qq = dot(&rate_i.angular, &couple) + data.psi_ddot[i].dot(&qa);
+                out.dqdq[(k, i, j)] = by_qq;
+                out.dqdq[(k, j, i)] = by_qq;
+                out.dqdv[(k, j, i)] = dot(&axis_i.angular, &couple) + rate_i.dot(&qa) * two;
+            }
+        }
     }
 }

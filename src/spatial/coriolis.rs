@@ -66,6 +66,30 @@ impl<S: Scalar> Coriolis<S> {
     pub fn apply_transpose(&self, m: &Motion<S>) -> Vector3<S> {
         apply_transpose(&self.moment, &m.angular) + cross(&self.momentum, &m.linear)
     }
+
+    /// $m \times^* B - B\, m \times$: how fast `B` changes when the bodies are carried along with velocity `m`, velocities and all.
+    #[inline]
+    #[must_use]
+    pub fn carried(&self, m: &Motion<S>) -> Self {
+        // [w]x M - M [w]x from the turning, and (u . p) 1 - p u^T from the moment of p, which moves with the linear part u.
+        let (w, p, u) = (&m.angular, &self.momentum, &m.linear);
+        let column = |j: usize| cross(w, &self.moment.column(j).into_owned());
+        let turned = [column(0), column(1), column(2)];
+        let row = |i: usize| {
+            let row = |j| self.moment[(i, j)];
+            cross(&Vector3::new(row(0), row(1), row(2)), w)
+        };
+        let back = [row(0), row(1), row(2)];
+        let along = dot(u, p);
+        let moment = matrix(|i, j| {
+            let moved = p[i] * u[j];
+            turned[j][i] - back[i][j] + if i == j { along - moved } else { -moved }
+        });
+        Self {
+            moment,
+            momentum: cross(w, p),
+        }
+    }
 }
 
 impl<S: Scalar> Add for Coriolis<S> {
