@@ -1,6 +1,6 @@
 //! Analytic first derivatives of forward dynamics (ABA_D in the supplement).
 
-use super::{Data, InverseDynamicsDerivatives, aba, check_square, rnea_derivatives};
+use super::{Data, InverseDynamicsDerivatives, check_square};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -39,7 +39,7 @@ impl<S: Scalar> ForwardDynamicsDerivatives<S> {
 ///
 /// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\\, \partial ID / \partial q$
 /// at $a = FD$, and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
-/// algorithms", RSS 2018). Cost O(N^3).
+/// algorithms", RSS 2018). Cost O(N^2 d) with d the depth of the tree.
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
@@ -59,16 +59,21 @@ pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     ] {
         check_square(what, n, matrix)?;
     }
-    aba(model, data, q, v, tau, out.a.as_mut_slice())?;
+    model.check("tau", tau.len())?;
+    model.check("a", out.a.len())?;
     let id = &mut out.inverse_dynamics;
-    rnea_derivatives(model, data, q, v, out.a.as_slice(), id)?;
-    data.ldlt.factorise(&id.h);
-    out.h_inverse.fill_with_identity();
-    data.ldlt.solve_columns(&mut out.h_inverse);
-    for (derivative, of_id) in [(&mut out.dq, &id.dq), (&mut out.dv, &id.dv)] {
-        derivative.copy_from(of_id);
-        data.ldlt.solve_columns(derivative);
-        derivative.neg_mut();
+    id.clear(model)?;
+    data.place(model, q)?;
+    data.add_velocities(model, v)?;
+    data.accelerate(model, v, tau, out.a.as_mut_slice());
+    data.invert_mass_matrix(model);
+    let columns = out.h_inverse.as_mut_slice().chunks_exact_mut(n);
+    for (column, tiles) in columns.zip(data.h_inverse.columns()) {
+        column.copy_from_slice(&tiles.as_flattened()[..n]);
     }
+    // Placements, velocities and accelerations are those that inverse dynamics at a would find.
+    data.differentiate_bodies(model);
+    data.fill_derivatives(model, id);
+    data.minus_h_inverse_times(model, [&id.dq, &id.dv], [&mut out.dq, &mut out.dv]);
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! Scratch space.
 
 use crate::error::{Result, check_length};
-use crate::linalg::Ldlt;
+use crate::linalg::Tiled;
 use crate::model::Model;
 use crate::scalar::Scalar;
-use crate::spatial::{Coriolis, Force, Inertia, Motion, Placement};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use crate::spatial::{ArticulatedInertia, Coriolis, Force, Inertia, Motion, Placement};
+use nalgebra::Vector3;
 
 /// Scratch space for the algorithms on one model. It carries nothing from one call to the next.
 #[derive(Clone, Debug)]
@@ -39,13 +39,19 @@ pub struct Data<S: Scalar = f64> {
     /// What moving a joint adds to the virtual velocities of its subtree.
     pub(super) virtual_axis_rates: Vec<Motion<S>>,
     /// Articulated-body inertias.
-    pub(super) articulated: Vec<Matrix6<S>>,
-    /// Articulated-body inertias times axes.
-    pub(super) articulated_axes: Vec<Vector6<S>>,
-    /// One number a joint.
+    pub(super) articulated: Vec<ArticulatedInertia<S>>,
+    /// $U_i = I^A_i S_i$, articulated-body inertias times axes.
+    pub(super) articulated_axes: Vec<Force<S>>,
+    /// One number per joint; after [`aba`](super::aba) $D_i = S_i^T U_i$.
     pub(super) scalar_scratch: Vec<S>,
-    /// Factors of the mass matrix.
-    pub(super) ldlt: Ldlt<S>,
+    /// The inverse of the mass matrix.
+    pub(super) h_inverse: Tiled<S>,
+    /// Factors of the columns of a sum.
+    pub(super) terms: Vec<(usize, [S; 1])>,
+    /// The same for two sums.
+    pub(super) pairs_of_terms: Vec<(usize, [S; 2])>,
+    /// The last joint after each joint.
+    pub(super) last_after: Vec<usize>,
 }
 
 impl<S: Scalar> Data<S> {
@@ -68,10 +74,13 @@ impl<S: Scalar> Data<S> {
             virtual_coriolis: vec![Coriolis::new(&Inertia::zero(), &Motion::zero()); n],
             virtual_couples: vec![Vector3::zeros(); n],
             virtual_axis_rates: vec![Motion::zero(); n],
-            articulated: vec![Matrix6::zeros(); n],
-            articulated_axes: vec![Vector6::zeros(); n],
+            articulated: vec![ArticulatedInertia::new(&Inertia::zero()); n],
+            articulated_axes: vec![Force::zero(); n],
             scalar_scratch: vec![S::zero(); n],
-            ldlt: Ldlt::new(n),
+            h_inverse: Tiled::new(n),
+            terms: Vec::with_capacity(n),
+            pairs_of_terms: Vec::with_capacity(n),
+            last_after: vec![0; n],
         }
     }
 

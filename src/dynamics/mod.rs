@@ -21,6 +21,7 @@ mod energy;
 mod frame_jacobian;
 mod kinematics;
 mod mass_matrix_and_rate;
+mod mass_matrix_inverse;
 mod mass_matrix_product_derivative;
 mod mass_matrix_rate_derivatives;
 mod rnea;

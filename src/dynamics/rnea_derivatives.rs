@@ -66,14 +66,7 @@ pub fn rnea_derivatives<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<()> {
     out.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
-    data.sum_forces(model);
-    data.read_torques(&mut out.tau);
-    for (i, joint) in model.joints().iter().enumerate().rev() {
-        data.push(i).fill_row_and_column(model, data, i, out);
-        if let Some(parent) = joint.parent() {
-            data.add_to_subtree(i, parent);
-        }
-    }
+    data.fill_derivatives(model, out);
     Ok(())
 }
 
@@ -125,6 +118,15 @@ impl<S: Scalar> Data<S> {
         self.place(model, q)?;
         self.add_velocities(model, v)?;
         self.add_accelerations(model, v, a)?;
+        self.differentiate_bodies(model);
+        Ok(())
+    }
+
+    /// The same for bodies whose placements, velocities and accelerations are known.
+    pub(super) fn differentiate_bodies<C: Scalar>(&mut self, model: &Model<C>)
+    where
+        S: AlgebraOver<C>,
+    {
         for i in 0..model.dof() {
             let (inertia, velocity) = (self.inertias[i], &self.velocities[i]);
             let coriolis = Coriolis::new(&inertia, velocity);
@@ -140,7 +142,22 @@ impl<S: Scalar> Data<S> {
                 None => base.cross(&axis),
             };
         }
-        Ok(())
+    }
+
+    /// Inverse dynamics and its derivatives, after [`prepare_derivatives`](Self::prepare_derivatives), into matrices that are zero.
+    pub(super) fn fill_derivatives<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        out: &mut InverseDynamicsDerivatives<S>,
+    ) {
+        self.sum_forces(model);
+        self.read_torques(&mut out.tau);
+        for (i, joint) in model.joints().iter().enumerate().rev() {
+            self.push(i).fill_row_and_column(model, self, i, out);
+            if let Some(parent) = joint.parent() {
+                self.add_to_subtree(i, parent);
+            }
+        }
     }
 
     /// Makes of the forces on the bodies those on their subtrees.

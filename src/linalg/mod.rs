@@ -11,6 +11,7 @@ mod matmul;
 #[cfg(feature = "solvers")]
 mod positive_part;
 mod tensor;
+mod tiled;
 #[cfg(feature = "solvers")]
 mod trust_region;
 
@@ -24,6 +25,7 @@ pub use matmul::multiply;
 #[cfg(feature = "solvers")]
 pub(crate) use positive_part::positive_part;
 pub use tensor::{Tensor3, Tensor4};
+pub(crate) use tiled::{TILE, Tiled};
 #[cfg(feature = "solvers")]
 pub(crate) use trust_region::{Region, Step, add_step};
 

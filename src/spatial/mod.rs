@@ -3,18 +3,20 @@
 //! Motions and forces live in different spaces and have different types, so that `motion x force` cannot be mistaken for
 //! `motion x motion`. All are written at one origin; [`Placement`] moves them between frames.
 
+mod articulated;
 mod coriolis;
 mod inertia;
 mod placement;
 mod product;
 mod vector;
 
+pub use articulated::ArticulatedInertia;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
 pub use placement::Placement;
 pub(crate) use product::{
     apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross,
-    dot, matrix, multiply, outer,
+    dot, matrix, multiply, outer, symmetric,
 };
 pub use vector::{Force, Motion};
 

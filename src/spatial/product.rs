@@ -34,6 +34,14 @@ pub(crate) fn matrix<S: Scalar>(f: impl Fn(usize, usize) -> S) -> Matrix3<S> {
     Matrix3::new(a, b, c, d, e, g, f(2, 0), f(2, 1), f(2, 2))
 }
 
+/// The symmetric matrix with these entries on and above the diagonal.
+#[inline(always)]
+pub(crate) fn symmetric<S: Scalar>(f: impl Fn(usize, usize) -> S) -> Matrix3<S> {
+    let (a, b, c) = (f(0, 0), f(0, 1), f(0, 2));
+    let (d, e) = (f(1, 1), f(1, 2));
+    Matrix3::new(a, b, c, b, d, e, c, e, f(2, 2))
+}
+
 /// $M x$.
 #[inline(always)]
 pub(crate) fn apply<S: Scalar>(m: &Matrix3<S>, x: &Vector3<S>) -> Vector3<S> {

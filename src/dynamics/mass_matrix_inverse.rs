@@ -1,0 +1,75 @@
+//! The inverse of the mass matrix from the articulated bodies, and products with it.
+
+use super::{Data, path_to_base};
+use crate::linalg::TILE;
+use crate::model::Model;
+use crate::scalar::{AlgebraOver, Scalar};
+use nalgebra::DMatrix;
+
+impl<S: Scalar> Data<S> {
+    /// $H^{-1}$, both halves, into `h_inverse`, after [`accelerate`](Self::accelerate). Cost O(N^2 d) with d the depth of the tree.
+    ///
+    /// The articulated bodies hold the factors of $H = L^T D L$ (6.5 in Featherstone's book): eliminating joints from the tips to the
+    /// base leaves $S_j^T I^A_i S_i$ in row `i`, so that $L_{ij} = S_j \cdot U_i / D_i$ for `j` before `i`. From
+    /// $L H^{-1} = D^{-1} L^{-T}$, which is upper triangular with the diagonal $D^{-1}$, row `i` follows from the rows of the joints
+    /// before `i` on its path.
+    pub(super) fn invert_mass_matrix<C: Scalar>(&mut self, model: &Model<C>)
+    where
+        S: AlgebraOver<C>,
+    {
+        self.h_inverse.clear();
+        for i in 0..model.dof() {
+            let ratio = S::one() / self.scalar_scratch[i];
+            let scaled = self.articulated_axes[i] * ratio;
+            self.terms.clear();
+            for j in path_to_base(model, i).skip(1) {
+                self.terms.push((j, [self.axes[j].dot(&scaled)]));
+            }
+            for tile in 0..=i / TILE {
+                let [sum] = self.h_inverse.minus_sum(&self.terms, tile);
+                self.h_inverse.column_mut(i)[tile] = sum;
+            }
+            let mut diagonal = ratio;
+            for (j, [factor]) in &self.terms {
+                diagonal -= *factor * self.h_inverse[(*j, i)];
+            }
+            self.h_inverse[(i, i)] = diagonal;
+            for j in 0..i {
+                self.h_inverse[(i, j)] = self.h_inverse[(j, i)];
+            }
+        }
+    }
+
+    /// $-H^{-1} A$ for two matrices `A` whose entries vanish but for joints on one path to the base, after
+    /// [`invert_mass_matrix`](Self::invert_mass_matrix); all `N` by `N`. Cost O(N^2 d).
+    pub(super) fn minus_h_inverse_times<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        a: [&DMatrix<S>; 2],
+        out: [&mut DMatrix<S>; 2],
+    ) {
+        let n = model.dof();
+        for i in 0..n {
+            self.last_after[i] = i;
+        }
+        for (i, joint) in model.joints().iter().enumerate().rev() {
+            if let Some(parent) = joint.parent() {
+                self.last_after[parent] = self.last_after[parent].max(self.last_after[i]);
+            }
+        }
+        let [first, second] = out.map(|matrix| matrix.as_mut_slice().chunks_exact_mut(n));
+        for (j, (first, second)) in first.zip(second).enumerate() {
+            self.pairs_of_terms.clear();
+            let before = path_to_base(model, j).skip(1);
+            for k in before.chain(j..=self.last_after[j]) {
+                self.pairs_of_terms.push((k, a.map(|a| a[(k, j)])));
+            }
+            let tiles = first.chunks_mut(TILE).zip(second.chunks_mut(TILE));
+            for (tile, (first, second)) in tiles.enumerate() {
+                let [x, y] = self.h_inverse.minus_sum(&self.pairs_of_terms, tile);
+                first.copy_from_slice(&x[..first.len()]);
+                second.copy_from_slice(&y[..second.len()]);
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Sums of columns, a few rows at a time.
+
+use crate::scalar::Scalar;
+use std::ops::{Index, IndexMut};
+
+/// How many rows stay in registers together.
+pub(crate) const TILE: usize = 4;
+
+/// A square matrix by columns, which zeros fill up to whole tiles of rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Tiled<S: Scalar> {
+    /// The number of tiles of a column.
+    tiles: usize,
+    entries: Vec<[S; TILE]>,
+}
+
+impl<S: Scalar> Tiled<S> {
+    /// The zero matrix of order `n`.
+    pub(crate) fn new(n: usize) -> Self {
+        let tiles = n.div_ceil(TILE);
+        Self {
+            tiles,
+            entries: vec![[S::zero(); TILE]; tiles * n],
+        }
+    }
+
+    /// Makes every entry zero.
+    pub(crate) fn clear(&mut self) {
+        self.entries.fill([S::zero(); TILE]);
+    }
+
+    /// The tiles of a column.
+    pub(crate) fn column_mut(&mut self, j: usize) -> &mut [[S; TILE]] {
+        &mut self.entries[j * self.tiles..][..self.tiles]
+    }
+
+    /// All columns one after the other.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = &[[S; TILE]]> {
+        self.entries.chunks_exact(self.tiles.max(1))
+    }
+
+    /// One tile of $-\sum_j f_j x_j$ with the columns $x_j$ and each of `M` factors $f_j$ in `terms`.
+    #[inline]
+    pub(crate) fn minus_sum<const M: usize>(
+        &self,
+        terms: &[(usize, [S; M])],
+        tile: usize,
+    ) -> [[S; TILE]; M] {
+        let mut sums = [[S::zero(); TILE]; M];
+        for (j, factors) in terms {
+            let column = &self.entries[j * self.tiles + tile];
+            for m in 0..M {
+                for row in 0..TILE {
+                    sums[m][row] -= column[row] * factors[m];
+                }
+            }
+        }
+        sums
+    }
+}
+
+impl<S: Scalar> Index<(usize, usize)> for Tiled<S> {
+    type Output = S;
+    #[inline]
+    fn index(&self, (i, j): (usize, usize)) -> &S {
+        &self.entries[j * self.tiles + i / TILE][i % TILE]
+    }
+}
+
+impl<S: Scalar> IndexMut<(usize, usize)> for Tiled<S> {
+    #[inline]
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut S {
+        &mut self.entries[j * self.tiles + i / TILE][i % TILE]
+    }
+}
