@@ -1,6 +1,6 @@
 //! The mass matrix by the composite rigid body algorithm (Featherstone, 6.2, in base coordinates).
 
-use super::{Data, check_square, path_to_base};
+use super::{Data, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -16,9 +16,8 @@ pub fn crba<C: Scalar, S: AlgebraOver<C>>(
     q: &[S],
     h: &mut DMatrix<S>,
 ) -> Result<()> {
-    check_square("h", model.dof(), h)?;
+    clear_square("h", model.dof(), h)?;
     data.place(model, q)?;
-    h.fill(S::zero());
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let momentum = data.inertias[i].apply(&data.axes[i]);
         for j in path_to_base(model, i) {

@@ -1,6 +1,6 @@
 //! The mass matrix, its rate and its first and second derivatives as tensors (CRBA_2D in the supplement).
 
-use super::{Data, check_square, path_to_base};
+use super::{Data, check_square, clear_square, path_to_base};
 use crate::error::Result;
 use crate::linalg::{Tensor3, Tensor4};
 use crate::model::Model;
@@ -58,13 +58,12 @@ pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     out: &mut MassMatrixDerivatives<S>,
 ) -> Result<()> {
     let n = model.dof();
-    check_square("h", n, &out.h)?;
+    clear_square("h", n, &mut out.h)?;
     check_square("hdot", n, &out.hdot)?;
     out.dq.check("dq", n)?;
     out.dqdq.check("dqdq", n)?;
     model.check("v", v.len())?;
     data.place(model, q)?;
-    out.h.fill(S::zero());
     out.dq.fill(S::zero());
     out.dqdq.fill(S::zero());
     for (last, joint) in model.joints().iter().enumerate().rev() {

@@ -1,6 +1,6 @@
 //! The mass matrix and its rate (CRBA_D in the supplement).
 
-use super::{Data, check_square, path_to_base};
+use super::{Data, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -23,15 +23,13 @@ pub fn mass_matrix_and_rate<C: Scalar, S: AlgebraOver<C>>(
     h: &mut DMatrix<S>,
     hdot: &mut DMatrix<S>,
 ) -> Result<()> {
-    check_square("h", model.dof(), h)?;
-    check_square("hdot", model.dof(), hdot)?;
+    clear_square("h", model.dof(), h)?;
+    clear_square("hdot", model.dof(), hdot)?;
     data.place(model, q)?;
     data.add_velocities(model, v)?;
     for i in 0..model.dof() {
         data.coriolis[i] = Coriolis::new(&data.inertias[i], &data.velocities[i]);
     }
-    h.fill(S::zero());
-    hdot.fill(S::zero());
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, rate) = (data.axes[i], data.axis_rates[i]);
         let (inertia, coriolis) = (data.inertias[i], data.coriolis[i]);

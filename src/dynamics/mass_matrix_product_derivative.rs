@@ -1,6 +1,6 @@
 //! The derivative of the mass matrix, contracted with a vector.
 
-use super::{Data, check_square, path_to_base};
+use super::{Data, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -22,10 +22,9 @@ pub fn mass_matrix_product_derivative<C: Scalar, S: AlgebraOver<C>>(
     w: &[S],
     k: &mut DMatrix<S>,
 ) -> Result<()> {
-    check_square("k", model.dof(), k)?;
+    clear_square("k", model.dof(), k)?;
     data.place(model, q)?;
     data.add_virtual_velocities(model, w)?;
-    k.fill(S::zero());
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, gained) = (data.axes[i], data.virtual_axis_rates[i]);
         let (inertia, momentum) = (data.inertias[i], data.virtual_momenta[i]);

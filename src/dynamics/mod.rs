@@ -60,6 +60,14 @@ pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>)
     check_length(what, n, matrix.ncols())
 }
 
+/// Makes a result zero if it is an `n` by `n` matrix.
+fn clear_square<S: Scalar>(what: &'static str, n: usize, matrix: &mut DMatrix<S>) -> Result<()> {
+    check_square(what, n, matrix)?;
+    // `DMatrix::fill` goes entry by entry.
+    matrix.as_mut_slice().fill(S::zero());
+    Ok(())
+}
+
 /// Joint `from` and the joints it hangs from, up to the base.
 #[inline]
 pub(crate) fn path_to_base<C: Scalar>(

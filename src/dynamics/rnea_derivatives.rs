@@ -4,7 +4,7 @@
 //! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the paper's
 //! $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
 
-use super::{Data, check_square, kinematics, path_to_base};
+use super::{Data, clear_square, kinematics, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -44,8 +44,7 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
             ("dv", &mut self.dv),
             ("h", &mut self.h),
         ] {
-            check_square(what, model.dof(), matrix)?;
-            matrix.fill(S::zero());
+            clear_square(what, model.dof(), matrix)?;
         }
         Ok(())
     }

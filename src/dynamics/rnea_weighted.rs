@@ -26,7 +26,7 @@
 //!
 //! and the other half of each block follows from the symmetry of second derivatives.
 
-use super::{Data, InverseDynamicsDerivatives, check_square, path_to_base};
+use super::{Data, InverseDynamicsDerivatives, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -91,8 +91,7 @@ impl<S: Scalar> RneaWeightedHessian<S> {
             ("qa", &mut self.qa),
         ];
         for (what, matrix) in blocks {
-            check_square(what, model.dof(), matrix)?;
-            matrix.fill(S::zero());
+            clear_square(what, model.dof(), matrix)?;
         }
         Ok(())
     }

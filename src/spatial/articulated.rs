@@ -19,7 +19,7 @@ pub struct ArticulatedInertia<S: Scalar> {
 
 impl<S: Scalar> ArticulatedInertia<S> {
     /// That of a body alone.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(inertia: &Inertia<S>) -> Self {
         Self {
@@ -30,7 +30,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
     }
 
     /// The force that the acceleration `m` takes: $I^A m$.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         Force::new(
@@ -41,7 +41,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
 
     /// $I^A - \gamma\, u u^T$ for a force `u`: what is left of it beyond a joint with $u = I^A S$ and $\gamma = 1 / (S^T u)$, that
     /// gives way (7.2.1 in the book).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn without(&self, u: &Force<S>, gamma: S) -> Self {
         let scaled = *u * gamma;
@@ -56,7 +56,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
 }
 
 impl<S: Scalar> AddAssign for ArticulatedInertia<S> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.rotational += other.rotational;
         self.coupling += other.coupling;

@@ -24,7 +24,7 @@ pub struct Coriolis<S: Scalar> {
 
 impl<S: Scalar> Coriolis<S> {
     /// `B` of a body with inertia `inertia` and velocity `v`, both about the same origin.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(inertia: &Inertia<S>, v: &Motion<S>) -> Self {
         // With r' = v_O + w x r the sum is -[h]x [v_O]x - [w]x S, where S = 1/2 tr(I) 1 - I holds the second moments.
@@ -51,7 +51,7 @@ impl<S: Scalar> Coriolis<S> {
     }
 
     /// $B m$.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         Force::new(
@@ -61,14 +61,14 @@ impl<S: Scalar> Coriolis<S> {
     }
 
     /// $B^T m$, a couple: the force it stands for has this moment and no linear part.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn apply_transpose(&self, m: &Motion<S>) -> Vector3<S> {
         apply_transpose(&self.moment, &m.angular) + cross(&self.momentum, &m.linear)
     }
 
     /// $m \times^* B - B\, m \times$: how fast `B` changes when the bodies are carried along with velocity `m`, velocities and all.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn carried(&self, m: &Motion<S>) -> Self {
         // [w]x M - M [w]x from the turning, and (u . p) 1 - p u^T from the moment of p, which moves with the linear part u.
@@ -94,7 +94,7 @@ impl<S: Scalar> Coriolis<S> {
 
 impl<S: Scalar> Add for Coriolis<S> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self {
             moment: self.moment + other.moment,
@@ -104,7 +104,7 @@ impl<S: Scalar> Add for Coriolis<S> {
 }
 
 impl<S: Scalar> AddAssign for Coriolis<S> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }

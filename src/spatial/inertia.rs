@@ -1,6 +1,8 @@
 //! The spatial inertia of a rigid body, or of several that move as one.
 
-use super::{Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, matrix};
+use super::{
+    Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, symmetric,
+};
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
@@ -39,7 +41,7 @@ impl<S: Scalar> Inertia<S> {
     }
 
     /// The momentum of a body with this inertia and velocity `m`: $I m$.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
         let h = &self.first_moment;
@@ -51,7 +53,7 @@ impl<S: Scalar> Inertia<S> {
 
     /// The inertia of a body given in the frame B, in the coordinates of A, where `placement` is that of B in A (2.66).
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn placed<T: AlgebraOver<S>>(&self, placement: &Placement<T>) -> Inertia<T> {
         let (r, p) = (&placement.rotation, &placement.translation);
         let mass = T::lift(self.mass);
@@ -61,7 +63,7 @@ impl<S: Scalar> Inertia<S> {
         // [a]x [b]x = b a^T - (a . b) 1, and the moved centre is h + m p.
         let moved = h + p * mass;
         let trace = dot(p, &h) + dot(&moved, p);
-        let rotational = matrix(|i, j| {
+        let rotational = symmetric(|i, j| {
             let turned = half[0][i] * r[(j, 0)] + half[1][i] * r[(j, 1)] + half[2][i] * r[(j, 2)];
             let outer = p[i] * h[j] + moved[i] * p[j];
             turned + if i == j { trace - outer } else { -outer }
@@ -90,7 +92,7 @@ impl<S: Scalar> Inertia<S> {
 
 impl<S: Scalar> Add for Inertia<S> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self {
             mass: self.mass + other.mass,
@@ -101,7 +103,7 @@ impl<S: Scalar> Add for Inertia<S> {
 }
 
 impl<S: Scalar> AddAssign for Inertia<S> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }

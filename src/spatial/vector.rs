@@ -42,7 +42,7 @@ macro_rules! vector_space {
 
         impl<S: Scalar> Add for $name<S> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn add(self, other: Self) -> Self {
                 Self::new(self.angular + other.angular, self.linear + other.linear)
             }
@@ -50,21 +50,21 @@ macro_rules! vector_space {
 
         impl<S: Scalar> Sub for $name<S> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn sub(self, other: Self) -> Self {
                 Self::new(self.angular - other.angular, self.linear - other.linear)
             }
         }
 
         impl<S: Scalar> AddAssign for $name<S> {
-            #[inline]
+            #[inline(always)]
             fn add_assign(&mut self, other: Self) {
                 *self = *self + other;
             }
         }
 
         impl<S: Scalar> SubAssign for $name<S> {
-            #[inline]
+            #[inline(always)]
             fn sub_assign(&mut self, other: Self) {
                 *self = *self - other;
             }
@@ -72,7 +72,7 @@ macro_rules! vector_space {
 
         impl<S: Scalar> Neg for $name<S> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn neg(self) -> Self {
                 Self::new(-self.angular, -self.linear)
             }
@@ -80,7 +80,7 @@ macro_rules! vector_space {
 
         impl<S: Scalar> Mul<S> for $name<S> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn mul(self, factor: S) -> Self {
                 Self::new(self.angular * factor, self.linear * factor)
             }
@@ -93,7 +93,7 @@ vector_space!(Force);
 
 impl<S: Scalar> Force<S> {
     /// A moment without a linear force.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn couple(moment: Vector3<S>) -> Self {
         Self::new(moment, Vector3::zeros())
@@ -102,7 +102,7 @@ impl<S: Scalar> Force<S> {
 
 impl<S: Scalar> Motion<S> {
     /// $v \times m$: how fast `m` changes when it is carried along with velocity `self` (2.31 in the book).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn cross(&self, m: &Self) -> Self {
         Self::new(
@@ -112,7 +112,7 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// $v \times^* f$: how fast `f` changes when it is carried along with velocity `self` (2.32 in the book).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn cross_force(&self, f: &Force<S>) -> Force<S> {
         Force::new(
@@ -122,7 +122,7 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// $m \cdot f$, a power or a generalised force.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn dot(&self, f: &Force<S>) -> S {
         dot(&self.angular, &f.angular) + dot(&self.linear, &f.linear)

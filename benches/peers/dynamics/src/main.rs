@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! aghf-peers-dynamics ROBOT values    results of aghf at the first states, one line each
-//! aghf-peers-dynamics ROBOT times S   microseconds per state, the least of several blocks of S seconds
+//! aghf-peers-dynamics ROBOT times S [FUNCTION]    microseconds per state, the least of several blocks of S seconds
 //! aghf-peers-dynamics ROBOT dynibo S  the same of dynibo, once it agrees with aghf
 //! ```
 //!
@@ -34,14 +34,16 @@ fn main() {
 /// Does what the arguments say.
 fn run(arguments: &[&str]) -> Result<()> {
     let [robot, what, rest @ ..] = arguments else {
-        return Err("usage: ROBOT values | times SECONDS | dynibo SECONDS".into());
+        return Err("usage: ROBOT values | times SECONDS [FUNCTION] | dynibo SECONDS".into());
     };
     let urdf = Path::new(robot).with_extension("urdf");
     let (model, _) = aghf::urdf::load_urdf(&urdf)?;
     let states = read_states(&Path::new(robot).with_extension("txt"), model.dof())?;
     match (*what, rest) {
         ("values", []) => ours::values(&model, &states),
-        ("times", [seconds]) => ours::times(&model, &states, seconds.parse()?),
+        ("times", [seconds, function @ ..]) if function.len() <= 1 => {
+            ours::times(&model, &states, seconds.parse()?, function.first().copied())
+        }
         ("dynibo", [seconds]) => peer::times(&urdf, model, &states, seconds.parse()?),
         _ => Err(format!("{what} is not known").into()),
     }

@@ -1,11 +1,11 @@
 //! Values and times of `aghf`.
 
 use crate::{Result, State, time};
-use aghf::model::Model;
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
     aba, aba_derivatives, crba, rnea, rnea_derivatives, rnea_second_derivatives,
 };
+use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Lanes};
 use nalgebra::DMatrix;
 use std::hint::black_box;
@@ -50,9 +50,9 @@ fn print(name: &str, numbers: &[f64]) {
     println!("{name} {}", numbers.join(" "));
 }
 
-/// Prints the times at one state at a time and at several side by side.
-pub fn times(model: &Model, states: &[State], seconds: f64) -> Result<()> {
-    times_of(model, "single", states, 1, seconds)?;
+/// Prints the times at one state at a time and at several side by side, of all functions unless one is asked for.
+pub fn times(model: &Model, states: &[State], seconds: f64, function: Option<&str>) -> Result<()> {
+    times_of(model, ("single", 1), states, seconds, function)?;
     let side_by_side = |group: &[State]| -> [Vec<Lanes<f64, LANES>>; 4] {
         std::array::from_fn(|part| {
             let joint = |i: usize| Lanes(std::array::from_fn(|lane| group[lane][part][i]));
@@ -60,16 +60,16 @@ pub fn times(model: &Model, states: &[State], seconds: f64) -> Result<()> {
         })
     };
     let groups: Vec<_> = states.chunks_exact(LANES).map(side_by_side).collect();
-    times_of(model, "lanes", &groups, LANES, seconds)
+    times_of(model, ("lanes", LANES), &groups, seconds, function)
 }
 
 /// The same at states of one kind, each of which stands for `lanes` states.
 fn times_of<S: AlgebraOver<f64>>(
     model: &Model,
-    mode: &str,
+    (mode, lanes): (&str, usize),
     states: &[[Vec<S>; 4]],
-    lanes: usize,
     seconds: f64,
+    function: Option<&str>,
 ) -> Result<()> {
     let n = model.dof();
     let mut data = Data::new(model);
@@ -77,53 +77,27 @@ fn times_of<S: AlgebraOver<f64>>(
     let mut id = InverseDynamicsDerivatives::new(n);
     let mut fd = ForwardDynamicsDerivatives::new(n);
     let mut second = InverseDynamicsSecondDerivatives::new(n);
-    let report = |name: &str, found: Result<f64>| {
-        found.map(|microseconds| println!("{name} {mode} {microseconds:.6}"))
-    };
-    let found = time(states, lanes, seconds, |[q, v, a, _]| {
-        rnea(model, &mut data, black_box(q), v, a, &mut tau)?;
+    let row = |name: &str, call: &mut dyn FnMut(&[Vec<S>; 4]) -> aghf::Result<()>| -> Result<()> {
+        if function.is_none_or(|wanted| wanted == name) {
+            let found = time(states, lanes, seconds, |state| Ok(call(black_box(state))?))?;
+            println!("{name} {mode} {found:.6}");
+        }
         Ok(())
-    });
-    report("rnea", found)?;
-    let found = time(states, lanes, seconds, |[q, ..]| {
-        Ok(crba(model, &mut data, black_box(q), &mut h)?)
-    });
-    report("crba", found)?;
-    let found = time(states, lanes, seconds, |[q, v, _, force]| {
-        Ok(aba(model, &mut data, black_box(q), v, force, &mut tau)?)
-    });
-    report("aba", found)?;
-    let found = time(states, lanes, seconds, |[q, v, a, _]| {
-        Ok(rnea_derivatives(
-            model,
-            &mut data,
-            black_box(q),
-            v,
-            a,
-            &mut id,
-        )?)
-    });
-    report("rnea_derivatives", found)?;
-    let found = time(states, lanes, seconds, |[q, v, _, force]| {
-        Ok(aba_derivatives(
-            model,
-            &mut data,
-            black_box(q),
-            v,
-            force,
-            &mut fd,
-        )?)
-    });
-    report("aba_derivatives", found)?;
-    let found = time(states, lanes, seconds, |[q, v, a, _]| {
-        Ok(rnea_second_derivatives(
-            model,
-            &mut data,
-            black_box(q),
-            v,
-            a,
-            &mut second,
-        )?)
-    });
-    report("rnea_second_derivatives", found)
+    };
+    row("rnea", &mut |[q, v, a, _]| {
+        rnea(model, &mut data, q, v, a, &mut tau)
+    })?;
+    row("crba", &mut |[q, ..]| crba(model, &mut data, q, &mut h))?;
+    row("aba", &mut |[q, v, _, force]| {
+        aba(model, &mut data, q, v, force, &mut tau)
+    })?;
+    row("rnea_derivatives", &mut |[q, v, a, _]| {
+        rnea_derivatives(model, &mut data, q, v, a, &mut id)
+    })?;
+    row("aba_derivatives", &mut |[q, v, _, force]| {
+        aba_derivatives(model, &mut data, q, v, force, &mut fd)
+    })?;
+    row("rnea_second_derivatives", &mut |[q, v, a, _]| {
+        rnea_second_derivatives(model, &mut data, q, v, a, &mut second)
+    })
 }

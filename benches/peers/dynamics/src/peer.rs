@@ -1,8 +1,8 @@
 //! Times of `dynibo`, which has values only.
 
 use crate::{Result, State, time, under_gravity};
-use aghf::model::Model;
 use aghf::dynamics::{Data, aba, crba, rnea};
+use aghf::model::Model;
 use dynibo::Robot;
 use nalgebra::DMatrix;
 use std::hint::black_box;
