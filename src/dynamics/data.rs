@@ -46,10 +46,10 @@ pub struct Data<S: Scalar = f64> {
     pub(super) scalar_scratch: Vec<S>,
     /// The inverse of the mass matrix.
     pub(super) h_inverse: Tiled<S>,
-    /// Factors of the columns of a sum.
-    pub(super) terms: Vec<(usize, [S; 1])>,
-    /// The same for two sums.
-    pub(super) pairs_of_terms: Vec<(usize, [S; 2])>,
+    /// The joints that are on one path to the base with some joint.
+    pub(super) related: Vec<usize>,
+    /// Numbers that belong to those.
+    pub(super) factors: [Vec<S>; 2],
     /// The last joint after each joint.
     pub(super) last_after: Vec<usize>,
 }
@@ -78,8 +78,8 @@ impl<S: Scalar> Data<S> {
             articulated_axes: vec![Force::zero(); n],
             scalar_scratch: vec![S::zero(); n],
             h_inverse: Tiled::new(n),
-            terms: Vec::with_capacity(n),
-            pairs_of_terms: Vec::with_capacity(n),
+            related: Vec::with_capacity(n),
+            factors: [Vec::with_capacity(n), Vec::with_capacity(n)],
             last_after: vec![0; n],
         }
     }

@@ -21,16 +21,19 @@ impl<S: Scalar> Data<S> {
         for i in 0..model.dof() {
             let ratio = S::one() / self.scalar_scratch[i];
             let scaled = self.articulated_axes[i] * ratio;
-            self.terms.clear();
+            self.related.clear();
             for j in path_to_base(model, i).skip(1) {
-                self.terms.push((j, [self.axes[j].dot(&scaled)]));
+                self.related.push(j);
             }
+            let [row, _] = &mut self.factors;
+            row.clear();
+            row.extend(self.related.iter().map(|j| self.axes[*j].dot(&scaled)));
             for tile in 0..=i / TILE {
-                let [sum] = self.h_inverse.minus_sum(&self.terms, tile);
+                let [sum] = self.h_inverse.minus_sum(&self.related, [&*row], tile);
                 self.h_inverse.column_mut(i)[tile] = sum;
             }
             let mut diagonal = ratio;
-            for (j, [factor]) in &self.terms {
+            for (j, factor) in self.related.iter().zip(row) {
                 diagonal -= *factor * self.h_inverse[(*j, i)];
             }
             self.h_inverse[(i, i)] = diagonal;
@@ -59,14 +62,20 @@ impl<S: Scalar> Data<S> {
         }
         let [first, second] = out.map(|matrix| matrix.as_mut_slice().chunks_exact_mut(n));
         for (j, (first, second)) in first.zip(second).enumerate() {
-            self.pairs_of_terms.clear();
-            let before = path_to_base(model, j).skip(1);
-            for k in before.chain(j..=self.last_after[j]) {
-                self.pairs_of_terms.push((k, a.map(|a| a[(k, j)])));
+            self.related.clear();
+            for k in path_to_base(model, j).skip(1) {
+                self.related.push(k);
             }
+            self.related.extend(j..=self.last_after[j]);
+            for (factors, a) in self.factors.iter_mut().zip(a) {
+                let column = &a.as_slice()[j * n..][..n];
+                factors.clear();
+                factors.extend(self.related.iter().map(|k| column[*k]));
+            }
+            let factors = self.factors.each_ref().map(Vec::as_slice);
             let tiles = first.chunks_mut(TILE).zip(second.chunks_mut(TILE));
             for (tile, (first, second)) in tiles.enumerate() {
-                let [x, y] = self.h_inverse.minus_sum(&self.pairs_of_terms, tile);
+                let [x, y] = self.h_inverse.minus_sum(&self.related, factors, tile);
                 first.copy_from_slice(&x[..first.len()]);
                 second.copy_from_slice(&y[..second.len()]);
             }

@@ -39,19 +39,21 @@ impl<S: Scalar> Tiled<S> {
         self.entries.chunks_exact(self.tiles.max(1))
     }
 
-    /// One tile of $-\sum_j f_j x_j$ with the columns $x_j$ and each of `M` factors $f_j$ in `terms`.
+    /// One tile of $-\sum_j f_j x_j$ with the columns $x_j$ that are listed and for each of `M` lists of factors $f_j$.
     #[inline]
     pub(crate) fn minus_sum<const M: usize>(
         &self,
-        terms: &[(usize, [S; M])],
+        columns: &[usize],
+        factors: [&[S]; M],
         tile: usize,
     ) -> [[S; TILE]; M] {
         let mut sums = [[S::zero(); TILE]; M];
-        for (j, factors) in terms {
+        let factors = factors.map(|factors| &factors[..columns.len()]);
+        for (at, j) in columns.iter().enumerate() {
             let column = &self.entries[j * self.tiles + tile];
             for m in 0..M {
                 for row in 0..TILE {
-                    sums[m][row] -= column[row] * factors[m];
+                    sums[m][row] -= column[row] * factors[m][at];
                 }
             }
         }
