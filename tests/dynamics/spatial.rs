@@ -1,7 +1,7 @@
 //! Spatial algebra: invariance under a change of frame, and the products as rates of change.
 
 use crate::common::{config, numbers};
-use aghf::spatial::{Coriolis, Force, Inertia, Motion, Placement};
+use aghf::spatial::{ArticulatedInertia, Coriolis, Force, Inertia, Motion, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -122,5 +122,32 @@ proptest! {
         let coriolis = Coriolis::new(&inertia.placed(&at), &v);
         let transposed = Force::couple(coriolis.apply_transpose(&m));
         close(coriolis.apply(&m) + transposed, rate);
+    }
+
+    /// Carrying a moving body along with `s` gives all its particles the velocity of `s`, and turns their own velocities.
+    #[test]
+    fn a_coriolis_matrix_is_carried_along(x in numbers(16), v in numbers(6), s in numbers(6), m in numbers(6)) {
+        let (inertia, v, s, m) = (body(&particles(&x)), motion(&v), motion(&s), motion(&m));
+        let coriolis = Coriolis::new(&inertia, &v);
+        let rate = s.cross_force(&coriolis.apply(&m)) - coriolis.apply(&s.cross(&m));
+        close(coriolis.carried(&s).apply(&m), rate);
+    }
+
+    /// Beyond a joint that gives way an acceleration along its axis takes no force, and no other one does work along it.
+    #[test]
+    fn an_articulated_body_gives_way_along_the_axis(x in numbers(16), s in numbers(6), t in numbers(6), m in numbers(6)) {
+        let (inertia, s, t, m) = (body(&particles(&x)), motion(&s), motion(&t), motion(&m));
+        let mut articulated = ArticulatedInertia::new(&inertia);
+        close(articulated.apply(&m), inertia.apply(&m));
+        // Twice over, so that it is no longer the inertia of a rigid body.
+        let other = articulated.apply(&t);
+        articulated += articulated.without(&other, 1.0 / t.dot(&other));
+        let u = articulated.apply(&s);
+        let apparent = articulated.without(&u, 1.0 / s.dot(&u));
+        let expected = articulated.apply(&m) - u * (m.dot(&u) / s.dot(&u));
+        close(apparent.apply(&m), expected);
+        let size = 1.0 + u.angular.amax() + u.linear.amax();
+        let left = apparent.apply(&s);
+        prop_assert!(left.angular.amax().max(left.linear.amax()) < 1e-11 * size);
     }
 }
