@@ -39,7 +39,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         )
     }
 
-    /// $I^A - \gamma\, u u^T$ for a force `u`: what is left of it beyond a joint with $u = I^A S$ and $\gamma = 1 / (S^T u)$, that
+    /// $I^A - \gamma\\, u u^T$ for a force `u`: what is left of it beyond a joint with $u = I^A S$ and $\gamma = 1 / (S^T u)$, that
     /// gives way (7.2.1 in the book).
     #[inline(always)]
     #[must_use]

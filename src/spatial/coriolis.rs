@@ -67,7 +67,7 @@ impl<S: Scalar> Coriolis<S> {
         apply_transpose(&self.moment, &m.angular) + cross(&self.momentum, &m.linear)
     }
 
-    /// $m \times^* B - B\, m \times$: how fast `B` changes when the bodies are carried along with velocity `m`, velocities and all.
+    /// $m \times^* B - B\\, m \times$: how fast `B` changes when the bodies are carried along with velocity `m`, velocities and all.
     #[inline(always)]
     #[must_use]
     pub fn carried(&self, m: &Motion<S>) -> Self {

@@ -69,8 +69,9 @@ pub const BOUND: f64 = 1e-9;
 pub const LARGEST_BOUND: f64 = 1e-5;
 /// The same of what is divided by the mass matrix twice and then multiplied by it twice, as the weak form of the relaxation.
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
-/// What is so small beside the inertia of the robot may be what rounding leaves of zero.
-const VANISHING: f64 = 1e-6;
+/// What is so small beside the inertia of the robot may be what rounding leaves of zero: with [`BOUND`] errors of 50 units of rounding
+/// pass there, as sums of several products have them.
+const VANISHING: f64 = 1e-5;
 /// The largest error that central differences may have, relative to the largest entry of all blocks: they are there for comparison only.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
 /// The same where the step of a difference is not small beside the distance over which the mass matrix loses rank. States at which
