@@ -77,10 +77,10 @@ impl Scenario {
             (Some(own), _) => {
                 ScenarioCost::Own(Box::new(CostThroughDynamics::of(model, own.clone())))
             }
-            (None, None) => ScenarioCost::Squares(ControlEffort::new(model)),
+            (None, None) => ScenarioCost::Squares(Box::new(ControlEffort::new(model))),
             (None, Some(weights)) => {
                 let weights = weights.weighted(model.dof())?;
-                ScenarioCost::Squares(ControlEffort::weighted(model, &weights)?)
+                ScenarioCost::Squares(Box::new(ControlEffort::weighted(model, &weights)?))
             }
         })
     }
@@ -90,7 +90,7 @@ impl Scenario {
 #[derive(Clone)]
 pub(super) enum ScenarioCost<'m> {
     /// Weighted squares.
-    Squares(ControlEffort<'m, f64, f64>),
+    Squares(Box<ControlEffort<'m, f64, f64>>),
     /// One of the user's own.
     Own(Box<CostThroughDynamics<'m, SharedCost>>),
 }
