@@ -43,8 +43,8 @@ pub struct RelaxSettings {
     /// [`longest_horizon`](Self::longest_horizon). Because it satisfies all constraints before the minimisation, so
     /// does the final motion.
     pub planned_starts: PlannedStarts,
-    /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a free
-    /// horizon takes precedence.
+    /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a
+    /// free horizon takes precedence.
     pub longest_horizon: Option<f64>,
     /// An initial curve, used directly at this degree; only its shape matters, which is fitted to the boundary states
     /// and the horizon of the problem.

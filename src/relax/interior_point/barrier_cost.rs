@@ -22,9 +22,9 @@ use std::ops::Range;
 /// $$ l = l_0 + \sum_j \psi(h_j + m_j) . $$
 ///
 /// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
-/// over its limit divided by the limit. The margin $m_j \ge 0$ is the amount by which the row is larger near a point than at
-/// it. Multipliers $z_j$ belong to a point, so that the integral over time turns them into densities, which do not
-/// depend on the number of points.
+/// over its limit divided by the limit. The margin $m_j \ge 0$ is the amount by which the row is larger near a point
+/// than at it. Multipliers $z_j$ belong to a point, so that the integral over time turns them into densities, which do
+/// not depend on the number of points.
 ///
 /// The barrier of a clearance fades out at the distance `F`: with $x = -h / F$, the term
 /// $\mu ((x - 1) - \tfrac12 (x - 1)^2)$ is added for $0 \le x \le 1$, its tangent at $x = 0$ for $x < 0$, and the

@@ -227,7 +227,8 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         }
     }
 
-    /// Returns true after the last step: at the limit, or if rows are relaxed and another start is worth more than steps.
+    /// Returns true after the last step: at the limit, or when rows are still relaxed so late that another start is
+    /// better.
     fn is_over(&mut self, steps: usize) -> bool {
         let late = self.constrained && steps >= CONSTRAINED_STEPS;
         let stuck = late && self.objective.cost_mut().largest_relaxation() > 0.0;
