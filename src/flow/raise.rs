@@ -34,7 +34,7 @@ pub(super) struct Raise<'m, C: Scalar, S: Scalar> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
-    /// For `model` and the metric with these weights.
+    /// The conversion for `model` in the metric with these weights.
     pub(super) fn new(model: &'m Model<C>, weights: ActuationWeights<C>) -> Self {
         let n = model.dof();
         Self {

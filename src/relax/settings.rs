@@ -58,10 +58,9 @@ pub struct RelaxSettings {
 crate::names::named_enum! {
 /// The starts for which a planner looks for a path around obstacles.
 pub enum PlannedStarts("planned starts") {
-    /// Every other start beyond those that were asked for, while none of these leads to a motion.
+    /// Every other start beyond the requested ones, while none of these leads to a motion.
     Later = "later",
-    /// The first start, on a longer horizon where limits ask for that, and later ones; a motion that keeps all
-    /// constraints will do.
+    /// The first start, on a longer horizon if limits require it, and later ones; a feasible motion suffices.
     First = "first",
     /// None.
     Never = "never",

@@ -15,7 +15,7 @@ use std::time::Duration;
 crate::names::named_enum! {
 /// A method for solving a scenario.
 pub enum Method("method") {
-    /// Straight to least control effort, where the flow would come to rest, by Newton's method.
+    /// Direct minimisation of the control effort by Newton's method, to the limit of the flow.
     Relax = "relax",
     /// The Affine Geometric Heat Flow as published (Algorithm B3).
     Flow = "flow",
@@ -23,17 +23,15 @@ pub enum Method("method") {
 }
 
 crate::names::named_enum! {
-/// A variant of the flow; all go down the action of a Lagrangian.
+/// A variant of the flow; all minimise the action of a Lagrangian.
 pub enum FlowVariant("variant") {
-    /// As published: collocated, the penalty `k`, constraints as penalties, integrated to `s_max`.
+    /// The published flow: collocated, the penalty `k`, constraints as penalties, integrated to `s_max`.
     Published = "published",
-    /// To rest by an implicit scheme whose steps grow without bound; what the penalties leave of slip and constraints
-    /// stays.
+    /// Flow to rest by an implicit scheme with growing steps, with the slip and the violations that penalties leave.
     Rest = "rest",
-    /// To rest, with duals that take over what large penalties would have to do (the idea of EL-AGHF).
+    /// Flow to rest with duals, which replace large penalties (the idea of EL-AGHF).
     Duals = "duals",
-    /// The same in two phases: the first looks for a motion within the constraints, the second for one of least cost
-    /// (that of BLAZE).
+    /// Flow with duals in two phases: first to a motion within the constraints, then to least cost (the idea of BLAZE).
     TwoPhases = "two-phases",
 }
 }

@@ -21,11 +21,11 @@ const INTERVALS: usize = 2000;
 /// The progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Record {
-    /// Of the published flow.
+    /// Progress of the published flow.
     Flow(FlowRecord),
-    /// Of a flow to rest.
+    /// Progress of a flow to rest.
     Rest(RestRecord),
-    /// Of the relaxation.
+    /// Progress of the relaxation.
     Relax(Iteration),
 }
 

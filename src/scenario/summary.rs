@@ -60,11 +60,11 @@ pub struct Summary {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Details {
-    /// Of the published flow.
+    /// Details of the published flow.
     Flow(FlowDetails),
-    /// Of a flow to rest.
+    /// Details of a flow to rest.
     Rest(RestDetails),
-    /// Of the relaxation.
+    /// Details of the relaxation.
     Relax(RelaxDetails),
 }
 

@@ -16,7 +16,7 @@ use std::ops::{Add, AddAssign};
 /// $B v = v \times^* I v$, and it adds up over bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coriolis<S: Scalar> {
-    /// The block that maps an angular motion to a moment: $-\sum \mu\\, [r]\_\times [\dot r]\_\times$.
+    /// The block that maps an angular motion to a moment: $-\sum \mu\\, r_\times \dot r_\times$.
     moment: Matrix3<S>,
     /// The linear momentum $\sum \mu\\, \dot r$.
     momentum: Vector3<S>,

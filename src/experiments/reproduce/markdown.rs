@@ -275,7 +275,7 @@ pub(super) fn machine(seconds: f64) -> String {
     )
 }
 
-/// The name of the processor, if the system provides it in the way of Linux.
+/// The name of the processor, if the system provides it like Linux.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -16,18 +16,18 @@ use std::borrow::Cow;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Grid {
-    /// Of the flow.
+    /// Lists of the flow.
     Flow(FlowGrid),
-    /// Of the relaxation.
+    /// Lists of the relaxation.
     Relax(RelaxGrid),
 }
 
 /// One point of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameters {
-    /// Of the flow.
+    /// Parameters of the flow.
     Flow(FlowPoint),
-    /// Of the relaxation.
+    /// Parameters of the relaxation.
     Relax(RelaxPoint),
 }
 
