@@ -1,13 +1,13 @@
-//! What can be wrong with the input.
+//! Errors of the input.
 
 #[cfg(feature = "solvers")]
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// The result of everything that reads input.
+/// The result of all functions that read input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Bad input: says which file, which element of it, and what is wrong with that.
+/// Invalid input: names the file, the element and the fault.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A slice or matrix has the wrong size.
@@ -20,14 +20,14 @@ pub enum Error {
         /// The number of entries it has.
         found: usize,
     },
-    /// Something in a file, or in a model made in code, is wrong.
+    /// An element of a file, or of a model made in code, is invalid.
     #[error("{file}: {element}: {condition}")]
     Input {
-        /// The file, or the name of what was built in or made in code.
+        /// The file, or the name of a built-in or programmatic object.
         file: String,
         /// The element of the file: a link, a joint, a key.
         element: String,
-        /// A statement of what is wrong with it.
+        /// The fault.
         condition: String,
     },
     /// A file cannot be read or written.
@@ -41,7 +41,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// An [`Error::Input`].
+    /// Builds an [`Error::Input`].
     pub fn input(
         file: impl Into<String>,
         element: impl Into<String>,
@@ -54,7 +54,7 @@ impl Error {
         }
     }
 
-    /// An [`Error::Io`] about `path`.
+    /// Builds an [`Error::Io`] about `path`.
     pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Io {
             path: path.into(),
@@ -76,7 +76,7 @@ pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) ->
     }
 }
 
-/// Checks that a number that was asked for is within its bounds. `what` names the setting.
+/// Checks that a requested number is within its bounds. `what` names the setting.
 #[cfg(feature = "solvers")]
 pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> Result<()> {
     if allowed.contains(&found) {
@@ -87,7 +87,7 @@ pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usiz
     Err(Error::input("settings", what, condition))
 }
 
-/// Checks that a number that was asked for is positive and finite. `of` and `what` name the bundle and the number in it.
+/// Checks that a requested number is positive and finite. `of` and `what` name the group and the number in it.
 #[cfg(feature = "solvers")]
 pub(crate) fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
@@ -97,7 +97,7 @@ pub(crate) fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
     Err(Error::input(of, what, condition))
 }
 
-/// A number in a message: as it is written, but not in hundreds of digits.
+/// Formats a number for a message, without hundreds of digits.
 pub(crate) fn plain(x: f64) -> String {
     if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {
         format!("{x}")

@@ -1,21 +1,21 @@
-//! Texts that are read: of files and of the standard input.
+//! Text input from files and the standard input.
 
 use crate::error::{Error, Result};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// The path that stands for the standard input.
+/// The path that denotes the standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// The largest text that is read, in bytes; that of a robot or a scenario has a few thousand, up to a million with all its meshes named.
+/// The largest text that is read, in bytes; those of robots and scenarios have a few thousand, at most a million.
 /// Devices such as `/dev/zero` have no end.
 const LARGEST_TEXT: u64 = 1 << 26;
 
-/// The text of a file, or of the standard input for `-`, without a byte-order mark.
+/// Reads the text of a file, or of the standard input for `-`, without a byte-order mark.
 ///
 /// # Errors
-/// The file cannot be read, is larger than 64 MiB or no UTF-8.
+/// The file cannot be read, is larger than 64 MiB or is not UTF-8.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     if !is_standard_input(path) {
         let text = std::fs::File::open(path).and_then(read_whole);
@@ -30,7 +30,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     Ok(TEXT.get_or_init(|| text).clone())
 }
 
-/// As [`read_text`]; a file that does not exist is no built-in `kind` either.
+/// Reads as [`read_text`] does; the error for a missing file says that there is no built-in `kind` of that name either.
 pub(crate) fn read_named(path: &Path, kind: &str) -> Result<String> {
     read_text(path).map_err(|error| match error {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
@@ -41,12 +41,12 @@ pub(crate) fn read_named(path: &Path, kind: &str) -> Result<String> {
     })
 }
 
-/// Tells whether this path stands for the standard input.
+/// Returns true if this path denotes the standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     path == Path::new(STANDARD_INPUT)
 }
 
-/// The name of what a file holds: that of the file without its ending.
+/// The file name without its extension, which names the contents.
 #[cfg(feature = "output")]
 pub(crate) fn name_of(path: &str) -> String {
     if is_standard_input(Path::new(path)) {
@@ -67,7 +67,7 @@ pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// The bytes of a file.
+/// Reads the bytes of a file.
 ///
 /// # Errors
 /// The file cannot be read, or is larger than 64 MiB.

@@ -1,21 +1,22 @@
-//! Enums whose values have names.
+//! Enums with named values.
 
 use crate::error::{Error, Result};
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// An enum whose values are chosen by name, in files and on the command line. [`Display`] writes the name and [`FromStr`] reads it.
+/// An enum whose values are selected by name, in files and on the command line. [`Display`] writes the name and
+/// [`FromStr`] reads it.
 pub trait Named: Copy + Display + FromStr<Err = Error> + Send + Sync + 'static {
-    /// The kind of thing that is chosen, such as `method`; errors name it.
+    /// The kind of choice, such as `method`, for error messages.
     const WHAT: &'static str;
     /// All values with their names and one line of help each. The first is the default.
     const ALL: &'static [(Self, &'static str, &'static str)];
 }
 
-/// The value with this name.
+/// Finds the value with this name.
 ///
 /// # Errors
-/// There is none; the error lists those that there are.
+/// There is no such value; the error lists the names.
 pub(crate) fn parse<T: Named>(name: &str) -> Result<T> {
     let names = || T::ALL.iter().map(|(_, own, _)| *own);
     match T::ALL.iter().find(|(_, own, _)| *own == name) {
@@ -24,14 +25,14 @@ pub(crate) fn parse<T: Named>(name: &str) -> Result<T> {
     }
 }
 
-/// The error that `name` is none of `names`.
+/// The error for a `name` that is not one of `names`.
 pub(crate) fn none_of<'a>(what: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
     let names = names.collect::<Vec<_>>().join(", ");
     Error::input("options", what, format!("'{name}' is none of {names}"))
 }
 
-/// Defines an enum that is [`Named`]: each value with its documentation, which is its line of help, and its name, by which it is
-/// serialised as well. The first value is the default.
+/// Defines a [`Named`] enum: each value has documentation, which is also its line of help, and a name, by which it is
+/// serialised. The first value is the default.
 macro_rules! named_enum {
     ($(#[$about:meta])* $visibility:vis enum $Enum:ident($what:literal) {
         $($(#[doc = $help:literal])+ $Value:ident = $name:literal,)+

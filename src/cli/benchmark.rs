@@ -8,20 +8,21 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// The commands that get the problems.
+/// The commands that download the problems.
 const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-planner vamp-planner==0.6.4; tar xzf vamp_planner-0.6.4.tar.gz; \
 tar xjf vamp_planner-0.6.4/resources/panda/problems.tar.bz2 -C vamp_planner-0.6.4/resources/panda; then name vamp_planner-0.6.4/resources/panda";
 
-/// Solve the planning problems of a folder one by one on one core, judge each motion, and tell of each family.
+/// Solve the planning problems of a folder one by one on one core, judge each motion, and report by family.
 ///
-/// The folder has scenarios, FAMILY_NUMBER.json, such as robots/panda/scenarios; or a folder for each family with planning scenes and requests of
-/// MoveIt, sceneNUMBER.yaml and requestNUMBER.yaml, itself or in a folder "problems", as MotionBenchMaker comes with the sources of vamp-planner. A
-/// run that was interrupted goes on where it was. Exit code 1 when a problem has a solution as far as is known and no valid motion.
+/// The folder contains scenarios, FAMILY_NUMBER.json, such as robots/panda/scenarios; or one folder per family with
+/// MoveIt's planning scenes and requests, sceneNUMBER.yaml and requestNUMBER.yaml, directly or in a subfolder
+/// "problems", as MotionBenchMaker comes with the sources of vamp-planner. An interrupted run is resumed. Exit code 1
+/// if a problem that is not known to be infeasible has no valid motion.
 #[derive(Debug, Args)]
 pub(super) struct Benchmark {
     /// The folder.
     folder: PathBuf,
-    /// The robot of scenes and requests: built in, or the path of a URDF file.
+    /// The robot of scenes and requests: a built-in name, or the path of a URDF file.
     #[arg(long, default_value = "panda")]
     robot: String,
     /// The folder for results.csv and table.md.

@@ -10,18 +10,18 @@ use std::process::ExitCode;
 
 /// Compare every analytic derivative with dual numbers at random states of a robot, and the relaxation with the flow.
 ///
-/// Prints the worst relative error of each quantity, the entry where it was and the number of the state that gave it; the same
-/// seed gives the same states. With --json the states are printed too. Exit code 1 when something exceeds its bound.
+/// Prints the worst relative error of each quantity, its entry in the matrix and the number of its state; the same seed
+/// gives the same states. With --json the states are printed too. Exit code 1 if an error exceeds its bound.
 #[derive(Debug, Args)]
 pub(super) struct Check {
-    /// A robot that is built in, or the path of a URDF file, "-" for the standard input.
+    /// A built-in robot, or the path of a URDF file, "-" for the standard input.
     robot: String,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// How many random states.
+    /// Number of random states.
     #[arg(long, default_value_t = CheckOptions::default().samples)]
     samples: usize,
-    /// The seed of the states.
+    /// Seed of the states.
     #[arg(long, default_value_t = CheckOptions::default().seed)]
     seed: u64,
     /// Print JSON.

@@ -1,4 +1,4 @@
-//! Options that are chosen by name.
+//! Options that are selected by name.
 
 use crate::names::Named;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};

@@ -9,22 +9,22 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The summaries of a solve, that of a success first.
+/// The summaries in the folder of a solve, that of a success first.
 const SUMMARIES: [&str; 2] = ["summary.json", "summary.failed.json"];
 
 /// Show two motions side by side in time, on one page.
 ///
-/// They may be of one scenario by two methods, or of any two scenarios.
+/// They may belong to one scenario solved by two methods, or to two scenarios.
 #[derive(Debug, Args)]
 pub(super) struct Compare {
-    /// The folder of a solve, or its summary.json.
+    /// Folder of a solve, or its summary.json.
     first: PathBuf,
-    /// Another one.
+    /// Folder or summary.json of another solve.
     second: PathBuf,
-    /// The file for the page.
+    /// File for the page.
     #[arg(long, short, default_value = "compare.html")]
     out: PathBuf,
-    /// Replace the file if it is there already.
+    /// Replace the file if it exists.
     #[arg(long)]
     force: bool,
 }

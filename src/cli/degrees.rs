@@ -9,24 +9,23 @@ use indicatif::ProgressBar;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The files that are written.
+/// The output files.
 const FILES: [&str; 2] = ["degrees.csv", "report.html"];
 
-/// How much less effort a scenario takes with higher degrees and more pieces.
+/// Show how the effort of a scenario decreases with higher degrees and more segments.
 ///
-/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. A new folder, out/degrees/SCENARIO or
-/// with a number after that, gets degrees.csv and report.html, a page
-/// of it.
+/// Relaxes a scenario with motions of several sizes, one after the other, each from its own starts. A new folder,
+/// out/degrees/SCENARIO or with a number after that, gets degrees.csv and report.html, a page with the results.
 #[derive(Debug, Args)]
 pub(super) struct Degrees {
-    /// A scenario that is built in, or the path of a JSON file, "-" for the standard input.
+    /// A built-in scenario, or the path of a JSON file, "-" for the standard input.
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Pieces and their degree.
+    /// Numbers of segments and their degree.
     #[arg(default_values = ["1x9", "1x16", "1x24", "1x32", "2x7", "2x9", "4x7", "4x9", "8x7", "8x9"])]
     sizes: Vec<String>,
-    /// How many starts to try [default: 8].
+    /// Number of starts [default: 8].
     #[arg(long)]
     starts: Option<usize>,
     #[command(flatten)]

@@ -11,12 +11,12 @@ use std::process::ExitCode;
 /// Evaluate the dynamics of a robot at a given state and print JSON, to compare with other code.
 ///
 /// INPUT is a JSON file with the keys q, v, a, or with x, xdot, xddot, k; "-" reads the standard input. With x, q and v
-/// are its halves and a is the second half of xdot. Joints are numbered as `aghf robots ROBOT` lists them. Matrices are
-/// lists of rows; mass_matrix_dot is along v (along the first half of xdot where that is given); forward_dynamics is the
-/// acceleration under the torque of the key tau, zero where there is none. omega needs x, xdot, xddot and k.
+/// are its halves and a is the second half of xdot. Joints are numbered as in `aghf robots ROBOT`. Matrices are lists
+/// of rows; mass_matrix_dot is the rate along v (along the first half of xdot if that is given); forward_dynamics is
+/// the acceleration under the torque of the key tau, zero by default. omega needs x, xdot, xddot and k.
 #[derive(Debug, Args)]
 pub(super) struct Eval {
-    /// A robot that is built in, or the path of a URDF file, "-" for the standard input.
+    /// A built-in robot, or the path of a URDF file, "-" for the standard input.
     robot: String,
     #[command(flatten)]
     reading: UrdfArgs,

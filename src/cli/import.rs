@@ -10,7 +10,7 @@ use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Make a scenario of the problem of another planner.
+/// Convert the problem of another planner to a scenario.
 #[derive(Debug, Args)]
 pub(super) struct Import {
     #[command(subcommand)]
@@ -22,39 +22,39 @@ enum From {
     Moveit(FromMoveIt),
 }
 
-/// Make a scenario of a planning scene and a planning request of MoveIt, both in YAML.
+/// Convert a planning scene and a planning request of MoveIt, both in YAML, to a scenario.
 ///
-/// The motion goes from the joint state of the request to its goal in joint space, at rest at both ends, within all limits of the robot; joints
-/// without a goal are locked. Boxes, cylinders and spheres of the scene are obstacles. The robot has the shapes of its URDF. Nothing is written
-/// unless all of it could be read.
+/// The motion goes from the joint state of the request to its goal in joint space, at rest at both ends, within all
+/// limits of the robot; joints without a goal are locked. Boxes, cylinders and spheres of the scene are obstacles. The
+/// robot has the shapes of its URDF. A scenario is written only if all of the input could be read.
 #[derive(Debug, Args)]
 struct FromMoveIt {
     /// The planning scene.
     scene: PathBuf,
     /// The planning request.
     request: PathBuf,
-    /// A robot that is built in, or the path of a URDF file.
+    /// A built-in robot, or the path of a URDF file.
     #[arg(long)]
     urdf: String,
-    /// The SRDF, which says which links may overlap [default: found by sampling, as `aghf pairs` does].
+    /// The SRDF, which lists the links that may overlap [default: found by sampling, as in `aghf pairs`].
     #[arg(long)]
     srdf: Option<PathBuf>,
-    /// What to do with the mimic joints of the robot: refuse it, or let them move by themselves.
+    /// Treatment of mimic joints: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
-    /// The spacing of the balls that cover shapes other than spheres, m.
+    /// Spacing of the balls that cover shapes other than spheres, m.
     #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
     spacing: f64,
-    /// The horizon, s [default: free].
+    /// Horizon, s [default: free].
     #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
     horizon: Option<f64>,
-    /// The bounds of a free horizon, s [default: the least that the velocity limits allow, and fifteen times that].
+    /// Bounds of a free horizon, s [default: the shortest that the velocity limits allow, and fifteen times that].
     #[arg(long, num_args = 2, value_names = ["SHORTEST", "LONGEST"], allow_negative_numbers = true)]
     horizon_bounds: Option<Vec<f64>>,
-    /// The file for the scenario.
+    /// File for the scenario.
     #[arg(long, short)]
     out: PathBuf,
-    /// Replace that file if it is there already.
+    /// Replace that file if it exists.
     #[arg(long)]
     force: bool,
 }

@@ -8,11 +8,12 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Judge a trajectory, whoever made it: is it a motion of the scenario?
+/// Judge a trajectory from any source: is it a motion of the scenario?
 ///
-/// The table is in CSV as `aghf solve` writes it: a column t in s, a column q_JOINT for every joint, and for all joints or none v_JOINT, a_JOINT
-/// and u_JOINT, in rad or m, per s, per s^2, N m or N. What is missing is derived, and the verdict says so. Both ends, rates, inverse dynamics, limits
-/// and clearances are checked, clearances at all times between the samples. Exit code 1 when a check fails or cannot be decided.
+/// The table is a CSV file as written by `aghf solve`: a column t in s, a column q_JOINT for every joint, and for all
+/// joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are derived,
+/// and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
+/// clearances at all times between the samples. Exit code 1 if a check fails or cannot be decided.
 #[derive(Debug, Args)]
 pub(super) struct Judge {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
@@ -21,16 +22,17 @@ pub(super) struct Judge {
     robot: RobotArgs,
     /// The table, "-" for the standard input.
     trajectory: PathBuf,
-    /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; torques as a share of the largest one of the motion.
+    /// Accepted deviation of everything but clearances: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; for torques as a
+    /// fraction of the largest torque of the motion.
     #[arg(long, default_value_t = Tolerances::default().tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// The depth that balls of the robot may have in obstacles or in each other, m; clearances are proved to a tenth of it.
+    /// Accepted depth of balls of the robot in obstacles or in each other, m; clearances are proved to a tenth of it.
     #[arg(long, default_value_t = Tolerances::default().overlap_m, allow_negative_numbers = true)]
     overlap: f64,
-    /// A file for the verdict as JSON.
+    /// File for the verdict as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Replace that file if it is there already.
+    /// Replace that file if it exists.
     #[arg(long, requires = "json")]
     force: bool,
 }

@@ -1,4 +1,4 @@
-//! The command line: reads arguments, calls the library, prints.
+//! The command line interface, which reads arguments, calls the library and prints results.
 
 mod benchmark;
 mod check;
@@ -35,16 +35,17 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Exit code for a derivative that is off by more than its bound, an identity that fails, or a trajectory that is not valid.
+/// Exit code for a derivative error above its bound, an identity that fails, or a trajectory that is not valid.
 const CHECK_FAILED: u8 = 1;
-/// Exit code for bad input.
+/// Exit code for invalid input.
 const BAD_INPUT: u8 = 2;
-/// Exit code for a solve that failed.
+/// Exit code for a failed solve.
 const FAILED: u8 = 3;
 
 /// Plans motions of robots with the Affine Geometric Heat Flow.
 ///
-/// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits, as fast as is worth it.
+/// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits,
+/// with a price on the duration.
 #[derive(Debug, Parser)]
 #[command(name = "aghf", version, after_help = EXIT_CODES)]
 struct Cli {
@@ -77,49 +78,51 @@ enum Command {
 /// Options of reading a robot.
 #[derive(Debug, Args)]
 struct UrdfArgs {
-    /// What to do with the mimic joints of a URDF file: refuse the robot, or let them move by themselves.
+    /// Treatment of mimic joints in a URDF file: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
 }
 
 impl UrdfArgs {
-    /// The robot that is built in under this name, or else the one in this file. Tells what was noticed.
+    /// Loads the robot that is built in under this name, otherwise the one in this file, and prints the notes.
     fn load(&self, robot: &str) -> Result<Model, Error> {
         let (model, notes) = self.load_silently(robot)?;
         tell_notes(robot, &notes);
         Ok(model)
     }
 
-    /// The same with all that was noticed.
+    /// Loads a robot with all notes.
     fn load_silently(&self, robot: &str) -> Result<(Model, LoadReport), Error> {
         load_robot_with(robot, Path::new(""), self.options())
     }
 
-    /// The options of reading it.
+    /// The options of reading a robot.
     fn options(&self) -> UrdfOptions {
         UrdfOptions { mimic: self.mimic }
     }
 }
 
-/// Of which robot a scenario is.
+/// The robot of a scenario.
 #[derive(Debug, Default, Args)]
 struct RobotArgs {
-    /// Of a generated scenario for any robot: a robot that is built in, or the path of a URDF file, "-" for the standard input [default: kinova_gen3].
+    /// For a generated scenario for any robot: a built-in robot, or the path of a URDF file, "-" for the standard input
+    /// [default: kinova_gen3].
     #[arg(long, requires = "scenario")]
     robot: Option<String>,
-    /// What to do with the mimic joints of the robot: refuse it, or let them move by themselves [default: what the scenario says, or else refuse].
+    /// Treatment of mimic joints: refuse the robot, or let them move independently [default: that of the scenario,
+    /// otherwise refuse].
     #[arg(long, value_parser = choice::<Mimic>(), requires = "scenario")]
     mimic: Option<Mimic>,
 }
 
 impl RobotArgs {
-    /// The scenario that is built in or generated under this name, or else the one in this file.
+    /// Loads the scenario that is built in or generated under this name, otherwise the one in this file.
     fn scenario(&self, scenario: &str) -> Result<Scenario, Error> {
         let (scenario, _) = self.scenario_with_options(scenario)?;
         Ok(scenario)
     }
 
-    /// The same with the options of the solve where the file is the summary of one.
+    /// Loads a scenario with the options of the solve if the file is the summary of one.
     fn scenario_with_options(&self, scenario: &str) -> Result<(Scenario, SolveOptions), Error> {
         let loaded = Scenario::load_with_options(scenario, self.robot.as_deref(), self.mimic)?;
         tell_notes_of([&loaded.0]);
@@ -127,7 +130,8 @@ impl RobotArgs {
     }
 }
 
-/// Tells what was noticed on loading a robot and bears on its motions. Of those that are built in it is known (`robots/SOURCES.md`).
+/// Prints the notes from loading a robot that affect its motions. Those of built-in robots are documented
+/// (`robots/SOURCES.md`).
 fn tell_notes(robot: &str, notes: &[LoadNote]) {
     if builtin_robots().all(|name| name != robot) {
         for note in summarised(notes) {
@@ -141,7 +145,7 @@ fn tell_notes(robot: &str, notes: &[LoadNote]) {
     }
 }
 
-/// The same of the robots of scenarios, once each.
+/// Prints the notes of the robots of scenarios, once each.
 fn tell_notes_of<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) {
     let mut told = BTreeSet::new();
     for scenario in scenarios {
@@ -180,13 +184,13 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// Prints a line to the standard error. Whoever does not listen any more is no reason to stop.
+/// Prints a line to the standard error. A closed reader is not an error.
 fn tell(text: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Prints to the standard output; a reader that went away is no error.
+/// Prints to the standard output; a closed reader is not an error.
 fn print(text: &str) -> Result<(), Error> {
     use std::io::Write;
     printed(writeln!(std::io::stdout(), "{text}"))

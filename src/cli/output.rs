@@ -1,23 +1,24 @@
-//! Options for the files that are written.
+//! Options for output files.
 
 use crate::error::Result;
 use crate::output::{OutputFolder, Sampling};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// The place for files.
+/// The folder for output files.
 #[derive(Debug, Default, Args)]
 pub(super) struct OutArgs {
-    /// The folder for the files [default: one below out/ with the name of what runs, and a number where there is such a folder already].
+    /// Folder for the files [default: a new one below out/ with the name of the command or scenario, with a number if
+    /// necessary].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Replace files that are there already.
+    /// Replace files that exist.
     #[arg(long)]
     force: bool,
 }
 
 impl OutArgs {
-    /// The folder for files of these names, or else `default`, or one like it that was not there.
+    /// The chosen folder for files of these names, otherwise `default` or a new folder of a similar name.
     pub(super) fn folder(&self, default: &Path, files: &[&str]) -> Result<OutputFolder> {
         match &self.out {
             Some(path) => OutputFolder::open(path, files, self.force),
@@ -27,7 +28,7 @@ impl OutArgs {
     }
 }
 
-/// The rows of a table of a motion.
+/// The rows of the table of a motion.
 #[derive(Debug, Default, Args)]
 pub(super) struct SamplingArgs {
     /// Rows of the table per second, Hz, from the start, and one at the end.

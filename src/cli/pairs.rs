@@ -11,24 +11,25 @@ use std::process::ExitCode;
 
 /// List the pairs of links of a robot that may overlap, with the reasons.
 ///
-/// They are the pairs that an SRDF disables. Without one they are neighbours, and pairs that overlap at each of 10000 random configurations. The
-/// file can be read by a person and changed, and by a scenario: "self_collision": {"ignored_pairs_file": PATH}.
+/// The pairs are those that an SRDF disables. Without one they are neighbours, and pairs that overlap at each of 10000
+/// random configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
+/// PATH}.
 #[derive(Debug, Args)]
 pub(super) struct Pairs {
-    /// A robot that is built in, or the path of a URDF file, "-" for the standard input.
+    /// A built-in robot, or the path of a URDF file, "-" for the standard input.
     urdf: String,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// The SRDF of the robot.
+    /// SRDF of the robot.
     #[arg(long)]
     srdf: Option<PathBuf>,
-    /// Without an SRDF: the spacing of the balls that cover shapes other than spheres, m.
+    /// Without an SRDF: spacing of the balls that cover shapes other than spheres, m.
     #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
     spacing: f64,
-    /// The file for the pairs [default: printed].
+    /// File for the pairs [default: printed].
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// Replace that file if it is there already.
+    /// Replace that file if it exists.
     #[arg(long, requires = "out")]
     force: bool,
 }

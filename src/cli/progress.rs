@@ -1,27 +1,27 @@
-//! What is told of a solve while it works, where somebody watches.
+//! The progress line of a solve on a terminal.
 
 use crate::relax::{Iteration, RelaxSettings};
 use crate::scenario::{Method, Record, Scenario, SolveOptions};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
-/// The time from one picture of the spinner to the next.
+/// The time between two frames of the spinner.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A line on the terminal about the search: a bar for the published flow, whose end is known, or else the starts, the best motion so far
-/// and where the search stands. There is none where the standard error is no terminal.
+/// A progress line on the terminal: a bar for the published flow, whose end is known, otherwise the starts, the best
+/// motion so far and the current iteration. It is absent if the standard error is not a terminal.
 pub(super) struct Progress {
     bar: ProgressBar,
-    /// The starts that were asked for.
+    /// The requested number of starts.
     starts: usize,
-    /// The number of starts that were begun.
+    /// The number of starts begun.
     begun: usize,
-    /// The least cost of a curve that kept the constraints.
+    /// The least cost of a curve that satisfies the constraints.
     least: Option<f64>,
 }
 
 impl Progress {
-    /// That of a solve of `scenario`; `hidden` where other lines tell of it, or none may.
+    /// The progress line of a solve of `scenario`; `hidden` if the output has other lines, or none.
     pub fn new(scenario: &Scenario, options: &SolveOptions, hidden: bool) -> Self {
         let to_rest = options.flows_to_rest();
         let (bar, starts) = match options.method {
@@ -38,7 +38,7 @@ impl Progress {
         }
     }
 
-    /// Takes note of what happened.
+    /// Updates the line with a record.
     pub fn observe(&mut self, record: &Record) {
         if self.bar.is_hidden() {
             return;
@@ -55,7 +55,7 @@ impl Progress {
         self.bar.inc(1);
     }
 
-    /// How far a relaxation has come.
+    /// The progress of a relaxation.
     fn of_relaxation(&mut self, iteration: &Iteration) -> String {
         let Iteration {
             cost, violation, ..
@@ -84,13 +84,13 @@ impl Progress {
         )
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub fn finish(self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// A mark that turns as long as the program works.
+/// A spinner that turns while the program works.
 fn spinner() -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {spinner} {wide_msg}");
     let bar = ProgressBar::new_spinner();
@@ -98,7 +98,7 @@ fn spinner() -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
 }
 
-/// A bar that fills as the flow passes the values of `s` on its grid.
+/// A bar that advances with the values of `s` of the flow.
 fn bar(s_max: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
     ProgressBar::new(crate::flow::output_count(s_max))

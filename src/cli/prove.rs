@@ -10,14 +10,15 @@ use std::process::ExitCode;
 
 /// Prove every numbered equation over a prime field, at random robots and states, and print the ledger.
 ///
-/// Both sides of an equation are computed exactly and compared with ==. A false identity would pass with at most the printed
-/// probability. Exit code 1 when one fails; it says which, under which conventions, and the first entry that differs.
+/// Both sides of an equation are computed exactly and compared with ==. A false identity would pass with at most the
+/// printed probability. Exit code 1 if an identity fails; the output names it, its conventions, and the first entry
+/// that differs.
 #[derive(Debug, Args)]
 pub(super) struct Prove {
-    /// How many random points.
+    /// Number of random points.
     #[arg(long, default_value_t = 3)]
     points: usize,
-    /// The seed of the points.
+    /// Seed of the points.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print JSON.

@@ -13,26 +13,30 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// How often a line tells of the progress where nobody watches.
+/// The interval of progress lines if no terminal shows a bar.
 const LINE_EVERY: Duration = Duration::from_secs(60);
 
 /// Run the paper's experiments and print a report in Markdown.
 ///
-/// First searches the grids of Tables IX to XIII for the best sets of parameters, on all cores: 10 to 170 hours of one core, by a sample
-/// of one set in 41 to 503. Tables IX and X take minutes, XI to XIII up to 20, 45 and 105 hours, nearly all of them in solves that run
-/// into the time limit of 300 s. A search that was interrupted goes on where it was; `aghf sweep` has the same results, so its --shard
-/// spreads a table over machines. --quick takes the paper's best sets and our own instead.
+/// First searches the grids of Tables IX to XIII for the best sets of parameters, on all cores: 10 to 170 core hours,
+/// estimated from a sample of one set in 41 to 503. Tables IX and X take minutes, XI to XIII up to 20, 45 and 105
+/// hours, almost entirely in solves that reach the time limit of 300 s. An interrupted search is resumed; `aghf sweep`
+/// has the same results, so that its --shard distributes a table over machines. --quick uses the paper's best sets and
+/// our own instead.
 ///
-/// Then solves every scenario, built in or generated, with the best sets, and times the right-hand side of the flow and its Jacobian
-/// at random configurations of robots of 2 to 22 joints (Figures 4 and 5). A new folder, out/reproduce or out/reproduce-2 and so on, gets
-/// report.md, which is what is printed, solves.csv, scaling.csv, fits.csv, figure_4.svg, figure_5.svg and report.html, a page of all these.
+/// Then solves every scenario, built-in or generated, with the best sets, and times the right-hand side of the flow and
+/// its Jacobian at random configurations of robots of 2 to 22 joints (Figures 4 and 5). A new folder, out/reproduce or
+/// out/reproduce-2 and so on, gets report.md, which is also printed, solves.csv, scaling.csv, fits.csv, figure_4.svg,
+/// figure_5.svg and report.html, a page with all of these.
 ///
-/// --variants compares the flow as published, to rest, with duals and in two phases, and the relaxation from the same guess, on pendulums,
-/// Kinova, Digit and robots with passive joints instead. A new folder, out/variants or out/variants-2 and so on, gets variants.md, which
-/// is what is printed, variants.csv, variants.svg, the action on the way of each flow, and report.html, a page of these.
+/// With --variants, compares instead the published flow, the flow to rest, with duals and in two phases, and the
+/// relaxation from the same guess, on pendulums, Kinova, Digit and robots with passive joints. A new folder,
+/// out/variants or out/variants-2 and so on, gets variants.md, which is also printed, variants.csv, variants.svg, the
+/// action during each flow, and report.html, a page with these.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
-    /// Search no grids and measure less: takes about a minute. With --variants: two scenarios of each family, 10 s for each solve, not 60.
+    /// Skip the grid searches and measure less: takes about a minute. With --variants: two scenarios of each family, 10
+    /// s for each solve instead of 60.
     #[arg(long)]
     quick: bool,
     /// Compare the variants of the flow and the relaxation instead.
@@ -41,19 +45,19 @@ pub(super) struct Reproduce {
         conflicts_with_all = ["grid", "sweeps", "repetitions", "configurations", "seed"]
     )]
     variants: bool,
-    /// Search this sweep instead, built in or a TOML file; may be given several times [default: the five tables, quick: none].
+    /// Search this sweep instead, built in or a TOML file; may be repeated [default: the five tables, quick: none].
     #[arg(long, value_name = "SWEEP")]
     grid: Vec<String>,
-    /// The folder in which each sweep has its folder of results.
+    /// Folder with one folder of results per sweep.
     #[arg(long, value_name = "FOLDER", default_value_os_t = Settings::full().sweeps)]
     sweeps: PathBuf,
-    /// How often every solve is timed [default: 25, quick: 9].
+    /// Number of timed runs per solve [default: 25, quick: 9].
     #[arg(long)]
     repetitions: Option<usize>,
-    /// At how many random configurations a call is timed [default: 1000, quick: 200].
+    /// Number of random configurations at which a call is timed [default: 1000, quick: 200].
     #[arg(long)]
     configurations: Option<usize>,
-    /// The seed of the configurations.
+    /// Seed of the configurations.
     #[arg(long, default_value_t = Settings::full().seed)]
     seed: u64,
     /// Only systems, robots and scenarios whose names begin with this, such as kinova.
@@ -112,7 +116,7 @@ impl Reproduce {
     }
 }
 
-/// The result of `work`, whose progress is shown meanwhile.
+/// Runs `work` and shows its progress.
 fn told<T>(work: impl FnOnce(&mut (dyn FnMut(&str) + Send)) -> Result<T>) -> Result<T> {
     let progress = ProgressBar::new_spinner();
     let watched = std::io::stderr().is_terminal();

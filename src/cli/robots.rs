@@ -10,20 +10,20 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// List the robots that are built in, or show one: joints, limits, masses, and what was noticed on loading.
+/// List the built-in robots, or show one: joints, limits, masses, and notes from loading.
 #[derive(Debug, Args)]
 pub(super) struct Robots {
-    /// A robot that is built in, or the path of a URDF file, "-" for the standard input [default: all that are built in].
+    /// A built-in robot, or the path of a URDF file, "-" for the standard input [default: list all built-in ones].
     robot: Option<String>,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// Write the robot to this file as a URDF of what is read, shapes included, fixed joints merged.
+    /// Write the robot that was read to this file as a URDF, shapes included, fixed joints merged.
     #[arg(long, requires = "robot")]
     urdf: Option<PathBuf>,
-    /// An SRDF, whose spheres take the place of the shapes of the links that have some.
+    /// An SRDF, whose spheres replace the shapes of their links.
     #[arg(long, requires = "robot")]
     srdf: Option<PathBuf>,
-    /// Replace that file if it is there already.
+    /// Replace that file if it exists.
     #[arg(long, requires = "urdf")]
     force: bool,
     /// Print JSON.
@@ -74,7 +74,7 @@ impl Robots {
     }
 }
 
-/// A robot in JSON; limits that do not exist are null.
+/// A robot in JSON; missing limits are null.
 fn as_json(name: &str, model: &Model, report: &LoadReport) -> serde_json::Value {
     let joints = model
         .joints()

@@ -11,18 +11,19 @@ use std::process::ExitCode;
 
 /// Make a table of a motion from the summary of a solve, at any rate.
 ///
-/// The columns are those of trajectory.csv: t (s), then q_JOINT (rad or m), v_JOINT (rad/s or m/s), a_JOINT (rad/s^2 or m/s^2) and
-/// u_JOINT (N m or N) of every joint. Where the solve was no success the first line says so and why, after a #.
+/// The columns are those of trajectory.csv: t (s), then q_JOINT (rad or m), v_JOINT (rad/s or m/s), a_JOINT (rad/s^2 or
+/// m/s^2) and u_JOINT (N m or N) of every joint. For a failed solve the first line is a comment, after a #, that gives
+/// the reason.
 #[derive(Debug, Args)]
 pub(super) struct Sample {
-    /// The summary.json that `aghf solve` wrote.
+    /// The summary.json of a solve.
     summary: String,
     #[command(flatten)]
     sampling: SamplingArgs,
-    /// The file for the table [default: the standard output].
+    /// File for the table [default: the standard output].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Replace the file if it is there already.
+    /// Replace the file if it exists.
     #[arg(long, requires = "out")]
     force: bool,
 }

@@ -6,12 +6,12 @@ use crate::output::scenario_table;
 use clap::Args;
 use std::process::ExitCode;
 
-/// List the scenarios that are built in or generated, or print one as the JSON file that it would be.
+/// List the built-in and generated scenarios, or print one as a JSON file.
 ///
-/// Generated ones are called FAMILY_SEED; ten of each family are listed, and any other seed makes another.
+/// Generated ones are called FAMILY_SEED; ten of each family are listed, and any other seed gives a new one.
 #[derive(Debug, Args)]
 pub(super) struct Scenarios {
-    /// A scenario that is built in or generated, or the path of a JSON file, "-" for the standard input [default: list all].
+    /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input [default: list all].
     scenario: Option<String>,
     #[command(flatten)]
     robot: RobotArgs,

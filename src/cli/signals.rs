@@ -1,4 +1,4 @@
-//! Requests to end: Ctrl-C, and those of other programs.
+//! Termination requests: Ctrl-C, and signals of other programs.
 
 #[cfg(unix)]
 use super::tell;
@@ -8,17 +8,17 @@ use crate::error::Result;
 use crate::motion::Interrupt;
 use std::sync::OnceLock;
 
-/// The search that the first request stops; without one it ends the program.
+/// The search that the first request stops; without a search it ends the program.
 static SEARCH: OnceLock<Interrupt> = OnceLock::new();
 
-/// From now on the first request to end stops this search with the best motion so far, and the second one ends the program.
+/// Makes the first request stop this search with the best motion so far; the second one ends the program.
 pub(super) fn stop_first(interrupt: &Interrupt) {
     // There is one search per program.
     let _ = SEARCH.set(interrupt.clone());
 }
 
-/// Begins to listen for requests to end. Nothing unfinished is left behind by one. A file that becomes too large is an error of writing
-/// from then on and no longer the end.
+/// Installs the handlers of termination requests, which leave nothing unfinished. From then on a file that becomes too
+/// large is a write error and does not end the program.
 #[cfg(unix)]
 pub(super) fn listen() -> Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
@@ -47,7 +47,7 @@ pub(super) fn listen() -> Result<()> {
     Ok(())
 }
 
-/// Tells whether a signal was ignored when the program began, where the system says so.
+/// Returns true if a signal was ignored when the program began, if the system reports this.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

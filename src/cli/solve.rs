@@ -18,92 +18,98 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Solve a scenario and write the trajectory that was found.
+/// Solve a scenario and write the trajectory.
 ///
-/// `aghf scenarios` lists what is built in. Parameters of the flow that are not given are the scenario's. A new folder, out/SCENARIO or
-/// out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint; `aghf sample` has more rows), summary.json, from which
-/// the solve can be repeated, and report.html, a page that shows the motion (`aghf view` opens it). If the solve fails they are
-/// trajectory.failed.csv and so on, beside those of an earlier success.
-/// Ctrl-C ends the search with the best motion so far.
+/// `aghf scenarios` lists the built-in scenarios. The default parameters of the flow are those of the scenario. A new
+/// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
+/// for more rows see `aghf sample`), summary.json, from which the solve can be repeated, and report.html, a page that
+/// shows the motion (`aghf view` opens it). If the solve fails they are called trajectory.failed.csv and so on, next to
+/// those of an earlier success. Ctrl-C ends the search with the best motion so far.
 #[derive(Debug, Args)]
 pub(super) struct Solve {
-    /// A scenario that is built in, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of a solve, which
-    /// is repeated.
+    /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
+    /// a solve, which is repeated.
     #[arg(default_value = "kinova_table_01")]
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// The method of solving it [default: relax].
+    /// Method [default: relax].
     #[arg(long, value_parser = choice::<Method>())]
     method: Option<Method>,
-    /// Of flow: its variant [default: published].
+    /// For flow: the variant [default: published].
     #[arg(long, value_parser = choice::<FlowVariant>())]
     variant: Option<FlowVariant>,
-    /// Degree of the polynomial, or of each segment [default: 16; the scenario's for the published flow, 8 with passive joints].
+    /// Degree of the polynomial, or of each segment [default: 16; the scenario's for the published flow; 8 with passive
+    /// joints].
     #[arg(long, alias = "p")]
     degree: Option<usize>,
-    /// Of relax and of the flow to rest: of how many polynomials on equal parts of the horizon the motion is made [default: 1, 8 with passive joints].
+    /// For relax and the flow to rest: number of polynomials on equal parts of the horizon [default: 1, 8 with passive
+    /// joints].
     #[arg(long, alias = "pieces")]
     segments: Option<usize>,
-    /// Of relax: go on to higher degrees until the effort changes by less than this part of it from one to the next, such as 0.01.
+    /// For relax: increase the degree until the relative change of the effort is below this value, such as 0.01.
     #[arg(long, alias = "adaptive", allow_negative_numbers = true)]
     degree_tolerance: Option<f64>,
-    /// Of relax: the relative gradient norm at the end. Of flow: the tolerance of the integrator [default: 1e-8, 1e-4].
+    /// For relax: the relative gradient norm at the end. For flow: the tolerance of the integrator [default: 1e-8,
+    /// 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Of relax and of the flow to rest: how many starts to try [default: for relax 16 up to 7 joints and fewer beyond, 1 within limits of the joints; for the flow 1; 40 with passive joints; more while none ends within the constraints].
+    /// For relax and the flow to rest: number of starts [default: for relax 16 up to 7 joints and fewer beyond, 1
+    /// within limits of the joints; for the flow 1; 40 with passive joints; more while none ends within the
+    /// constraints].
     #[arg(long)]
     starts: Option<usize>,
-    /// Of relax and of the flow to rest: the number from which the starts are drawn [default: 0].
+    /// For relax and the flow to rest: seed of the starts [default: 0].
     #[arg(long)]
     seed: Option<u64>,
-    /// Of relax: the starts for which ways around obstacles are planned [default: later].
+    /// For relax: the starts that follow planned paths around obstacles [default: later].
     #[arg(long, value_parser = choice::<PlannedStarts>())]
     planned_starts: Option<PlannedStarts>,
-    /// Stop after so long, s, as by Ctrl-C, with the best motion so far. Until then relax tries further starts.
+    /// Time limit, s, after which the search stops with the best motion so far, as by Ctrl-C. Until then relax tries
+    /// further starts.
     #[arg(long)]
     seconds: Option<f64>,
-    /// Of relax: how many threads work on starts, with the same result [default: all cores].
+    /// For relax: number of threads for the starts, with the same result [default: all cores].
     #[arg(long)]
     threads: Option<usize>,
-    /// Of flow: how to compute the Jacobian [default: control-form].
+    /// For flow: method of computing the Jacobian [default: control-form].
     #[arg(long, value_parser = choice::<JacobianKind>())]
     jacobian: Option<JacobianKind>,
-    /// Of flow: what integrates it [default: bdf].
+    /// For flow: the integrator [default: bdf].
     #[arg(long, value_parser = choice::<IntegratorKind>())]
     integrator: Option<IntegratorKind>,
-    /// Of flow: penalty on velocities that are not those of the curve.
+    /// For flow: penalty on velocities that differ from those of the curve.
     #[arg(long, allow_negative_numbers = true)]
     k: Option<f64>,
-    /// Of flow: how far it runs.
+    /// For flow: value of s at which it stops.
     #[arg(long, allow_negative_numbers = true)]
     s_max: Option<f64>,
-    /// Of flow: the curve to start from, a line in the whole state or in the configuration with the velocity that goes with it.
+    /// For flow: the initial curve, a line in the whole state or in the configuration with the corresponding velocity.
     #[arg(long, value_parser = choice::<Guess>())]
     guess: Option<Guess>,
-    /// Of flow: weight of the constraints.
+    /// For flow: weight of the constraints.
     #[arg(long, allow_negative_numbers = true)]
     k_cons: Option<f64>,
-    /// Of flow: sharpness of the activation of the constraints.
+    /// For flow: sharpness of the activation of the constraints.
     #[arg(long, allow_negative_numbers = true)]
     c_cons: Option<f64>,
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
     out: OutArgs,
-    /// Leave out the page that shows the motion, report.html.
+    /// Do not write report.html, the page that shows the motion.
     #[arg(long)]
     no_report: bool,
-    /// Print the summary as JSON and nothing else.
+    /// Print only the summary, as JSON.
     #[arg(long)]
     json: bool,
-    /// Tell of every stage of the search in a line of the standard error.
+    /// Print a line for every stage of the search to the standard error.
     #[arg(long, short)]
     verbose: bool,
 }
 
 impl Default for Solve {
-    /// What runs without arguments.
+    /// The solve of the program without arguments.
     fn default() -> Self {
         Self {
             scenario: "kinova_table_01".to_owned(),
@@ -189,7 +195,7 @@ impl Solve {
         })
     }
 
-    /// The options that were given, and those of the solve that is repeated where there is one by the same method.
+    /// The given options, completed by those of the repeated solve if that used the same method.
     fn options(&self, repeated: SolveOptions) -> Result<SolveOptions> {
         let duration = |seconds| {
             Duration::try_from_secs_f64(seconds).map_err(|_| {

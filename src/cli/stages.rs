@@ -1,18 +1,19 @@
-//! A line for every stage of a search, where nobody watches a terminal.
+//! Lines for the stages of a search, for output without a terminal.
 
 use super::tell;
 use crate::relax::Iteration;
 use crate::scenario::Record;
 
-/// Tells of the stages of a search on the standard error.
+/// Prints the stages of a search to the standard error.
 #[derive(Default)]
 pub(super) struct Stages {
-    /// The last iteration of the stage that is in progress, and how many there were.
+    /// The last iteration of the current stage, and the number of its iterations.
     current: Option<(Iteration, usize)>,
 }
 
 impl Stages {
-    /// Takes note of what happened. A stage of the relaxation is one start at one degree; one of the flow a value of `s`.
+    /// Updates the stages with a record. A stage of the relaxation is one start at one degree; one of the flow is a
+    /// value of `s`.
     pub fn observe(&mut self, record: &Record) {
         let iteration = match record {
             Record::Flow(r) => {
@@ -44,7 +45,7 @@ impl Stages {
         }
     }
 
-    /// Tells of the last stage.
+    /// Prints the last stage.
     pub fn finish(&mut self) {
         let Some((last, count)) = self.current.take() else {
             return;

@@ -14,31 +14,32 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// How often a line tells of the progress where nobody watches a bar.
+/// The interval of progress lines if no terminal shows a bar.
 const LINE_EVERY: Duration = Duration::from_secs(60);
 
 /// Solve scenarios with every combination of parameters of a grid, on all cores, and rank the parameters.
 ///
 /// Built in: table_09_pendulums, table_10_kinova, table_11_digit, table_12_kinova_obstacles, table_13_digit_obstacles,
-/// table_09_quick, table_10_quick, relax_quick, relax_limits_quick. The tables are the paper's, for the flow; the last two are for the
-/// relaxation. A sweep that was interrupted goes on where it was.
+/// table_09_quick, table_10_quick, relax_quick, relax_limits_quick. The tables are the paper's, for the flow; the last
+/// two are for the relaxation. An interrupted sweep is resumed.
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
-    /// A sweep that is built in, the path of a TOML file, "-" for the standard input, or a folder, of which all scenarios are solved by the relaxation.
+    /// A built-in sweep, the path of a TOML file, "-" for the standard input, or a folder, all of whose scenarios are
+    /// solved by the relaxation.
     sweep: String,
-    /// How many solves run at a time [default: as many as there are cores].
+    /// Number of parallel solves [default: number of cores].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Solve one part of several only, such as 2/8, to spread a sweep over machines.
+    /// Solve only one part of several, such as 2/8, to distribute a sweep over machines.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// Join the results of shards instead of solving.
     #[arg(long, conflicts_with_all = ["jobs", "shard"])]
     merge: bool,
-    /// The files to join [default: all results.shard-*.csv in the folder].
+    /// Files to join [default: all results.shard-*.csv in the folder].
     #[arg(requires = "merge")]
     files: Vec<PathBuf>,
-    /// The folder for results.csv, results.json, ranking.csv and report.html, a page of them [default: out/sweeps/NAME].
+    /// Folder for results.csv, results.json, ranking.csv and report.html, a page with them [default: out/sweeps/NAME].
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -87,7 +88,7 @@ impl Sweep {
     }
 }
 
-/// The last line: how many solves ended in which way, how long it took, and where all is.
+/// The last line: the numbers of solves by outcome, the time, and the folder of the results.
 fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
     let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();
     let mut ends = format!(
@@ -104,16 +105,16 @@ fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
     format!("{ends}; {seconds:.1} s; results in {folder}")
 }
 
-/// A bar where somebody watches, and a line now and then where nobody does.
+/// A bar on a terminal, otherwise lines at intervals.
 struct Progress {
     bar: ProgressBar,
-    /// `None` where there is a bar.
+    /// `None` if there is a bar.
     lines: Option<Mutex<Lines>>,
 }
 
-/// The contents of the lines.
+/// The state of the lines.
 struct Lines {
-    /// When the last one was printed.
+    /// The time of the last line.
     printed: Instant,
     solved: usize,
 }

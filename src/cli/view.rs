@@ -9,20 +9,21 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// The pages of a folder, that of a success first.
+/// The pages in a folder, that of a success first.
 const PAGES: [&str; 2] = ["report.html", "report.failed.html"];
-/// The longest request that is read, bytes, and the longest time that it may take.
+/// The longest request, bytes, and the longest time for reading it.
 const LONGEST_REQUEST: u64 = 1 << 14;
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// Open the page of a motion, a sweep or another experiment in a browser.
 ///
-/// Where there is none, or with --serve, the page is served to the browsers of this machine until Ctrl-C, and its address is printed.
+/// Without a browser, or with --serve, the page is served to the browsers of this machine until Ctrl-C, and its address
+/// is printed.
 #[derive(Debug, Args)]
 pub(super) struct View {
-    /// The folder of a solve, a sweep or another experiment, or the path of a page.
+    /// Folder of a solve, a sweep or another experiment, or the path of a page.
     path: PathBuf,
-    /// Serve the page at http://127.0.0.1:PORT/ [default of PORT: one that is free].
+    /// Serve the page at http://127.0.0.1:PORT/ [default of PORT: a free one].
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     serve: Option<u16>,
 }
@@ -42,7 +43,7 @@ impl View {
     }
 }
 
-/// The page in a folder, or at a path.
+/// Finds the page in a folder or at a path.
 fn page_at(path: &Path) -> Result<PathBuf> {
     if path.is_file() {
         return Ok(path.to_owned());
@@ -63,7 +64,7 @@ fn page_at(path: &Path) -> Result<PathBuf> {
         })
 }
 
-/// Hands the page over to the browser of the desktop, or says why that cannot be.
+/// Opens the page in the browser of the desktop; the error gives the reason of a failure.
 fn open_in_browser(page: &Path) -> std::result::Result<(), String> {
     // Elsewhere on Linux a browser for terminals might take this one.
     let desktops = ["DISPLAY", "WAYLAND_DISPLAY"];
@@ -74,7 +75,7 @@ fn open_in_browser(page: &Path) -> std::result::Result<(), String> {
     open::that(page).map_err(|e| e.to_string())
 }
 
-/// Serves the page to this machine alone until the program is stopped.
+/// Serves the page to this machine only until the program is stopped.
 fn serve(page: &Path, port: u16) -> Result<ExitCode> {
     let refused = |e| Error::io(format!("127.0.0.1:{port}"), e);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
@@ -89,7 +90,7 @@ fn serve(page: &Path, port: u16) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Answers one request: the page, read anew, for `/`, and nothing else.
+/// Answers one request: the page, reread for each request to `/`, and nothing else.
 fn answer(mut stream: TcpStream, page: &Path) -> std::io::Result<()> {
     stream.set_read_timeout(Some(LONGEST_WAIT))?;
     stream.set_write_timeout(Some(LONGEST_WAIT))?;

@@ -1,4 +1,4 @@
-//! The constraints that a scenario can ask for, and any other.
+//! The built-in constraints and a variant for any other.
 
 use super::{
     Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, RowLabel, SelfClearance,
@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// One of the constraints that are here, or any other, so that a list can hold different ones. Those that are here need no pointer, and
-/// are evaluated over every scalar.
+/// One of the built-in constraints, or any other, so that a list can mix types. The built-in ones need no pointer and
+/// can be evaluated over every scalar.
 #[derive(Clone, Debug)]
 pub enum AnyConstraint<C: Scalar = f64> {
     /// Balls outside spheres.
@@ -22,11 +22,11 @@ pub enum AnyConstraint<C: Scalar = f64> {
     SelfCollision(SelfClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
-    /// Any other one, evaluated over fewer scalars than those above: see [`DynConstraint`].
+    /// Any other constraint, evaluated over fewer scalars: see [`DynConstraint`].
     Other(Box<dyn DynConstraint<C>>),
 }
 
-/// Does the same with whichever it is.
+/// Applies the same expression to each variant.
 macro_rules! each {
     ($of:expr, $it:ident => $what:expr) => {
         match $of {

@@ -1,4 +1,4 @@
-//! Contractions of any constraint by dual numbers of its value.
+//! Contractions of the derivatives of any constraint by dual numbers.
 
 use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
@@ -6,15 +6,15 @@ use crate::error::Result;
 use crate::scalar::{AlgebraOver, Jet, Scalar};
 use crate::spatial::Placement;
 
-/// The number of tangents of a pass.
+/// The number of tangents per pass.
 const LANES: usize = 4;
 
-/// What gradients are computed with.
+/// The numbers for gradients.
 type First<S> = Jet<S, LANES>;
-/// What Hessians are computed with: rows in the inner tangent, columns in the outer ones.
+/// The numbers for Hessians: rows in the inner tangent, columns in the outer ones.
 type Second<S> = Jet<Jet<S, 1>, LANES>;
 
-/// Numbers with tangents, kept so that nothing is allocated twice.
+/// Numbers with tangents, stored so that they are allocated only once.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch<S: Scalar> {
     first: Moving<First<S>>,
@@ -30,7 +30,7 @@ impl<S: Scalar> Scratch<S> {
     }
 }
 
-/// A state that moves, and the values there.
+/// A state with tangents, and the values there.
 #[derive(Clone, Debug)]
 struct Moving<T: Scalar> {
     x: Vec<T>,
@@ -47,7 +47,7 @@ impl<T: Scalar> Moving<T> {
         }
     }
 
-    /// Starts from `x`, as constants, with room for `rows` values.
+    /// Sets the state to the constants `x`, with space for `rows` values.
     fn reset<S: Copy>(&mut self, x: &[S], constant: impl Fn(S) -> T, rows: usize) {
         self.x.clear();
         self.x.extend(x.iter().map(|x| constant(*x)));
@@ -55,7 +55,7 @@ impl<T: Scalar> Moving<T> {
         self.g.resize(rows, T::zero());
     }
 
-    /// The values of the constraint where it is now.
+    /// Computes the values of the constraint at the current state.
     fn value<C: Scalar, S: Scalar, K: Constraint<C> + ?Sized>(
         &mut self,
         constraint: &K,
@@ -75,7 +75,7 @@ impl<T: Scalar> Moving<T> {
     }
 }
 
-/// The contractions of `constraint`, added to `out`.
+/// Adds the contractions of `constraint` to `out`.
 pub(super) fn add_weighted_derivatives<C: Scalar, S: AlgebraOver<C>, K: Constraint<C> + ?Sized>(
     constraint: &K,
     at: &PlacedState<'_, C, S>,

@@ -6,12 +6,12 @@ use crate::error::{Error, Result};
 use crate::model::{Limits, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// A side of a number that can be bounded.
+/// The bounded side of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// It is at least the bound.
+    /// The number is at least the bound.
     Lower,
-    /// It is at most the bound.
+    /// The number is at most the bound.
     Upper,
 }
 
@@ -37,14 +37,14 @@ pub struct Bound<C: Scalar = f64> {
 }
 
 impl<C: Scalar> Bound<C> {
-    /// $g$, linear in the number `x` that is bounded: $x - \bar x$ or $\bar x - x$.
+    /// Computes $g$, linear in the bounded number `x`: $x - \bar x$ or $\bar x - x$.
     #[inline]
     #[must_use]
     pub fn row<S: AlgebraOver<C>>(&self, x: S) -> S {
         self.signed(x - S::lift(self.value))
     }
 
-    /// `y` times the slope of $g$, which is one above and minus one below.
+    /// Multiplies `y` by the slope of $g$, which is one for an upper bound and minus one for a lower bound.
     #[inline]
     #[must_use]
     pub fn signed<S: Scalar>(&self, y: S) -> S {
@@ -55,11 +55,11 @@ impl<C: Scalar> Bound<C> {
     }
 }
 
-/// Bounds on entries of $x = [q; v]$, a linear row for each.
+/// Bounds on entries of $x = [q; v]$, one linear row each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds<C: Scalar = f64>(pub Vec<Bound<C>>);
 
-/// The finite ones of two bounds for each joint, on the entries from `first` on.
+/// The finite bounds among two for each joint, on the entries from `first` on.
 pub(super) fn of_limits<C: Scalar>(
     model: &Model<C>,
     first: usize,
@@ -96,7 +96,7 @@ impl<C: Scalar> Bounds<C> {
     }
 }
 
-/// Entry `i` of some numbers.
+/// Returns entry `i` of a slice.
 pub(super) fn entry<S: Copy>(x: &[S], i: usize) -> Result<S> {
     x.get(i).copied().ok_or(Error::Length {
         what: "bounded numbers",

@@ -7,20 +7,20 @@ use crate::spatial::Placement;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// All points within a radius of a segment that a body carries, in m. A segment of length zero makes it a ball.
+/// A capsule of a body: all points within a radius of a segment, in m. A segment of length zero makes it a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     /// The body; `None` is the base.
     pub body: Option<usize>,
     /// The ends of the segment in the body.
     pub ends: [Vector3<f64>; 2],
-    /// The radius.
+    /// The radius, m.
     pub radius: f64,
 }
 
 impl Capsule {
-    /// The whole arm: from the origin of each joint to those of the joints that its body carries and of the links fixed to it,
-    /// such as an end effector. A body that carries nothing off the origin of its joint gets a ball there.
+    /// Capsules along the whole arm: from the origin of each joint to those of the joints and of the fixed links on its
+    /// body, such as an end effector. A body without such points away from the origin of its joint gets a ball there.
     #[must_use]
     pub fn along_links(model: &Model, radius: f64) -> Vec<Self> {
         let mut capsules = Vec::new();
@@ -50,9 +50,10 @@ impl Capsule {
         capsules
     }
 
-    /// Balls that cover the capsule, their centres equally spaced along the segment, ends included, no more than `spacing`
-    /// apart. With `h` the distance of neighbours their radius is $\sqrt{\rho^2 + (h / 2)^2}$: whoever keeps out of the balls
-    /// keeps out of the capsule. A point of it is at most $h / 2$ along the segment from a centre and $\rho$ off it.
+    /// Balls that cover the capsule, their centres equally spaced along the segment, ends included, at most `spacing`
+    /// apart. With `h` the distance of neighbours their radius is $\sqrt{\rho^2 + (h / 2)^2}$, because a point of the
+    /// capsule is at most $h / 2$ along the segment from a centre and $\rho$ off it. A point outside the balls is
+    /// therefore outside the capsule.
     ///
     /// # Errors
     /// `spacing` is not positive and finite, or the radius is negative or not finite.
@@ -86,15 +87,16 @@ impl Capsule {
         (self.ends[1] - self.ends[0]).norm()
     }
 
-    /// The number of intervals between balls that are this far apart; there is one ball more.
+    /// The number of intervals between balls at this spacing, one less than the number of balls.
     pub(crate) fn pieces(&self, spacing: f64) -> f64 {
         (self.length() / spacing).ceil()
     }
 
-    /// The exact distance from the capsule to a sphere, in m; negative when they overlap. `placements` are those of all bodies.
+    /// Computes the exact distance from the capsule to a sphere, in m; negative in an overlap. `placements` are those
+    /// of all bodies.
     ///
     /// # Errors
-    /// The robot has no such body.
+    /// `placements` has no entry for the body.
     pub fn clearance(&self, placements: &[Placement<f64>], sphere: &Sphere) -> Result<f64> {
         let [from, to] = self.in_base(placements)?;
         let (along, off) = (to - from, sphere.centre - from);
@@ -107,10 +109,10 @@ impl Capsule {
         Ok((off - along * nearest).norm() - self.radius - sphere.radius)
     }
 
-    /// The exact depth of the capsule inside a half-space, in m; negative when it sticks out of it.
+    /// Computes the exact depth of the capsule inside a half-space, in m; negative if it protrudes.
     ///
     /// # Errors
-    /// The robot has no such body.
+    /// `placements` has no entry for the body.
     pub fn height(&self, placements: &[Placement<f64>], half_space: &HalfSpace) -> Result<f64> {
         let heights = self
             .in_base(placements)?

@@ -1,4 +1,4 @@
-//! Balls that bodies carry, and what they have to stay out of.
+//! Clearances of balls on the robot from spheres and half-spaces.
 
 use super::label::name_of;
 use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// A ball that a body carries, in m; one with radius zero is a point.
+/// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionSphere<C: Scalar = f64> {
     /// The body; `None` is the base.
@@ -19,7 +19,7 @@ pub struct CollisionSphere<C: Scalar = f64> {
 }
 
 impl<C: Scalar> CollisionSphere<C> {
-    /// The origins of all joint frames as points: what the paper keeps out of obstacles.
+    /// The origins of all joint frames as points: the paper's collision model.
     #[must_use]
     pub fn joint_frames(model: &Model<C>) -> Vec<Self> {
         let origin = |body| Self {
@@ -51,7 +51,7 @@ impl<C: Scalar> CollisionSphere<C> {
     }
 }
 
-/// A ball fixed in the base frame, as an obstacle, in m.
+/// A ball fixed in the base frame as an obstacle, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<C: Scalar = f64> {
     /// Its centre.
@@ -60,13 +60,14 @@ pub struct Sphere<C: Scalar = f64> {
     pub radius: C,
 }
 
-/// Every ball stays out of every sphere: $g = (r + \rho)^2 - |p - c|^2$ in m^2, with $\rho$ and `p` of the ball and `r` and `c` of
-/// the sphere. Row `i m + j` is that of ball `i` and sphere `j` of `m`. The squares keep it smooth everywhere.
+/// Each ball stays outside each sphere: $g = (r + \rho)^2 - |p - c|^2$ in m^2, with $\rho$ and `p` of the ball and `r`
+/// and `c` of the sphere. Row `i m + j` is that of ball `i` and sphere `j` of `m`. The squares make it smooth
+/// everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SphereClearance<C: Scalar = f64> {
-    /// The balls that the robot carries.
+    /// The balls on the robot.
     pub balls: Vec<CollisionSphere<C>>,
-    /// The spheres in its way.
+    /// The sphere obstacles.
     pub spheres: Vec<Sphere<C>>,
 }
 
@@ -88,7 +89,7 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         Ok(())
     }
 
-    /// $2 (r + \rho)$, as $g$ is about that times the depth.
+    /// $2 (r + \rho)$, because $g$ is about that times the depth.
     fn row_scales(&self, scales: &mut [C]) {
         let balls = self.balls.iter();
         let reaches = balls.flat_map(|b| self.spheres.iter().map(|s| s.radius + b.radius));
@@ -138,19 +139,19 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
     }
 }
 
-/// The half-space $n \cdot p \ge \delta$ of the base frame, such as what is above a floor.
+/// The half-space $n \cdot p \ge \delta$ of the base frame, such as the space above a floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace<C: Scalar = f64> {
-    /// `n`, of length one, pointing to where the robot may be.
+    /// The unit normal `n`, pointing into the free half-space.
     pub normal: Vector3<C>,
-    /// $\delta$, in m.
+    /// The offset $\delta$, in m.
     pub offset: C,
 }
 
-/// Every ball stays in a half-space: $g = \rho + \delta - n \cdot p$ in m, a row for each ball.
+/// Each ball stays in a half-space: $g = \rho + \delta - n \cdot p$ in m, one row per ball.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HalfSpaceClearance<C: Scalar = f64> {
-    /// The balls that the robot carries.
+    /// The balls on the robot.
     pub balls: Vec<CollisionSphere<C>>,
     /// The half-space that the balls must stay in.
     pub half_space: HalfSpace<C>,

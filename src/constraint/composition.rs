@@ -1,4 +1,4 @@
-//! Several constraints are one.
+//! Tuples and lists of constraints as one constraint.
 
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::Result;
@@ -109,7 +109,8 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     }
 }
 
-/// The one of several constraints that a row of all belongs to, and which of its rows it is; `None` where there are fewer rows.
+/// The constraint that contains a row of the combined rows, and the index of the row in it; `None` if there are fewer
+/// rows.
 fn owner<C: Scalar, K: Constraint<C>>(all: &[K], mut row: usize) -> Option<(&K, usize)> {
     for constraint in all {
         match row.checked_sub(constraint.dim()) {
@@ -120,7 +121,7 @@ fn owner<C: Scalar, K: Constraint<C>>(all: &[K], mut row: usize) -> Option<(&K, 
     None
 }
 
-/// Hands everything on to what is behind a pointer, to the slice of a list, or to nested pairs.
+/// Implements the trait for a pointer, a list or nested pairs by delegation.
 macro_rules! delegate {
     ([$($generic:tt)*] $type:ty, $it:ident => $inner:expr) => {
         impl<C: Scalar, $($generic)*> Constraint<C> for $type {

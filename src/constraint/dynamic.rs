@@ -1,4 +1,4 @@
-//! Constraints behind pointers, so that one list can hold any.
+//! Constraints behind pointers, so that one list can hold any types.
 
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
@@ -8,30 +8,31 @@ use num_dual::{Dual64, DualSVec64};
 use std::any::{Any, type_name};
 use std::fmt::Debug;
 
-/// A [`Constraint`] that can be put into a `Box<dyn DynConstraint>`, which is a constraint again.
+/// An object-safe [`Constraint`]: `Box<dyn DynConstraint>` implements [`Constraint`].
 ///
-/// Nothing has to be implemented: every constraint over `f64` constants that can be cloned and printed is one. A method that is
-/// generic cannot be called through a pointer, so a boxed constraint is evaluated over the scalars that the flow, the relaxation
-/// and [`verify::duals`](crate::verify::duals) compute with (`f64`, `Lanes<f64, 4>`, `Dual64` and `DualSVec64<8>`) and is an
-/// error over any other. The derivatives of the constraint itself are not restricted: they are computed behind the pointer.
+/// It is implemented for every constraint over `f64` constants that implements `Clone` and `Debug`. A generic method
+/// cannot be called through a pointer, so a boxed constraint is evaluated only over the scalars of the flow, the
+/// relaxation and [`verify::duals`](crate::verify::duals) (`f64`, `Lanes<f64, 4>`, `Dual64` and `DualSVec64<8>`) and
+/// returns an error for any other. The derivatives of the constraint itself are not restricted: they are computed
+/// behind the pointer.
 pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {
-    /// As [`Constraint::dim`].
+    /// [`Constraint::dim`].
     fn rows(&self) -> usize;
 
-    /// As [`Constraint::row_scales`].
+    /// [`Constraint::row_scales`].
     fn scales(&self, scales: &mut [C]);
 
-    /// As [`Constraint::label`].
+    /// [`Constraint::label`].
     fn row_label(&self, row: usize, model: &Model<C>) -> RowLabel;
 
-    /// As [`Constraint::is_equality`].
+    /// [`Constraint::is_equality`].
     fn row_is_equality(&self, row: usize) -> bool;
 
     /// Fills `slot`, an `Option<Functions<C, S>>`, if `S` is one of the scalars.
     #[doc(hidden)]
     fn functions(&self, slot: &mut dyn Any);
 
-    /// The constraint itself, for the functions.
+    /// The constraint itself, for [`Functions`].
     #[doc(hidden)]
     fn constraint(&self) -> &dyn Any;
 
@@ -53,7 +54,7 @@ type AddWeightedDerivatives<C, S> =
     fn(&dyn Any, &PlacedState<'_, C, S>, Weights<'_, S>, &mut WeightedDerivatives<S>) -> Result<()>;
 
 impl<C: Scalar, S: AlgebraOver<C>> Functions<C, S> {
-    /// Those of `K`.
+    /// The functions of `K`.
     fn of<K: Constraint<C> + 'static>() -> Self {
         Self {
             value: |constraint, at, g| known::<K>(constraint)?.value(at, g),
@@ -63,7 +64,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Functions<C, S> {
         }
     }
 
-    /// Those of a constraint behind a pointer.
+    /// The functions of a constraint behind a pointer.
     fn behind(constraint: &dyn DynConstraint<C>) -> Result<Self> {
         let mut slot: Option<Self> = None;
         constraint.functions(&mut slot);
@@ -71,7 +72,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Functions<C, S> {
     }
 }
 
-/// The constraint with its type.
+/// The constraint with its concrete type.
 fn known<K: 'static>(constraint: &dyn Any) -> Result<&K> {
     constraint.downcast_ref().ok_or_else(not_known::<K>)
 }
@@ -115,7 +116,7 @@ impl<K: Constraint + Clone + Debug + Send + Sync + 'static> DynConstraint for K 
     }
 }
 
-/// Fills the slot if it is for the scalar `S`.
+/// Fills the slot if its scalar is `S`.
 fn fill<K: Constraint + 'static, S: AlgebraOver<f64>>(slot: &mut dyn Any) {
     if let Some(slot) = slot.downcast_mut() {
         *slot = Some(Functions::<f64, S>::of::<K>());

@@ -1,4 +1,4 @@
-//! Values and contractions of constraints at states.
+//! Evaluation of constraints and their contractions at states.
 
 use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement};
 
-/// Evaluates constraints on the states of a model: the workspace, so that nothing is allocated at a state unless a constraint does so.
+/// A workspace that evaluates constraints at states of a model. It allocates nothing per state unless a constraint
+/// does.
 #[derive(Clone, Debug)]
 pub struct Evaluator<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
@@ -17,7 +18,7 @@ pub struct Evaluator<'m, C: Scalar = f64, S: Scalar = C> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
-    /// For the states of `model`.
+    /// Allocates the workspace for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
         let n = model.dof();
@@ -29,7 +30,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
         }
     }
 
-    /// Places the bodies at the state `x`, `2 N` entries. Cost O(N).
+    /// Computes the placements of the bodies at the state `x`, `2 N` entries. Cost O(N).
     ///
     /// # Errors
     /// `x` does not have `2 N` entries.
@@ -49,10 +50,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
 }
 
 impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
-    /// As [`Placed::weighted_derivatives`] at the state `x`, for as long as the evaluator lives.
+    /// Computes [`Placed::weighted_derivatives`] at the state `x`; the result borrows the evaluator.
     ///
     /// # Errors
-    /// As [`Evaluator::at`] and [`Placed::weighted_derivatives`].
+    /// Those of [`Evaluator::at`] and [`Placed::weighted_derivatives`].
     pub(crate) fn weighted_derivatives_at<K: Constraint<C> + ?Sized>(
         &mut self,
         x: &[S],
@@ -64,7 +65,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
     }
 }
 
-/// Bodies placed at a state, for any number of constraints.
+/// The bodies at a state, for any number of constraints.
 #[derive(Debug)]
 pub struct Placed<'a, C: Scalar, S: Scalar> {
     state: PlacedState<'a, C, S>,
@@ -73,25 +74,26 @@ pub struct Placed<'a, C: Scalar, S: Scalar> {
 }
 
 impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
-    /// The state, as a constraint sees it.
+    /// The state in the form that constraints read.
     #[must_use]
     pub fn state(&self) -> &PlacedState<'_, C, S> {
         &self.state
     }
 
-    /// $g$, into `g`, which has as many entries as `constraint` has rows.
+    /// Computes $g$ into `g`, one entry per row of `constraint`.
     ///
     /// # Errors
-    /// `g` has another length, or `constraint` is for another robot.
+    /// `g` has the wrong length, or `constraint` refers to a joint or body that the robot does not have.
     pub fn value<K: Constraint<C> + ?Sized>(&self, constraint: &K, g: &mut [S]) -> Result<()> {
         check_length("g", constraint.dim(), g.len())?;
         constraint.value(&self.state, g)
     }
 
-    /// The sums of derivatives with the weights of the rows, the gradient alone or the Hessian as well.
+    /// Computes the sums of derivatives weighted by row: the gradient alone, or the Hessian too.
     ///
     /// # Errors
-    /// There are more or fewer weights than rows, or `constraint` is for another robot.
+    /// The number of weights is not that of the rows, or `constraint` refers to a joint or body that the robot does not
+    /// have.
     pub fn weighted_derivatives<K: Constraint<C> + ?Sized>(
         &mut self,
         constraint: &K,

@@ -1,4 +1,4 @@
-//! What a row of a constraint is called, and in what unit it is measured.
+//! The names and units of constraint rows.
 
 use crate::model::{Joint, JointKind, Model};
 use crate::scalar::Scalar;
@@ -6,16 +6,16 @@ use crate::scalar::Scalar;
 /// The name, unit and kind of a row of a constraint, for a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowLabel {
-    /// The quantity that is limited, such as `upper position limit of joint 'joint_2'`.
+    /// The limited quantity, such as `upper position limit of joint 'joint_2'`.
     pub name: String,
-    /// The unit of the row divided by its [scale](super::Constraint::row_scales); empty where it is not known.
+    /// The unit of the row divided by its [scale](super::Constraint::row_scales); empty if unknown.
     pub unit: &'static str,
-    /// The kind of quantity that is limited.
+    /// The kind of the limited quantity.
     pub kind: RowKind,
 }
 
 impl RowLabel {
-    /// The label of a row of which nothing is known but its number.
+    /// The default label, which is the number of the row.
     #[must_use]
     pub fn numbered(row: usize) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl RowLabel {
     }
 }
 
-/// The kind of quantity that a row limits, with the index of the joint where it is that of one joint.
+/// The kind of quantity that a row limits, with the index of the joint for limits of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowKind {
     /// The position of a joint.
@@ -37,7 +37,7 @@ pub enum RowKind {
     Torque(usize),
     /// The distance of the robot from an obstacle.
     Clearance,
-    /// Anything else.
+    /// Any other quantity.
     Other,
 }
 
@@ -52,7 +52,7 @@ impl RowKind {
     }
 }
 
-/// The one of two units that goes with the joint: of turning or of sliding.
+/// The unit of the joint: the first for a revolute joint, the second for a prismatic one.
 pub(super) fn unit_of<C: Scalar>(
     joint: &Joint<C>,
     turning: &'static str,
@@ -64,7 +64,7 @@ pub(super) fn unit_of<C: Scalar>(
     }
 }
 
-/// The body in words: its first link, or its joint where it has none.
+/// The name of the first link of a body, or of its joint if the body has no link.
 pub(super) fn name_of<C: Scalar>(body: Option<usize>, model: &Model<C>) -> String {
     if let Some(frame) = model.frames().iter().find(|f| f.body == body) {
         return format!("link '{}'", frame.name);

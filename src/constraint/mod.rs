@@ -1,14 +1,14 @@
-//! Constraints $g(x) \le 0$, some rows of which may be equalities $g_j(x) = 0$, written once for every scalar.
+//! Constraints $g(x) \le 0$, some rows of which may be equalities $g_j(x) = 0$, implemented once for all scalars.
 //!
-//! A [`Constraint`] is its value; the [guide](crate::guide::constraint) writes one in ten lines. What an optimiser needs
-//! of the derivatives are contractions with weights, one for each row of `g`:
+//! A [`Constraint`] is defined by its value; the [guide](crate::guide::constraint) implements one in ten lines. An
+//! optimiser needs only contractions of the derivatives, with one weight per row of `g`:
 //!
 //! $$ \sum_j w_j \frac{\partial g_j}{\partial x}, \qquad \sum_j \left( w_j \frac{\partial^2 g_j}{\partial x^2} +
 //!    c_j \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T \right) , $$
 //!
-//! with $w = b^{\prime}(g)$ and $c = b^{\prime\prime}(g)$ for penalties, or with multipliers and the weight of the active rows for an
-//! augmented Lagrangian. They come from dual numbers of the value unless a constraint knows better, as all do that are here. An
-//! [`Evaluator`] places the bodies once at a state for all of them.
+//! with $w = b^{\prime}(g)$ and $c = b^{\prime\prime}(g)$ for penalties, or with multipliers and the weights of the
+//! active rows for an augmented Lagrangian. By default they come from dual numbers; all built-in constraints have
+//! analytic ones. An [`Evaluator`] computes the placements of the bodies once per state for all constraints.
 
 mod any;
 mod autodiff;
@@ -43,45 +43,48 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant};
 use nalgebra::Vector3;
 
-/// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ where [`is_equality`](Self::is_equality) says so.
+/// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ for the rows that are an
+/// [equality](Self::is_equality).
 ///
-/// Tuples of up to six, arrays, vectors and slices of constraints are one, with the rows of each in order; `()` has none. A `&K` is
-/// what is behind it. Lists of different constraints are a `Vec` of [`AnyConstraint`] or of `Box<dyn`[`DynConstraint`]`>`.
+/// Tuples of up to six, arrays, vectors and slices of constraints are a constraint with the rows of each in order; `()`
+/// has no rows. `&K` delegates to `K`. A list of different constraints is a `Vec` of [`AnyConstraint`] or of
+/// `Box<dyn`[`DynConstraint`]`>`.
 pub trait Constraint<C: Scalar = f64> {
     /// The number of rows $g_j$.
     fn dim(&self) -> usize;
 
-    /// $g(x)$ at a state, into `g`, which has [`dim`](Self::dim) entries. Positive where the constraint is violated.
+    /// Computes $g(x)$ at a state into `g`, [`dim`](Self::dim) entries. A positive value is a violation.
     ///
     /// # Errors
-    /// The constraint is for another robot.
+    /// The constraint refers to a joint or body that the robot does not have.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()>;
 
-    /// Writes the rate at which each row grows at its boundary with what it bounds, in rad, rad/s or m, to `scales`, which has
-    /// [`dim`](Self::dim) entries: a row divided by it says in these units how far the boundary is. One unless overridden.
+    /// Writes the slope of each row at its boundary with respect to the bounded quantity, in rad, rad/s or m, to
+    /// `scales`, [`dim`](Self::dim) entries: a row divided by its scale is the distance from the boundary in these
+    /// units. One by default.
     fn row_scales(&self, scales: &mut [C]) {
         scales.fill(C::one());
     }
 
-    /// The name of row `row` and the unit of the row divided by its [scale](Self::row_scales), for reports. The number of the
-    /// row without a unit unless overridden.
+    /// The name of row `row` and the unit of the row divided by its [scale](Self::row_scales), for reports. By default
+    /// the number of the row, without a unit.
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let _ = model;
         RowLabel::numbered(row)
     }
 
-    /// Tells whether row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality $g_j(x) \le 0$. None is unless
-    /// overridden.
+    /// Returns true if row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality
+    /// $g_j(x) \le 0$. False by default.
     fn is_equality(&self, row: usize) -> bool {
         let _ = row;
         false
     }
 
-    /// Adds to `out` the contractions with the weights of its rows. By dual numbers of the value unless overridden:
-    /// `N / 2` evaluations with four tangents for the gradient, about $N^2 / 2$ with nine numbers each for the Hessian.
+    /// Adds the contractions with the weights of the rows to `out`. By default by dual numbers of the value: `N / 2`
+    /// evaluations with four tangents for the gradient, about $N^2 / 2$ with nine numbers each for the Hessian.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// Those of [`value`](Self::value).
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -92,12 +95,12 @@ pub trait Constraint<C: Scalar = f64> {
     }
 }
 
-/// The view that a constraint has of a state: its numbers and the placements of the bodies in it.
+/// The input of a constraint: a state and the placements of the bodies in it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     /// The robot.
     pub model: &'a Model<C>,
-    /// $x = [q; v]$, `2 N` entries.
+    /// The state $x = [q; v]$, `2 N` entries.
     pub x: &'a [S],
     /// The placements of all bodies in the base frame.
     pub placements: &'a [Placement<S>],
@@ -116,7 +119,7 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
         &self.x[self.x.len() / 2..]
     }
 
-    /// The position of a point of a body in the base frame; without a body the point is fixed to the base.
+    /// Computes the position of a point of a body in the base frame; without a body the point is fixed to the base.
     ///
     /// # Errors
     /// The robot has no such body.
@@ -138,17 +141,17 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
     }
 }
 
-/// The weights of a contraction, one entry a row of the constraint.
+/// The weights of a contraction, one entry per row of the constraint.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a, S> {
-    /// $w$, of the first and second derivatives.
+    /// The weights $w$ of the first and second derivatives.
     pub first_order: &'a [S],
-    /// $c$, of the products of gradients; without it only the gradient is asked for.
+    /// The weights $c$ of the products of gradients; `None` if only the gradient is needed.
     pub gauss_newton: Option<&'a [S]>,
 }
 
 impl<'a, S> Weights<'a, S> {
-    /// Those of the first `rows` rows, and of the rest.
+    /// The weights of the first `rows` rows, and those of the rest.
     #[must_use]
     pub fn split_at(self, rows: usize) -> (Self, Self) {
         let (w, w_rest) = self.first_order.split_at(rows);
@@ -164,7 +167,7 @@ impl<'a, S> Weights<'a, S> {
         (first, rest)
     }
 
-    /// Tells whether nothing depends on row `row`.
+    /// Returns true if all weights of row `row` are zero.
     #[inline]
     fn vanish(&self, row: usize) -> bool
     where
@@ -173,7 +176,7 @@ impl<'a, S> Weights<'a, S> {
         self.first_order[row].vanishes() && self.gauss_newton.is_none_or(|c| c[row].vanishes())
     }
 
-    /// Checks that there are as many as rows.
+    /// Checks that the number of weights is the number of rows.
     fn check(&self, rows: usize) -> Result<()> {
         check_length("weights w", rows, self.first_order.len())?;
         self.gauss_newton

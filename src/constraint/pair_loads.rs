@@ -1,14 +1,14 @@
-//! What depends on the distances of points of two bodies.
+//! Derivatives of functions of the distance of points on two bodies.
 
 use crate::model::Model;
 use crate::scalar::Scalar;
 use crate::spatial::{Force, Motion, apply, apply_transpose, cross, cross_matrix, dot, outer};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-/// The sums over all pairs of points, by the two bodies that carry them.
+/// The sums over all pairs of points, by the pair of bodies that carry them.
 ///
-/// With $d = p_1 - p_2$ and $s = |d|^2 / 2$ a function of `s` pulls at the first point with $f = \varphi^{\prime} d$
-/// and at the second one with $-f$. As spatial forces at the origin these are opposite, $\pm F$, since
+/// With $d = p_1 - p_2$ and $s = |d|^2 / 2$, a function of `s` exerts $f = \varphi^{\prime} d$ on the first point and
+/// $-f$ on the second one. As spatial forces at the origin these are opposite, $\pm F$, because
 /// $p_1 \times d = p_2 \times d =: m$ is the moment of their line. With $L = (m, d)$ the stiffness between the two
 /// bodies is
 ///
@@ -16,21 +16,21 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 ///    K = [-p_{1 \times}, I]^T (\varphi^{\prime} I + \varphi^{\prime\prime} d d^T) [-p_{2 \times}, I]
 ///      = \varphi^{\prime} [-p_{1 \times}, I]^T [-p_{2 \times}, I] + \varphi^{\prime\prime} L L^T . $$
 ///
-/// Joints that carry both bodies change no distance. Of those that carry one alone, `i` before `j` on the first side
-/// and `k` before `l` on the second,
+/// Joints that carry both bodies change no distance. For joints that carry only one body, `i` before `j` on the first
+/// side and `k` before `l` on the second,
 ///
 /// $$ \frac{\partial^2}{\partial q_i \partial q_j} = S_i \cdot (K S_j + S_j \times^* F), \qquad
 ///    \frac{\partial^2}{\partial q_k \partial q_l} = S_k \cdot (K^T S_l - S_l \times^* F), \qquad
 ///    \frac{\partial^2}{\partial q_i \partial q_l} = -S_i \cdot K S_l . $$
 ///
-/// `proofs/geometry.md` derives it. O(1) for each pair of points, the square of the depth of the tree for each pair of
-/// bodies.
+/// The derivation is in `proofs/geometry.md`. Cost O(1) per pair of points, and the square of the depth of the tree per
+/// pair of bodies.
 #[derive(Clone, Debug)]
 pub(super) struct PairLoads<S: Scalar> {
     loads: Vec<([Option<usize>; 2], PairLoad<S>)>,
-    /// The joints that carry one body of a pair alone, from the body on.
+    /// The joints that carry only one body of a pair, from the body on.
     sides: [Vec<usize>; 2],
-    /// What the joints of the second side make felt on the first one.
+    /// The forces on the first side due to the joints of the second one.
     felt: Vec<Force<S>>,
 }
 
@@ -71,7 +71,7 @@ impl<S: Scalar> PairLoad<S> {
 }
 
 impl<S: Scalar> PairLoads<S> {
-    /// Nothing.
+    /// Zero sums.
     pub(super) fn new() -> Self {
         Self {
             loads: Vec::new(),
@@ -80,12 +80,12 @@ impl<S: Scalar> PairLoads<S> {
         }
     }
 
-    /// Forgets all pairs, and keeps the memory.
+    /// Removes all pairs and keeps the memory.
     pub(super) fn clear(&mut self) {
         self.loads.clear();
     }
 
-    /// Adds a pair of points; `second` also its second derivatives.
+    /// Adds a pair of points; with `second`, its second derivatives too.
     #[inline]
     pub(super) fn add(
         &mut self,
@@ -113,7 +113,7 @@ impl<S: Scalar> PairLoads<S> {
         }
     }
 
-    /// The sums of two bodies: most often those of the last pair.
+    /// The sums of two bodies, which are usually those of the previous pair.
     #[inline]
     fn load(&mut self, bodies: [Option<usize>; 2]) -> &mut PairLoad<S> {
         let known = self.loads.iter().rposition(|(known, _)| *known == bodies);
@@ -124,7 +124,7 @@ impl<S: Scalar> PairLoads<S> {
         &mut self.loads[index].1
     }
 
-    /// Hands what is between the bodies to the joints.
+    /// Projects the forces between the bodies on the joints.
     pub(super) fn collect<C: Scalar>(
         &mut self,
         model: &Model<C>,
@@ -177,7 +177,7 @@ impl<S: Scalar> PairLoads<S> {
 }
 
 /// The joints that carry one of two bodies and not the other, from the body to the base. Parents come before children,
-/// so the later one of two that are not the same carries one body alone.
+/// so that the larger of two different indices carries only one body.
 fn alone<C: Scalar>(model: &Model<C>, bodies: [Option<usize>; 2], sides: &mut [Vec<usize>; 2]) {
     let [first, second] = sides;
     first.clear();

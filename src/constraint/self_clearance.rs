@@ -1,4 +1,4 @@
-//! Balls of a robot that stay out of each other.
+//! Clearances between balls on the robot.
 
 use super::clearance::clearance;
 use super::label::name_of;
@@ -8,11 +8,11 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
 
-/// The two balls of every pair stay out of each other: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, a row for each pair.
-/// The squares keep it smooth everywhere. Pairs of the same two bodies that follow each other share their work.
+/// The two balls of every pair do not overlap: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, one row per pair. The
+/// squares make it smooth everywhere. Consecutive pairs on the same two bodies share their work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfClearance<C: Scalar = f64> {
-    /// The balls that the robot carries, some of them perhaps on its base.
+    /// The balls on the robot, possibly some on its base.
     pub balls: Vec<CollisionSphere<C>>,
     /// The indices of the two balls of each pair.
     pub pairs: Vec<[usize; 2]>,
@@ -37,7 +37,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         self.pairs.len()
     }
 
-    /// Every ball is placed once, in memory that is allocated for it.
+    /// Places every ball once, in newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let mut places = Vec::with_capacity(self.balls.len());
         for ball in &self.balls {
@@ -52,8 +52,8 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    /// $2 (r_1 + r_2)$, as $g$ is about that times the depth; one for a pair without balls, which is an error of the
-    /// value.
+    /// $2 (r_1 + r_2)$, because $g$ is about that times the depth; one for a pair without balls, which is an error of
+    /// the value.
     fn row_scales(&self, scales: &mut [C]) {
         for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
             *scale = self.pair(*pair).map_or(C::one(), |[first, second]| {
@@ -71,8 +71,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         clearance(format!("distance of {first} from {second}"))
     }
 
-    /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear, with the slope $-2$. Pairs whose weights vanish cost
-    /// nothing.
+    /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear with slope $-2$. Pairs with zero weights are skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,

@@ -1,4 +1,4 @@
-//! Balls that stay out of boxes, cylinders, capsules and spheres.
+//! Clearances of balls on the robot from boxes, cylinders, capsules and spheres.
 
 use super::clearance::clearance;
 use super::label::name_of;
@@ -10,18 +10,18 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::outer;
 use nalgebra::{Matrix3, Vector3};
 
-/// Every ball stays out of every solid: $g = \rho - d(p)$ in m, with $\rho$ and `p` of the ball and the
-/// [signed distance](Solid::distance) `d` of the solid. Row `i m + j` is that of ball `i` and solid `j` of `m`.
+/// Each ball stays outside each solid: $g = \rho - d(p)$ in m, with $\rho$ and `p` of the ball and the [signed
+/// distance](Solid::distance) `d` of the solid. Row `i m + j` is that of ball `i` and solid `j` of `m`.
 ///
-/// A ball with a positive radius touches a solid where the distance is smooth enough; [`geometry`](crate::geometry)
-/// says what happens at edges and inside.
+/// A ball with a positive radius touches a solid at a point where the distance is smooth enough; see
+/// [`geometry`](crate::geometry) for edges and the interior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidClearance<C: Scalar = f64> {
-    /// The balls that the robot carries.
+    /// The balls on the robot.
     pub balls: Vec<CollisionSphere<C>>,
-    /// The solids in its way, placed in the base frame.
+    /// The solid obstacles, placed in the base frame.
     pub solids: Vec<Solid<C>>,
-    /// The names of the solids, for reports; those without one are called by shape and number.
+    /// The names of the solids for reports; a solid without one is called by its shape and number.
     pub names: Vec<String>,
 }
 
@@ -69,8 +69,8 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         clearance(format!("distance of {body} from {solid}"))
     }
 
-    /// The gradient in `p` is $-n$ and the Hessian minus the curvature. Balls and rows whose weights vanish cost
-    /// nothing.
+    /// The gradient in `p` is $-n$ and the Hessian is minus the curvature. Balls and rows with zero weights are
+    /// skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,

@@ -1,4 +1,4 @@
-//! Limits on the torque of each joint, and the bundle of all constraints of a motion.
+//! Limits on the torque of each joint, and the set of all constraints of a motion.
 
 use super::label::unit_of;
 use super::{Constraint, RowKind, RowLabel, Side};
@@ -6,12 +6,12 @@ use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Limits $|u_i| \le \bar u_i$, in N m or N; `None` where there is none, and zero for a passive joint.
+/// Limits $|u_i| \le \bar u_i$, in N m or N; `None` for a joint without a limit, and zero for a passive joint.
 ///
-/// A limit is two linear rows, $u_i - \bar u_i$ and $-u_i - \bar u_i$, and not one in $u_i^2 - \bar u_i^2$: the slope of a row in the
-/// excess is one for every joint, where that of the square is $2 \bar u_i$, so that a weight would mean something else for a strong
-/// joint than for a weak one. A limit of zero is one row, the equality $u_i = 0$: two inequalities that meet leave no inside, and
-/// their gradients are not independent where they hold.
+/// A limit is two linear rows, $u_i - \bar u_i$ and $-u_i - \bar u_i$, and not one in $u_i^2 - \bar u_i^2$: the slope
+/// of a linear row in the excess is one for every joint, whereas that of the square is $2 \bar u_i$, so that a weight
+/// would act differently on a strong and on a weak joint. A limit of zero is one row, the equality $u_i = 0$: two
+/// opposite inequalities would have no interior and linearly dependent gradients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueLimits<C: Scalar = f64>(pub Vec<Option<C>>);
 
@@ -27,7 +27,7 @@ impl<C: Scalar> TorqueLimits<C> {
         )
     }
 
-    /// The joint and the limit of each row and the side of the torque that it bounds: both where the joint is passive.
+    /// The joint, the limit and the bounded side of each row; `None` for the equality of a passive joint.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, C, Option<Side>)> {
         let limited = self.0.iter().enumerate();
         let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
@@ -41,14 +41,14 @@ impl<C: Scalar> TorqueLimits<C> {
         })
     }
 
-    /// Tells whether a joint is passive: its limit is zero.
+    /// Returns true if a joint is passive, that is, if its limit is zero.
     #[must_use]
     pub fn is_passive(&self, joint: usize) -> bool {
         let limit = self.0.get(joint).copied().flatten();
         limit.is_some_and(|limit| limit.is_zero())
     }
 
-    /// Tells whether any joint is passive.
+    /// Returns true if any joint is passive.
     #[must_use]
     pub fn has_passive(&self) -> bool {
         (0..self.0.len()).any(|joint| self.is_passive(joint))
@@ -60,11 +60,11 @@ impl<C: Scalar> TorqueLimits<C> {
         self.rows().count()
     }
 
-    /// The rows $u_i - \bar u_i$ and $-u_i - \bar u_i$ for each limit, or $u_i$ where the joint is passive, into `g`, which has
+    /// Computes the rows $u_i - \bar u_i$ and $-u_i - \bar u_i$ for each limit, or $u_i$ for a passive joint, into `g`,
     /// [`dim`](Self::dim) entries. `u` has one entry per joint.
     ///
     /// # Errors
-    /// The lengths are others.
+    /// `u` or `g` has the wrong length.
     pub fn value<S: AlgebraOver<C>>(&self, u: &[S], g: &mut [S]) -> Result<()> {
         check_length("u", self.0.len(), u.len())?;
         check_length("g", self.dim(), g.len())?;
@@ -78,7 +78,7 @@ impl<C: Scalar> TorqueLimits<C> {
         Ok(())
     }
 
-    /// Tells whether a row is the equality $u_i = 0$ of a passive joint.
+    /// Returns true if a row is the equality $u_i = 0$ of a passive joint.
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
         self.rows()
@@ -107,12 +107,12 @@ impl<C: Scalar> TorqueLimits<C> {
     }
 }
 
-/// Everything that a motion has to keep at every time.
+/// All constraints of a motion, at every time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraints<K, C: Scalar = f64> {
     /// Constraints on $x = [q; v]$.
     pub state: K,
-    /// Limits on $u$; no entries where there are none.
+    /// Limits on $u$; no entries if there are none.
     pub torque: TorqueLimits<C>,
 }
 
@@ -123,8 +123,8 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         self.state.dim() + self.torque.dim()
     }
 
-    /// The scales of all rows, [`dim`](Self::dim) entries: those of [`Constraint::row_scales`], then one for each row of the torque,
-    /// which is in N m or N as it is.
+    /// The scales of all rows, [`dim`](Self::dim) entries: those of [`Constraint::row_scales`], then one for each row
+    /// of the torque, which is in N m or N.
     #[must_use]
     pub fn row_scales(&self) -> Vec<C> {
         let mut scales = vec![C::one(); self.dim()];
@@ -132,7 +132,7 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         scales
     }
 
-    /// The name of a row of all and its unit; see [`Constraint::label`].
+    /// The name of a row and its unit; see [`Constraint::label`].
     #[must_use]
     pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         match row.checked_sub(self.state.dim()) {
@@ -141,12 +141,12 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         }
     }
 
-    /// Tells whether a row of all is the torque of a passive joint.
+    /// Returns true if a row is the torque of a passive joint.
     pub(crate) fn is_passive(&self, row: usize) -> bool {
         row >= self.state.dim() && self.is_equality(row)
     }
 
-    /// Tells whether a row of all is an equality; see [`Constraint::is_equality`].
+    /// Returns true if a row is an equality; see [`Constraint::is_equality`].
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
         match row.checked_sub(self.state.dim()) {
@@ -157,8 +157,8 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
 }
 
 impl<K: Constraint> Constraints<K> {
-    /// The factor of each row, with which it is of the order of 0.1 where it is badly violated, and one of the multiplied row in rad,
-    /// rad/s, m, N m or N. A torque counts relative to its limit; that of a passive joint in its own unit.
+    /// The factor of each row, with which a badly violated row is of the order of 0.1, and one unit of the scaled row
+    /// in rad, rad/s, m, N m or N. A torque is scaled by its limit, that of a passive joint by one.
     pub(crate) fn factors_and_units(&self) -> [Vec<f64>; 2] {
         let mut scales = self.row_scales();
         let mut units = vec![1.0; scales.len()];
@@ -175,7 +175,8 @@ impl TorqueLimits {
     /// Checks the limits for `model`.
     ///
     /// # Errors
-    /// There is not one entry per joint, or a limit is negative or not finite; it names the joint.
+    /// The number of entries is not the number of joints, or a limit is negative or not finite; the error names the
+    /// joint.
     pub fn check(&self, model: &Model) -> Result<()> {
         check_length("torque limits", model.dof(), self.0.len())?;
         for (joint, limit) in model.joints().iter().zip(&self.0) {

@@ -1,4 +1,4 @@
-//! Where constraints leave their derivatives.
+//! The accumulator of the derivatives of constraints.
 
 use super::autodiff::Scratch;
 use super::pair_loads::PairLoads;
@@ -12,19 +12,21 @@ use num_traits::Zero;
 
 /// Sums of weighted derivatives of constraints.
 ///
-/// A constraint adds to the gradient and the Hessian in `x` directly, or says how it depends on the place of a point with
-/// [`add_point`](Self::add_point). Points cost nothing in `N`: a weighted derivative $f$ in the place `p` of a point acts like a force
-/// there, so points of one body add up to a spatial force, and bodies to sums over subtrees. With `S_j` the joint axes and
-/// $\partial p / \partial q_j = v_j + \omega_j \times p =: J_j$, which turns with every joint `i` before `j`,
+/// A constraint adds to the gradient and the Hessian in `x` directly, or gives its dependence on the position of a
+/// point by [`add_point`](Self::add_point). The cost of a point does not depend on `N`: a weighted derivative $f$ in
+/// the position `p` of a point acts like a force there, so that points of one body add up to a spatial force, and
+/// bodies to sums over subtrees. With `S_j` the joint axes and
+/// $\partial p / \partial q_j = v_j + \omega_j \times p =: J_j$, which rotates with every joint `i` before `j`,
 ///
 /// $$ \frac{\partial}{\partial q_j} = S_j \cdot F_j, \qquad
 ///    \frac{\partial^2}{\partial q_i \partial q_j} = \sum_p J_i^T M J_j + f \cdot (\omega_i \times J_j), $$
 ///
 /// with $F_j$ the force on the subtree of `j`. The sums over points are the stiffness of the subtree, 6 by 6, and
-/// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\\, Q)\\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N d).
+/// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\\, Q)\\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N
+/// d).
 ///
-/// What depends on the distance of two points of different bodies is said with [`add_pair`](Self::add_pair), and adds up to a force and a
-/// coupling, 6 by 6, for each pair of bodies.
+/// The dependence on the distance of two points of different bodies is given by [`add_pair`](Self::add_pair), and adds
+/// up to a force and a coupling, 6 by 6, per pair of bodies.
 #[derive(Clone, Debug)]
 pub struct WeightedDerivatives<S: Scalar> {
     pub(super) gradient: DVector<S>,
@@ -40,7 +42,7 @@ pub struct WeightedDerivatives<S: Scalar> {
 struct Load<S: Scalar> {
     force: Force<S>,
     virial: Matrix3<S>,
-    /// The blocks of the stiffness: angular twice, angular and linear, linear twice.
+    /// The blocks of the stiffness: angular-angular, angular-linear, linear-linear.
     stiffness: [Matrix3<S>; 3],
 }
 
@@ -55,7 +57,7 @@ impl<S: Scalar> Load<S> {
 }
 
 impl<S: Scalar> WeightedDerivatives<S> {
-    /// Room for a robot with `n` joints.
+    /// Zeros for a robot with `n` joints.
     pub(super) fn new(n: usize) -> Self {
         Self {
             gradient: DVector::zeros(2 * n),
@@ -67,14 +69,14 @@ impl<S: Scalar> WeightedDerivatives<S> {
         }
     }
 
-    /// $\sum_j w_j\\, \partial g_j / \partial x$, `2 N` entries.
+    /// The gradient $\sum_j w_j\\, \partial g_j / \partial x$, `2 N` entries.
     #[must_use]
     pub fn gradient(&self) -> &DVector<S> {
         &self.gradient
     }
 
-    /// $\sum_j w_j\\, \partial^2 g_j / \partial x^2 + c_j\\, \partial g_j / \partial x\\, (\partial g_j / \partial x)^T$, `2 N` by `2 N`;
-    /// zero when it was not asked for.
+    /// The Hessian $\sum_j w_j\\, \partial^2 g_j / \partial x^2 + c_j\\, \partial g_j / \partial x\\, (\partial g_j /
+    /// \partial x)^T$, `2 N` by `2 N`; zero if it is not needed.
     #[must_use]
     pub fn hessian(&self) -> &DMatrix<S> {
         &self.hessian
@@ -87,11 +89,11 @@ impl<S: Scalar> WeightedDerivatives<S> {
         self.hessian[(i, i)] += second;
     }
 
-    /// Adds weighted derivatives in `x` that are there whole: `gradient` with `2 N` entries, and `hessian` with the products of
-    /// gradients, `2 N` by `2 N`, which is left out where only the gradient is asked for.
+    /// Adds full weighted derivatives in `x`: `gradient` with `2 N` entries, and `hessian` with the products of
+    /// gradients, `2 N` by `2 N`, which is ignored if only the gradient is needed.
     ///
     /// # Errors
-    /// One of them is for another robot.
+    /// `gradient` or `hessian` has the wrong size.
     pub fn add_dense(&mut self, gradient: &DVector<S>, hessian: &DMatrix<S>) -> Result<()> {
         let n = self.gradient.len();
         check_length("gradient", n, gradient.len())?;
@@ -104,8 +106,9 @@ impl<S: Scalar> WeightedDerivatives<S> {
         Ok(())
     }
 
-    /// Adds what depends on the place `p` of a point of `body` in the base frame: `force`, the weighted gradient in `p`, and
-    /// `stiffness`, the weighted Hessian in `p` with the products of gradients. A point without a body does not move.
+    /// Adds the dependence on the position `p` of a point of `body` in the base frame: `force` is the weighted gradient
+    /// in `p`, and `stiffness` the weighted Hessian in `p` with the products of gradients. A point without a body is
+    /// fixed.
     ///
     /// # Errors
     /// The robot has no such body.
@@ -132,9 +135,9 @@ impl<S: Scalar> WeightedDerivatives<S> {
         Ok(())
     }
 
-    /// Adds what depends on the distance of two points `p`, in the base frame, of two bodies: the weighted derivatives in
-    /// $s = |p_1 - p_2|^2 / 2$, `slope` the first one and `curvature` the second one with the squares of slopes. Points without a body do
-    /// not move. Nothing depends on joints that carry both bodies, nor on those of two points of one body.
+    /// Adds the dependence on the distance of two points `p`, in the base frame, of two bodies: `slope` is the weighted
+    /// first derivative in $s = |p_1 - p_2|^2 / 2$, and `curvature` the second one with the squares of slopes. Points
+    /// without a body are fixed. Joints that carry both bodies have no effect; neither have two points of one body.
     ///
     /// # Errors
     /// The robot has no such body.
@@ -166,7 +169,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
         })
     }
 
-    /// Starts anew, for gradients alone or Hessians as well.
+    /// Sets all sums to zero, for gradients alone or with Hessians.
     pub(super) fn reset(&mut self, second: bool) {
         self.gradient.fill(S::zero());
         self.hessian.fill(S::zero());
@@ -175,7 +178,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
         self.second = second;
     }
 
-    /// Hands what is on the points to the joints.
+    /// Projects the sums over points on the joints.
     pub(super) fn collect<C: Scalar>(&mut self, model: &Model<C>, axes: &[Motion<S>]) {
         let hessian = self.second.then_some(&mut self.hessian);
         self.pairs.collect(model, axes, &mut self.gradient, hessian);

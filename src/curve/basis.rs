@@ -1,24 +1,25 @@
-//! Piecewise polynomials that are continuous with their first derivative.
+//! Piecewise polynomials with a continuous first derivative.
 
 use super::gauss_legendre;
 use super::legendre::legendre;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous value and
-/// slope.
+/// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous
+/// value and slope.
 ///
-/// Each breakpoint, both ends included, has two functions: slope one there, value one there, the cubics of Hermite beside it.
-/// Each segment has `degree - 3` bubbles besides, which vanish with their slope at both of its ends: $(1 - s^2)^2 P_n^{(2, 2)}(s)$
-/// on `s` in `[-1, 1]`, scaled. By the formula of Rodrigues their second derivatives are Legendre polynomials,
+/// Each breakpoint, both ends included, has two functions: slope one there and value one there, the Hermite cubics on
+/// both sides. Each segment also has `degree - 3` bubbles, which vanish with their slope at both of its ends:
+/// $(1 - s^2)^2 P_n^{(2, 2)}(s)$
+/// on `s` in `[-1, 1]`, scaled. By Rodrigues' formula their second derivatives are Legendre polynomials,
 ///
 /// $$ \frac{d^2}{ds^2} (1 - s^2)^2 P_n^{(2,2)}(s) = 4 (n + 1) (n + 2) P_{n+2}(s), $$
 ///
-/// so they are scaled to be orthonormal there; there they are orthogonal to the cubics too, and a smaller degree means fewer
-/// bubbles.
+/// and they are scaled to have orthonormal second derivatives. These are also orthogonal to those of the cubics, and a
+/// smaller degree has fewer bubbles.
 ///
-/// Functions are numbered along time: those of breakpoint 0, the bubbles of segment 0, those of breakpoint 1, and so on, so that
-/// segment `e` owns the `degree + 1` functions from `e (degree - 1)` on.
+/// Functions are numbered along time: those of breakpoint 0, the bubbles of segment 0, those of breakpoint 1, and so
+/// on, so that segment `e` owns the `degree + 1` functions from `e (degree - 1)` on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Basis {
     segments: usize,
@@ -30,25 +31,26 @@ pub struct Basis {
 pub(crate) type Local = [DVector<f64>; 3];
 
 impl Basis {
-    /// The number of segments up to which there are more of them first, and the degree up to which that grows afterwards.
+    /// The number of segments that is reached before the degree grows, and the degree that is reached afterwards.
     const MANY: usize = 16;
-    /// The smallest degree that leaves something free on a single segment.
+    /// The smallest degree with an unknown on a single segment.
     pub(crate) const SMALLEST_DEGREE: usize = 4;
 
-    /// The degrees of the ladder from 9 on: powers of two, and those times one and a half.
+    /// The sequence of degrees from 9 on: powers of two, and those times one and a half.
     pub(crate) fn degrees() -> impl Iterator<Item = usize> {
         let doubling = (4..).flat_map(|i| [1 << i, 3 << (i - 1)]);
         std::iter::once(9).chain(doubling)
     }
 
-    /// The degrees on the way to `degree`, ascending: the lowest, or `degree` where that is lower, then those of the ladder between.
+    /// The degrees before `degree`, ascending: the lowest, or `degree` if that is lower, then those of the sequence
+    /// between.
     pub(crate) fn degrees_below(degree: usize, lowest: usize) -> impl Iterator<Item = usize> {
         let below = Self::degrees().take_while(move |between| *between < degree);
         let above = below.filter(move |between| *between > lowest);
         std::iter::once(degree.min(lowest)).chain(above)
     }
 
-    /// The numbers of segments on the way to `segments`, ascending: each divides the next, so that its breakpoints stay.
+    /// The numbers of segments before `segments`, ascending: each divides the next, so that its breakpoints remain.
     pub(crate) fn fewer_segments(segments: usize) -> impl Iterator<Item = usize> {
         let fewer = |n: &usize| (2..=*n).find(|d| n.is_multiple_of(*d)).map(|d| n / d);
         let mut all: Vec<_> = std::iter::successors(fewer(&segments), fewer).collect();
@@ -56,8 +58,8 @@ impl Basis {
         all.into_iter()
     }
 
-    /// The next basis for a curve that this one does not let settle: twice the segments up to [`MANY`](Self::MANY) of them, then a higher degree up to
-    /// 16, then twice the segments again. None above `largest`, the degree times the number of segments.
+    /// The next finer basis: twice the segments up to [`MANY`](Self::MANY) of them, then a higher degree up to 16, then
+    /// twice the segments again. `None` above `largest`, the degree times the number of segments.
     pub(crate) fn finer(&self, largest: usize) -> Option<Self> {
         let (segments, degree) = (self.segments, self.degree);
         let (segments, degree) = if segments < Self::MANY || degree >= Self::MANY {
@@ -91,7 +93,7 @@ impl Basis {
         self.degree
     }
 
-    /// Tells whether the slope at the end is unknown.
+    /// Returns true if the slope at the end is unknown.
     #[must_use]
     pub fn free_final_velocity(&self) -> bool {
         self.free_final_velocity
@@ -103,8 +105,8 @@ impl Basis {
         self.segments * (self.degree - 1) + 2
     }
 
-    /// The functions whose coefficients are unknown: all but slope and value at the start, and value, and unless it is free
-    /// slope, at the end.
+    /// The functions with unknown coefficients: all but slope and value at the start, value at the end, and slope at
+    /// the end unless it is free.
     #[must_use]
     pub fn free(&self) -> Range<usize> {
         2..self.count() - if self.free_final_velocity { 1 } else { 2 }
@@ -120,12 +122,13 @@ impl Basis {
         0.5 / self.segments as f64
     }
 
-    /// Normalised time at `s` in `[-1, 1]` on segment `e`.
+    /// The normalised time at `s` in `[-1, 1]` on segment `e`.
     pub(crate) fn time(&self, e: usize, s: f64) -> f64 {
         self.half() * ((2 * e + 1) as f64 + s)
     }
 
-    /// The functions of one segment at `s` in `[-1, 1]`: value, first and second derivative in $\tau$, a column a function.
+    /// The functions of one segment at `s` in `[-1, 1]`: value, first and second derivative in $\tau$, one column per
+    /// function.
     pub(crate) fn local(&self, s: f64) -> DMatrix<f64> {
         let (last, half) = (self.degree, self.half());
         let mut p = vec![0.0; self.degree + 1];
@@ -161,7 +164,7 @@ impl Basis {
         table
     }
 
-    /// The curve with these coefficients, `N` by [`count`](Self::count), at normalised time.
+    /// Evaluates the curve with these coefficients, `N` by [`count`](Self::count), at a normalised time.
     pub(crate) fn evaluate(&self, coefficients: &DMatrix<f64>, time: f64) -> Local {
         let e = ((time * self.segments as f64) as usize).min(self.segments - 1);
         let s = time / self.half() - (2 * e + 1) as f64;
@@ -170,8 +173,9 @@ impl Basis {
         [0, 1, 2].map(|d| own * table.row(d).transpose())
     }
 
-    /// The coefficients of a curve: value and slope at the breakpoints as they are, between them the best in the second
-    /// derivative. Exact for what the basis has, as long as a breakpoint of the curve is one of the basis.
+    /// The coefficients of a curve: value and slope at the breakpoints are interpolated, and between them the second
+    /// derivative is the best approximation. Exact for curves in the basis, if the breakpoints of the curve are among
+    /// its own.
     pub(crate) fn fit(&self, dof: usize, mut curve: impl FnMut(f64) -> Local) -> DMatrix<f64> {
         let mut coefficients = DMatrix::zeros(dof, self.count());
         for e in 0..=self.segments {

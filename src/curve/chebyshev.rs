@@ -1,13 +1,13 @@
-//! Nodes, differentiation matrices, interpolation and quadrature.
+//! Chebyshev nodes, differentiation matrices, interpolation and quadrature.
 
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// The Chebyshev-Gauss-Lobatto nodes of degree `p` on the horizon `[0, T]`, and what can be done with values at them.
+/// The Chebyshev-Gauss-Lobatto nodes of degree `p` on the horizon `[0, T]`, with their matrices.
 ///
-/// Node `i` is at $t_i = \tfrac T2 (1 - \cos(\pi i / p))$, `i = 0..p`: numbered by increasing time, so that node 0 is the
-/// start. The paper's $t_i = \cos(\pi i / p)$ on `[-1, 1]` decreases; its node `i` is ours `p - i`.
+/// Node `i` is at $t_i = \tfrac T2 (1 - \cos(\pi i / p))$, `i = 0..p`: numbered by increasing time, so that node 0 is
+/// the start. The paper's $t_i = \cos(\pi i / p)$ on `[-1, 1]` decreases; its node `i` is node `p - i` here.
 #[derive(Clone, Debug)]
 pub struct Chebyshev {
     horizon: f64,
@@ -18,10 +18,10 @@ pub struct Chebyshev {
 }
 
 impl Chebyshev {
-    /// The largest degree. Far below it the matrices of the flow no longer fit into memory.
+    /// The largest degree. The matrices of the flow exceed the memory far below it.
     pub const LARGEST_DEGREE: usize = 200;
 
-    /// What is wrong with a degree, if anything is.
+    /// Checks a degree; the error gives the reason.
     pub(crate) fn check_degree(p: usize) -> std::result::Result<(), String> {
         if (2..=Self::LARGEST_DEGREE).contains(&p) {
             return Ok(());
@@ -32,11 +32,11 @@ impl Chebyshev {
         ))
     }
 
-    /// Nodes of degree `p` on `[0, horizon]`, in s. Cost O(p^2).
+    /// Computes the nodes of degree `p` on `[0, horizon]`, in s, and their matrices. Cost O(p^2).
     ///
     /// # Errors
-    /// `p` is below 2, so that no node is inside, or above [`LARGEST_DEGREE`](Self::LARGEST_DEGREE), or the horizon is not
-    /// positive and finite.
+    /// `p` is below 2, so that there is no interior node, or above [`LARGEST_DEGREE`](Self::LARGEST_DEGREE), or the
+    /// horizon is not positive and finite.
     pub fn new(p: usize, horizon: f64) -> Result<Self> {
         Self::check_degree(p).map_err(|condition| Error::input("settings", "p", condition))?;
         if !(horizon.is_finite() && horizon > 0.0) {
@@ -64,7 +64,7 @@ impl Chebyshev {
         self.times.len() - 1
     }
 
-    /// `T`, in s.
+    /// The horizon `T`, in s.
     #[must_use]
     pub fn horizon(&self) -> f64 {
         self.horizon
@@ -76,13 +76,13 @@ impl Chebyshev {
         &self.times
     }
 
-    /// `D`, `p + 1` by `p + 1`: takes values at the nodes to derivatives in time at the nodes.
+    /// The matrix `D`, `p + 1` by `p + 1`, which maps values at the nodes to derivatives in time at the nodes.
     #[must_use]
     pub fn d(&self) -> &DMatrix<f64> {
         &self.d
     }
 
-    /// `D^2`: takes values to second derivatives.
+    /// The matrix `D^2`, which maps values to second derivatives.
     #[must_use]
     pub fn d2(&self) -> &DMatrix<f64> {
         &self.d2
@@ -94,8 +94,8 @@ impl Chebyshev {
         &self.weights
     }
 
-    /// The coefficients $c_k$ of the polynomials $\sum_k c_k T_k(2 t / T - 1)$ with these values at the nodes: one row per polynomial, one
-    /// column per node and per degree. Cost O(p^2) per row.
+    /// The coefficients $c_k$ of the polynomials $\sum_k c_k T_k(2 t / T - 1)$ with these values at the nodes: one row
+    /// per polynomial, one column per node and per degree. Cost O(p^2) per row.
     pub(crate) fn coefficients(&self, values: &DMatrix<f64>) -> DMatrix<f64> {
         let p = self.degree();
         // The discrete orthogonality of the polynomials at the nodes s_i = -cos(pi i / p), at whose ends values count half.
@@ -107,10 +107,10 @@ impl Chebyshev {
         values * transform
     }
 
-    /// The weights with which values at the nodes enter the interpolating polynomial at time `t`, into `out`.
+    /// Computes the weights of the values at the nodes in the interpolating polynomial at time `t` into `out`.
     ///
-    /// This is the second barycentric formula (Berrut and Trefethen, "Barycentric Lagrange interpolation", 2004),
-    /// stable for any `t` in the horizon. Cost O(p).
+    /// This is the second barycentric formula (Berrut and Trefethen, "Barycentric Lagrange interpolation", 2004), which
+    /// is stable for any `t` in the horizon. Cost O(p).
     pub fn interpolation(&self, t: f64, out: &mut DVector<f64>) {
         if let Some(node) = self.times.iter().position(|node| *node == t) {
             out.fill(0.0);
@@ -132,13 +132,13 @@ fn alternating(i: usize) -> f64 {
     if i.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// `x_i - x_j` for the nodes on `[-1, 1]` as a product, so that close nodes lose no digits.
+/// `x_i - x_j` for the nodes on `[-1, 1]` as a product, which avoids cancellation.
 fn difference(p: usize, i: usize, j: usize) -> f64 {
     let angle = |k: f64| (PI * k / (2 * p) as f64).sin();
     2.0 * angle((i + j) as f64) * angle(i as f64 - j as f64)
 }
 
-/// `D` on `[-1, 1]`; the diagonal makes the derivative of a constant zero (Baltensperger and Trummer, 2003).
+/// `D` on `[-1, 1]`; the diagonal is such that the derivative of a constant is zero (Baltensperger and Trummer, 2003).
 fn differentiation(p: usize) -> DMatrix<f64> {
     let end = |i| if i == 0 || i == p { 2.0 } else { 1.0 };
     let mut d = DMatrix::from_fn(p + 1, p + 1, |i, j| {
@@ -152,7 +152,7 @@ fn differentiation(p: usize) -> DMatrix<f64> {
     d
 }
 
-/// `D^2` on `[-1, 1]` from `D`, without the loss of digits of a product (Welfert, 1997).
+/// `D^2` on `[-1, 1]` from `D`, without the loss of accuracy of a matrix product (Welfert, 1997).
 fn second_differentiation(p: usize, d: &DMatrix<f64>) -> DMatrix<f64> {
     let mut d2 = DMatrix::from_fn(p + 1, p + 1, |i, j| {
         if i == j {
@@ -165,7 +165,7 @@ fn second_differentiation(p: usize, d: &DMatrix<f64>) -> DMatrix<f64> {
     d2
 }
 
-/// Makes the rows of a matrix with an empty diagonal sum to zero.
+/// Sets the empty diagonal of a matrix so that its rows sum to zero.
 fn fill_diagonal_by_negative_sum(matrix: &mut DMatrix<f64>) {
     for i in 0..matrix.nrows() {
         matrix[(i, i)] = -matrix.row(i).sum();

@@ -1,8 +1,9 @@
-//! Legendre polynomials and the quadrature that goes with them.
+//! Legendre polynomials and their quadratures.
 
 use std::f64::consts::PI;
 
-/// The Legendre polynomials $P_0, \dots, P_n$ at `x`, where `out` has `n + 1` entries, by their three-term recurrence.
+/// Computes the Legendre polynomials $P_0, \dots, P_n$ at `x` into `out`, `n + 1` entries, by their three-term
+/// recurrence.
 pub(crate) fn legendre(x: f64, out: &mut [f64]) {
     for k in 0..out.len() {
         out[k] = match k {
@@ -16,8 +17,9 @@ pub(crate) fn legendre(x: f64, out: &mut [f64]) {
     }
 }
 
-/// The `m` nodes, ascending, and weights of Gauss-Legendre quadrature on `[-1, 1]`: exact for polynomials of degree
-/// `2 m - 1`. Newton's method from the asymptotic zeros (Press et al., *Numerical Recipes*, 4.6). Cost O(m^2).
+/// Computes the `m` nodes, ascending, and the weights of Gauss-Legendre quadrature on `[-1, 1]`: exact for polynomials
+/// of degree `2 m - 1`. Newton's method from the asymptotic zeros (Press et al., *Numerical Recipes*, 4.6). Cost
+/// O(m^2).
 #[must_use]
 pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
     let half = m.div_ceil(2);
@@ -52,8 +54,9 @@ pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
     (nodes, weights)
 }
 
-/// The `m` nodes, at least two, ascending with both ends, and weights of Gauss-Lobatto quadrature on `[-1, 1]`: exact for polynomials of
-/// degree `2 m - 3`. Newton's method from the extrema of the Chebyshev polynomial. Cost O(m^2).
+/// Computes the `m` nodes, at least two, ascending with both ends, and the weights of Gauss-Lobatto quadrature on
+/// `[-1, 1]`: exact for polynomials of degree `2 m - 3`. Newton's method from the extrema of the Chebyshev polynomial.
+/// Cost O(m^2).
 #[must_use]
 pub fn gauss_lobatto(m: usize) -> (Vec<f64>, Vec<f64>) {
     let n = m - 1;

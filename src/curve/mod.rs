@@ -1,5 +1,5 @@
-//! Curves as piecewise polynomials: through their values at Chebyshev-Gauss-Lobatto nodes, equations (20) to (23), and in a basis
-//! that meets the boundary conditions.
+//! Curves as piecewise polynomials: through their values at Chebyshev-Gauss-Lobatto nodes, equations (20) to (23), and
+//! in a basis that meets the boundary conditions.
 
 mod basis;
 mod chebyshev;

@@ -1,42 +1,44 @@
-//! A curve through the nodes, at any time.
+//! A curve through states at nodes, evaluated at any time.
 
 use super::Chebyshev;
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon, through given states at
-/// Chebyshev nodes.
+/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon, through given
+/// states at Chebyshev nodes.
 ///
-/// From one segment to the next the state $[q; v]$ is continuous; its derivative, and with it acceleration and control, may jump.
+/// From one segment to the next the state $[q; v]$ is continuous; its derivative, and with it acceleration and control,
+/// may jump.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The nodes of a segment.
     chebyshev: Chebyshev,
-    /// Where each segment begins, and the end.
+    /// The beginning of each segment, and the end of the last one.
     breakpoints: Vec<f64>,
-    /// `2 N` by `p + 1` a segment: states, one column a node.
+    /// States, `2 N` by `p + 1` per segment, one column per node.
     x: DMatrix<f64>,
     /// Their derivatives in time.
     xdot: DMatrix<f64>,
 }
 
 impl Curve {
-    /// The polynomial through the columns of `x`, `2 N` by `p + 1`, at the nodes of `chebyshev`.
+    /// Interpolates the columns of `x`, `2 N` by `p + 1`, at the nodes of `chebyshev` by a polynomial.
     ///
     /// # Errors
-    /// `x` does not have a column for each node, or has an odd number of rows.
+    /// The number of columns is not the number of nodes, or the number of rows is odd.
     pub fn new(chebyshev: Chebyshev, x: DMatrix<f64>) -> Result<Self> {
         let breakpoints = vec![0.0, chebyshev.horizon()];
         Self::of_segments(chebyshev, breakpoints, x)
     }
 
-    /// `segments` polynomials on equal segments of `[0, horizon]`: `x` is `2 N` by `p + 1` a segment, the states at the nodes of the first
-    /// segment, then those of the second, and so on. The last state of a segment is the first one of the next.
+    /// Interpolates by `segments` polynomials on equal segments of `[0, horizon]`: `x` is `2 N` by `p + 1` per segment,
+    /// the states at the nodes of the first segment, then those of the second, and so on. The last state of a segment
+    /// is the first one of the next.
     ///
     /// # Errors
-    /// There is no segment, or `x` does not have as many columns for each, at least 3 and at most
-    /// [`LARGEST_DEGREE`](Chebyshev::LARGEST_DEGREE) + 1; it has an odd number of rows, or the state jumps from one segment to the
-    /// next; the horizon is not positive and finite.
+    /// There is no segment; `x` does not have the same number of columns per segment, from 3 to
+    /// [`LARGEST_DEGREE`](Chebyshev::LARGEST_DEGREE) + 1; its number of rows is odd; the state jumps between segments;
+    /// or the horizon is not positive and finite.
     pub fn piecewise(horizon: f64, segments: usize, x: DMatrix<f64>) -> Result<Self> {
         let nodes = x.ncols().checked_div(segments).ok_or_else(|| {
             let condition = "it is 0, at least 1 is needed";
@@ -76,13 +78,13 @@ impl Curve {
         })
     }
 
-    /// `N`.
+    /// The number of joints `N`.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.x.nrows() / 2
     }
 
-    /// The nodes of a segment, whose own time begins at zero.
+    /// The nodes of a segment, in time from its beginning.
     #[must_use]
     pub fn chebyshev(&self) -> &Chebyshev {
         &self.chebyshev
@@ -94,19 +96,19 @@ impl Curve {
         self.breakpoints.len() - 1
     }
 
-    /// The time at which each segment begins, s, and the end of the last one: one time more than there are segments.
+    /// The time at which each segment begins, s, and the end of the last one: one more time than segments.
     #[must_use]
     pub fn breakpoints(&self) -> &[f64] {
         &self.breakpoints
     }
 
-    /// `T`, in s, all segments together.
+    /// The horizon `T` of all segments, in s.
     #[must_use]
     pub fn horizon(&self) -> f64 {
         self.breakpoints[self.segments()]
     }
 
-    /// The states at the nodes, `2 N` by `p + 1` a segment, segment by segment.
+    /// The states at the nodes, `2 N` by `p + 1` per segment, segment by segment.
     #[must_use]
     pub fn x(&self) -> &DMatrix<f64> {
         &self.x
@@ -116,7 +118,7 @@ impl Curve {
     /// $x(t) = \sum_k c_k T_k(2 (t - t_e) / h - 1)$ with the Chebyshev polynomials $T_k$. Cost O($N p^2$).
     ///
     /// # Panics
-    /// There is no such segment.
+    /// `segment` is out of range.
     #[must_use]
     pub fn coefficients(&self, segment: usize) -> DMatrix<f64> {
         self.chebyshev
@@ -126,7 +128,7 @@ impl Curve {
     /// The states at the nodes of one segment, `2 N` by `p + 1`.
     ///
     /// # Panics
-    /// There is no such segment.
+    /// `segment` is out of range.
     #[must_use]
     pub fn segment(&self, segment: usize) -> DMatrixView<'_, f64> {
         let nodes = self.chebyshev.degree() + 1;
@@ -136,31 +138,31 @@ impl Curve {
     /// The derivatives in time of the states at the nodes of one segment, `2 N` by `p + 1`.
     ///
     /// # Panics
-    /// There is no such segment.
+    /// `segment` is out of range.
     #[must_use]
     pub fn segment_rates(&self, segment: usize) -> DMatrixView<'_, f64> {
         let nodes = self.chebyshev.degree() + 1;
         self.xdot.columns(segment * nodes, nodes)
     }
 
-    /// The segment that a time belongs to: the later one of two that meet there.
+    /// The segment that contains a time, the later one at a breakpoint.
     #[must_use]
     pub fn segment_at(&self, t: f64) -> usize {
         let inner = &self.breakpoints[1..self.segments()];
         inner.partition_point(|breakpoint| *breakpoint <= t)
     }
 
-    /// The state $x = [q; v]$ at time `t` in s and its derivative $\dot x$; where two segments meet, that of the later one.
-    /// Cost O(N p).
+    /// Evaluates the state $x = [q; v]$ at time `t` in s and its derivative $\dot x$, of the later segment at a
+    /// breakpoint. Cost O(N p).
     #[must_use]
     pub fn at(&self, t: f64) -> (DVector<f64>, DVector<f64>) {
         self.at_in(self.segment_at(t), t)
     }
 
-    /// The same by the polynomial of one segment, which at its end is not yet that of the next.
+    /// Evaluates the polynomial of one segment, also at its end.
     ///
     /// # Panics
-    /// There is no such segment.
+    /// `segment` is out of range.
     #[must_use]
     pub fn at_in(&self, segment: usize, t: f64) -> (DVector<f64>, DVector<f64>) {
         let nodes = self.chebyshev.degree() + 1;

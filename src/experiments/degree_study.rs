@@ -1,4 +1,4 @@
-//! The effort against degree and pieces.
+//! The effort against the degree and the number of segments.
 
 use crate::error::{Error, Result};
 use crate::output::{short, table, write_whole};
@@ -12,12 +12,12 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// Of what polynomials a motion is made.
+/// The polynomials of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// The number of polynomials.
     pub pieces: usize,
-    /// Of which degree each.
+    /// The degree of each.
     pub p: usize,
 }
 
@@ -42,43 +42,44 @@ impl fmt::Display for Size {
     }
 }
 
-/// The result of one size. The columns of the file are in this order.
+/// The result of one size. The columns of the file have this order.
 #[derive(Clone, Debug, Serialize)]
 pub struct SizeRow {
     /// The name of the scenario.
     pub scenario: String,
     /// The number of polynomials.
     pub pieces: usize,
-    /// Of which degree each.
+    /// The degree of each.
     pub p: usize,
     /// The number of unknowns.
     pub unknowns: usize,
-    /// True if the motion was found, ends at the goal and keeps what it has to.
+    /// True if the motion was found, ends at the goal and satisfies its constraints.
     pub success: bool,
     /// $\int |u|^2 dt$.
     pub control_effort: f64,
-    /// The relative gradient norm at the end.
+    /// The final relative gradient norm.
     pub gradient_norm: f64,
-    /// The smallest curvature there.
+    /// The smallest curvature at the end.
     pub smallest_curvature: f64,
     /// The final error of the simulation with feedback.
     pub final_error_inf: Option<f64>,
-    /// The same without.
+    /// The final error of the simulation without feedback.
     pub open_loop_error_inf: Option<f64>,
-    /// The error of an interval by the control at the nodes alone; see [`replay_error`](crate::motion::replay_error).
+    /// The error over one interval with the control values at the nodes; see
+    /// [`replay_error`](crate::motion::replay_error).
     pub replay_error_inf: Option<f64>,
-    /// Iterations of Newton's method, of all starts and rungs.
+    /// Newton iterations, of all starts and bases.
     pub iterations: usize,
     /// Cholesky factorisations.
     pub factorisations: usize,
-    /// Wall time.
+    /// Wall time, s.
     pub solve_seconds: f64,
-    /// The reason why it failed, if it did.
+    /// The reason of a failure; `None` for a success.
     pub failure: Option<String>,
 }
 
 impl SizeRow {
-    /// The row of what was found; `None` if that is no relaxation.
+    /// The row of a summary; `None` if that is not of a relaxation.
     fn new(summary: Summary) -> Option<Self> {
         let Details::Relax(d) = summary.details else {
             return None;
@@ -103,10 +104,11 @@ impl SizeRow {
     }
 }
 
-/// Relaxes `scenario` with motions of each size, one after the other and each from its own starts. `done` is called after each.
+/// Relaxes `scenario` with motions of each size, one after the other and each from its own starts. `done` is called
+/// after each.
 ///
 /// # Errors
-/// Bad input. A size that fails is a row that says so.
+/// Invalid input. A size that fails is not an error: its row gives the reason.
 pub fn by_size(
     scenario: &Scenario,
     sizes: &[Size],
@@ -143,7 +145,8 @@ pub fn write_sizes(rows: &[SizeRow], path: &Path) -> Result<()> {
     })
 }
 
-/// The page of rows: the effort against the degree and against the number of unknowns, and the table of `degrees.csv`.
+/// Builds the page of rows: the effort against the degree and against the number of unknowns, and the table of
+/// `degrees.csv`.
 ///
 /// # Errors
 /// The rows cannot be written as text.
@@ -189,7 +192,7 @@ pub fn size_page(scenario: &Scenario, rows: &[SizeRow]) -> Result<TablePage> {
     })
 }
 
-/// A point for each size at the number `x` of it, by the number of pieces; the failures have a group of their own.
+/// One point per size at its number `x`, grouped by the number of segments; failures form a separate group.
 fn size_groups(rows: &[SizeRow], x: fn(&SizeRow) -> usize) -> Vec<Group> {
     let point = |row: &SizeRow| {
         let (effort, time) = (short(row.control_effort), 1e3 * row.solve_seconds);
@@ -221,7 +224,7 @@ fn size_groups(rows: &[SizeRow], x: fn(&SizeRow) -> usize) -> Vec<Group> {
     groups
 }
 
-/// Rows for people.
+/// Formats rows as a table.
 #[must_use]
 pub fn size_table(rows: &[SizeRow]) -> String {
     let mut table = table();

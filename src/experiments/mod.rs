@@ -1,4 +1,4 @@
-//! Experiments: grids of parameters, effort against degree, those of the paper, and benchmarks of planning problems.
+//! Experiments: parameter sweeps, effort against degree, the paper's experiments, and benchmarks of planning problems.
 
 pub mod benchmark;
 mod degree_study;

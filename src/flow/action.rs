@@ -6,27 +6,27 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Sample, samples_at};
 
-/// How many intervals of time [`effort_of`] looks at, at least.
+/// The smallest number of time intervals on which [`effort_of`] integrates.
 const INTERVALS: usize = 2000;
 
-/// The costs of a curve and its defect in the dynamics, all from a grid of 2001 times, a few more for several segments, not
-/// from the nodes.
+/// The costs of a curve and its defect in the dynamics, computed on a grid of at least 2001 times and not at the nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffortSummary {
     /// $\int |u|^2 dt$, in N^2 m^2 s, by Simpson's rule.
     pub control_effort: f64,
     /// The action $\int L\\, dt$, by Simpson's rule.
     pub action: f64,
-    /// The action by Clenshaw-Curtis quadrature over the nodes of each segment: what the flow itself sees.
+    /// The action by Clenshaw-Curtis quadrature over the nodes of each segment, which the flow minimises.
     pub action_at_nodes: f64,
     /// $\max_t |\dot q - v|_\infty$.
     pub dynamics_defect: f64,
 }
 
-/// The costs and the defect of a curve under the penalty `k`, each segment by itself, because the control may jump where two meet.
+/// Computes the costs and the defect of a curve under the penalty `k`, segment by segment, because the control may jump
+/// between segments.
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The curve has another number of joints than `model`.
 pub fn effort_of(model: &Model, curve: &Curve, k: f64) -> Result<EffortSummary> {
     let mut effort = EffortSummary {
         control_effort: 0.0,

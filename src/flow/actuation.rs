@@ -3,8 +3,8 @@
 use crate::error::{Error, Result, check_length};
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// The diagonal of `W` in the control effort $u^T W u$: one for a motor, or its own price, and a large number for a passive joint,
-/// whose torque should vanish. All one, the paper's, is the default.
+/// The diagonal of `W` in the control effort $u^T W u$: one for a motor, or its own price, and a large number for a
+/// passive joint, whose torque should vanish. The default is the paper's $W = I$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActuationWeights<C: Scalar = f64>(Option<Vec<C>>);
 
@@ -21,7 +21,8 @@ impl<C: Scalar> ActuationWeights<C> {
         Self(None)
     }
 
-    /// One weight per joint. The flow is a descent where all are positive, which is not checked: a scalar has no order.
+    /// Builds $W$ from one weight per joint. The flow is a descent if all are positive; this is not checked, because a
+    /// scalar has no order.
     ///
     /// # Errors
     /// A weight is zero, so that the metric would be singular.
@@ -39,7 +40,7 @@ impl<C: Scalar> ActuationWeights<C> {
         }
     }
 
-    /// Tells whether this is $W = I$ by construction, so that nothing need be multiplied.
+    /// Returns true if $W = I$ by construction, so that the products can be skipped.
     #[must_use]
     pub fn is_one(&self) -> bool {
         self.0.is_none()
@@ -52,7 +53,7 @@ impl<C: Scalar> ActuationWeights<C> {
             .map_or_else(C::one, |weights| weights[joint])
     }
 
-    /// $W x$ in place of `x`, whose columns have `N` entries each.
+    /// Replaces `x`, whose columns have `N` entries each, by $W x$.
     pub(crate) fn multiply<S: AlgebraOver<C>>(&self, x: &mut [S]) {
         if let Some(weights) = &self.0 {
             for column in x.chunks_exact_mut(weights.len()) {
@@ -62,7 +63,7 @@ impl<C: Scalar> ActuationWeights<C> {
         }
     }
 
-    /// $W^{-1} x$ in place of `x`, whose columns have `N` entries each.
+    /// Replaces `x`, whose columns have `N` entries each, by $W^{-1} x$.
     pub(crate) fn divide<S: AlgebraOver<C>>(&self, x: &mut [S]) {
         if let Some(weights) = &self.0 {
             for column in x.chunks_exact_mut(weights.len()) {
@@ -72,7 +73,7 @@ impl<C: Scalar> ActuationWeights<C> {
         }
     }
 
-    /// Checks that there are weights for `n` joints.
+    /// Checks that the number of weights is `n`.
     pub(crate) fn check(&self, n: usize) -> Result<()> {
         let count = self.0.as_ref().map_or(n, Vec::len);
         check_length("weights", n, count)

@@ -1,4 +1,4 @@
-//! The system of ordinary differential equations that the flow becomes at the nodes, (22) and (23).
+//! The flow as a system of ordinary differential equations at the nodes, (22) and (23).
 
 use super::jacobian::{NodeBlocks, NodeJacobian};
 use super::{Node, RightHandSide};
@@ -7,7 +7,7 @@ use crate::error::{Result, check_length};
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
-/// A curve at the nodes with its derivatives in time, one column a node: $\xi$, $D \xi$ and $D^2 \xi$ transposed.
+/// A curve at the nodes with its derivatives in time, one column per node: $\xi$, $D \xi$ and $D^2 \xi$ transposed.
 #[derive(Clone, Debug)]
 pub struct Collocation<C: Scalar, S: Scalar> {
     times: Vec<C>,
@@ -20,7 +20,7 @@ pub struct Collocation<C: Scalar, S: Scalar> {
 }
 
 impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
-    /// For curves from `start` to `goal`, states with `2 N` entries, through the nodes of `chebyshev`.
+    /// Allocates curves from `start` to `goal`, states with `2 N` entries, through the nodes of `chebyshev`.
     ///
     /// # Errors
     /// `start` and `goal` differ in length.
@@ -46,13 +46,13 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         self.xi.nrows() * self.interior().len()
     }
 
-    /// The interior nodes.
+    /// The indices of the interior nodes.
     #[must_use]
     pub fn interior(&self) -> std::ops::Range<usize> {
         1..self.xi.ncols() - 1
     }
 
-    /// Moves the interior nodes to `unknowns`, their states one after the other. Cost O(N p^2).
+    /// Sets the states at the interior nodes to `unknowns`, node after node. Cost O(N p^2).
     ///
     /// # Errors
     /// `unknowns` has the wrong length.
@@ -71,7 +71,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         &self.xi
     }
 
-    /// The time, the state and its derivatives at node `i`, for the flow to read.
+    /// The time, the state and its derivatives at node `i`.
     #[must_use]
     pub fn node(&self, i: usize) -> Node<'_, S> {
         let m = self.xi.nrows();
@@ -84,11 +84,11 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
         }
     }
 
-    /// (23): $d \xi_i / ds = \Omega(t_i, \xi_i, [D \xi]_i, [D^2 \xi]_i, k)$ at all interior nodes, one after the other, into
-    /// `out`.
+    /// Computes the right-hand side (23), $d \xi_i / ds = \Omega(t_i, \xi_i, [D \xi]_i, [D^2 \xi]_i, k)$, at all
+    /// interior nodes, node after node, into `out`.
     ///
     /// # Errors
-    /// `out` has the wrong length, or `rhs` is for another model.
+    /// `out` has the wrong length, or `rhs` has another number of joints.
     pub fn rates(
         &self,
         rhs: &mut (impl RightHandSide<C, S> + ?Sized),
@@ -103,7 +103,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
     }
 }
 
-/// `xi` times the transpose of a differentiation matrix.
+/// Multiplies `xi` by the transpose of a differentiation matrix.
 fn differentiate<C: Scalar, S: AlgebraOver<C>>(
     xi: &DMatrix<S>,
     d: &DMatrix<C>,
@@ -117,15 +117,16 @@ fn differentiate<C: Scalar, S: AlgebraOver<C>>(
     }
 }
 
-/// The Jacobian of [`Collocation::rates`] in the unknowns, `2 N (p - 1)` squared, from that of $\Omega$ at each node:
+/// Computes the Jacobian of [`Collocation::rates`] in the unknowns, `2 N (p - 1)` squared, from that of $\Omega$ at
+/// each node:
 ///
 /// $$ \frac{\partial (d\xi_i / ds)}{\partial \xi_j} = \delta_{ij} \frac{d\Omega}{dx} + D_{ij} \frac{d\Omega}{d\dot x} +
 ///    (D^2)_{ij} \frac{d\Omega}{d\ddot x}. $$
 ///
-/// Every implementation of [`NodeJacobian`] is assembled here and nowhere else. `blocks` is scratch.
+/// All implementations of [`NodeJacobian`] are assembled here. `blocks` is scratch space.
 ///
 /// # Errors
-/// `out` has the wrong size, or `jacobian` is for another model.
+/// `out` has the wrong size, or `jacobian` has another number of joints.
 pub fn assemble_jacobian<C: Scalar, S: AlgebraOver<C>>(
     collocation: &Collocation<C, S>,
     jacobian: &mut (impl NodeJacobian<C, S> + ?Sized),

@@ -54,7 +54,8 @@ where
         )
     }
 
-    /// The right-hand side of the flow of `lagrangian` for `model` with the constraints as penalties, in the metric of `lagrangian`.
+    /// The right-hand side of the flow of `lagrangian` for `model` with the constraints as penalties, in the metric of
+    /// `lagrangian`.
     #[must_use]
     pub fn right_hand_side_of<'a, S: AlgebraOver<C> + Tanh, L: ControlCost<C>>(
         &'a self,
@@ -82,7 +83,7 @@ where
         )
     }
 
-    /// Refuses equalities in the state, which a penalty would take for inequalities.
+    /// Refuses equalities in the state, which a penalty would treat as inequalities.
     pub(super) fn refuse_equalities(&self, model: &Model<C>) -> Result<()> {
         let state = &self.constraints.state;
         match (0..state.dim()).find(|row| state.is_equality(*row)) {
@@ -104,7 +105,8 @@ where
         }
     }
 
-    /// The terms that the constraints on the state add to any form of the flow for `model`, and to its Jacobian.
+    /// The terms of the constraints on the state in the flow for `model` and in its Jacobian; they can be added to any
+    /// form of the flow.
     #[must_use]
     pub fn state_penalty<'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
@@ -113,8 +115,8 @@ where
         StatePenalty::new(model, &self.constraints.state, self.weights.state)
     }
 
-    /// An analytic Jacobian of the flow of the paper's Lagrangian with what all constraints add: the terms of
-    /// the control, then those of the state. `paper` must not know of the constraints.
+    /// Adds the terms of all constraints to an analytic Jacobian of the flow of the paper's Lagrangian: those of the
+    /// control, then those of the state. `paper` must be without constraints.
     #[must_use]
     pub fn with_penalties<'a, P: NodeJacobian<C, S> + 'a, S: AlgebraOver<C> + Tanh>(
         &'a self,
@@ -126,12 +128,12 @@ where
     }
 }
 
-/// The terms that penalties on the state add to the flow, (A4), and to its Jacobian:
+/// The terms of penalties on the state in the flow, (A4), and in its Jacobian:
 ///
 /// $$ -G^{-1} \sum_j \frac{\partial b(g_j(x))}{\partial x} = -\begin{bmatrix} \tfrac1k\\, \gamma_{P1} \\\\
 ///    (H H)^{-1} \gamma_{P2} \end{bmatrix}, \qquad \gamma = \sum_j b^{\prime}(g_j) \frac{\partial g_j}{\partial x} . $$
 ///
-/// In its derivative in `x`,
+/// The derivative in `x` contains
 ///
 /// $$ \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} + b^{\prime\prime}(g_j)
 ///    \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T . $$
@@ -150,7 +152,7 @@ pub struct StatePenalty<'m, C: Scalar, S: Scalar, K> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m, C, S, K> {
-    /// For `model`, the same penalty for each row.
+    /// The terms for `model`, with the same penalty for each row.
     #[must_use]
     pub fn new(model: &'m Model<C>, constraints: K, penalty: Penalty<C>) -> Self {
         let zeros = vec![S::zero(); constraints.dim()];
@@ -166,7 +168,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m,
         }
     }
 
-    /// The same in the metric $\mathrm{blockdiag}(k I, H W H)$ with the weights of the actuation.
+    /// The same terms in the metric $\mathrm{blockdiag}(k I, H W H)$ with the weights of the actuation.
     #[must_use]
     pub fn weighted(self, weights: ActuationWeights<C>) -> Self {
         let raise = Raise::new(self.model, weights);
@@ -224,7 +226,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
     }
 }
 
-/// The sum or the difference of two right-hand sides, or of two Jacobians: a flow and a term of its Lagrangian.
+/// The sum or the difference of two right-hand sides, or of two Jacobians, such as a flow and a term of its Lagrangian.
 #[derive(Clone, Debug)]
 pub struct Sum<A, B, S: Scalar> {
     first: A,

@@ -1,16 +1,17 @@
-//! Costs of the control of each joint in the Lagrangian: limits on the torque and dual trajectories as such costs.
+//! Costs of the control of each joint in the Lagrangian, which include torque limits and dual trajectories.
 
 use super::{DualTrajectory, Penalty};
 use crate::constraint::TorqueLimits;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 
-/// A sum $\sum_i \ell_i(t, u_i)$ over the joints that the Lagrangian gains, with the control $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
+/// A term $\sum_i \ell_i(t, u_i)$ of the Lagrangian, summed over the joints, with the control
+/// $u = ID(x_{P1}, x_{P2}, \dot x_{P2})$ of (13).
 pub trait ControlCost<C: Scalar = f64> {
-    /// $\ell_i(t, u)$ at the time `t`, in s, for the control `u` of joint `i`.
+    /// Computes $\ell_i(t, u)$ at the time `t`, in s, for the control `u` of joint `i`.
     fn value<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> S;
 
-    /// $\ell_i^{\prime}$, $\ell_i^{\prime\prime}$ and $\ell_i^{\prime\prime\prime}$, derivatives in `u`, by dual numbers of the value
-    /// unless overridden.
+    /// Computes $\ell_i^{\prime}$, $\ell_i^{\prime\prime}$ and $\ell_i^{\prime\prime\prime}$, derivatives in `u`; by
+    /// default by dual numbers from [`value`](Self::value).
     fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 3] {
         let (zero, one) = (S::zero(), S::one());
         let inner = Jet::new(Jet::new(u, [one]), [Jet::constant(one)]);
@@ -21,15 +22,15 @@ pub trait ControlCost<C: Scalar = f64> {
         [by_u.re.re, by_u.re.eps[0], by_u.eps[0].eps[0]]
     }
 
-    /// $\partial \ell_i^{\prime} / \partial t$ and $\partial \ell_i^{\prime\prime} / \partial t$ for fixed `u`, by dual numbers of the
-    /// [`derivatives`](Self::derivatives) unless overridden.
+    /// Computes $\partial \ell_i^{\prime} / \partial t$ and $\partial \ell_i^{\prime\prime} / \partial t$ at constant
+    /// `u`; by default by dual numbers from [`derivatives`](Self::derivatives).
     fn rates<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 2] {
         let t = Jet::new(t, [S::one()]);
         let [first, second, _] = self.derivatives(t, joint, Jet::constant(u));
         [first.eps[0], second.eps[0]]
     }
 
-    /// Tells whether the cost is zero everywhere, so that nothing need be computed.
+    /// Returns true if the cost is identically zero, so that its evaluation can be skipped.
     fn is_zero(&self) -> bool {
         false
     }
@@ -88,9 +89,9 @@ impl<C: Scalar> ControlCost<C> for () {
     }
 }
 
-/// The linear term of an augmented Lagrangian, $\ell_i(t, u) = \lambda_i(t)\\, u$, for joints whose torque should vanish. The quadratic
-/// term, $\tfrac{\rho}2 u^2$, is their [weight](super::ActuationWeights). A joint without a component, or whose component is zero,
-/// has none.
+/// The linear term of an augmented Lagrangian, $\ell_i(t, u) = \lambda_i(t)\\, u$, for joints whose torque should
+/// vanish. The quadratic term, $\tfrac{\rho}2 u^2$, is their [weight](super::ActuationWeights). The term is zero for a
+/// joint whose component is zero or missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlDual<C: Scalar = f64>(pub DualTrajectory<C>);
 
@@ -113,8 +114,8 @@ impl<C: Scalar> ControlCost<C> for ControlDual<C> {
     }
 }
 
-/// Torque limits as a penalty, $\ell_i(u) = b(u - \bar u_i) + b(-u - \bar u_i)$. That of a passive joint, whose limit is zero, is
-/// $k_{cons} u^2$, since the activations of `u` and `-u` add up to one.
+/// Torque limits as a penalty, $\ell_i(u) = b(u - \bar u_i) + b(-u - \bar u_i)$. For a passive joint, whose limit is
+/// zero, this is $k_{cons} u^2$, because the activations of `u` and `-u` add up to one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorquePenalty<C: Scalar = f64> {
     /// The limits.
@@ -124,7 +125,7 @@ pub struct TorquePenalty<C: Scalar = f64> {
 }
 
 impl<C: Scalar> TorquePenalty<C> {
-    /// The penalty and its derivatives where there is a limit.
+    /// Computes the penalty and its derivatives; `None` without a limit.
     #[inline]
     fn derivatives_with_value<S: AlgebraOver<C> + Tanh>(&self, joint: usize, u: S) -> [S; 4] {
         let Some(limit) = self.limits.0.get(joint).copied().flatten() else {

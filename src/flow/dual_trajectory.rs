@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 /// A vector $\lambda(t)$ of polynomials on `[0, T]`, one multiplier per component, as sums of Chebyshev polynomials.
 ///
-/// It is evaluated by the recurrence of Clenshaw over any scalar, so that duals differentiate it exactly.
+/// Evaluated by Clenshaw's recurrence over any scalar, so that dual numbers differentiate it exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DualTrajectory<C: Scalar = f64> {
     horizon: C,
@@ -16,11 +16,11 @@ pub struct DualTrajectory<C: Scalar = f64> {
 }
 
 impl<C: Scalar> DualTrajectory<C> {
-    /// From the horizon `T`, in s, and the coefficients of the Chebyshev polynomials in $2 t / T - 1$: one row per component, one
-    /// column per degree, from 0.
+    /// Builds the trajectory from the horizon `T`, in s, and the coefficients of the Chebyshev polynomials in
+    /// $2 t / T - 1$: one row per component, one column per degree, from 0.
     ///
     /// # Errors
-    /// There is no column, or the horizon is zero.
+    /// The matrix has no column, or the horizon is zero.
     pub fn new(horizon: C, coefficients: DMatrix<C>) -> Result<Self> {
         let refused = |what, condition| Err(Error::input("dual trajectory", what, condition));
         if coefficients.ncols() == 0 {
@@ -50,7 +50,7 @@ impl<C: Scalar> DualTrajectory<C> {
         &self.coefficients
     }
 
-    /// $\lambda_i(t)$, zero for a component that does not exist. Cost: linear in the degree.
+    /// Computes $\lambda_i(t)$, zero for a missing component. Cost: linear in the degree.
     pub fn value<S: AlgebraOver<C>>(&self, component: usize, t: S) -> S {
         if component >= self.components() {
             return S::zero();
@@ -65,7 +65,7 @@ impl<C: Scalar> DualTrajectory<C> {
         c(0) + s * b - above
     }
 
-    /// $\lambda_i(t)$ and $\dot \lambda_i(t)$.
+    /// Computes $\lambda_i(t)$ and $\dot \lambda_i(t)$.
     pub fn value_and_rate<S: AlgebraOver<C>>(&self, component: usize, t: S) -> [S; 2] {
         let moving = self.value(component, Jet::new(t, [S::one()]));
         [moving.re, moving.eps[0]]
@@ -73,21 +73,22 @@ impl<C: Scalar> DualTrajectory<C> {
 }
 
 impl DualTrajectory {
-    /// The polynomials through `values` at the nodes of `chebyshev`: one row per component, one column per node. Cost O(p^2) per
-    /// component.
+    /// Interpolates `values` at the nodes of `chebyshev` by polynomials: one row per component, one column per node.
+    /// Cost O(p^2) per component.
     ///
     /// # Errors
-    /// There is not one column per node.
+    /// The number of columns is not the number of nodes.
     pub fn through(chebyshev: &Chebyshev, values: &DMatrix<f64>) -> Result<Self> {
         check_length("values", chebyshev.degree() + 1, values.ncols())?;
         Self::new(chebyshev.horizon(), chebyshev.coefficients(values))
     }
 
-    /// The step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\\, c$, with the violation `c` of the
-    /// constraints through its values at the nodes of `chebyshev`: one row per component, one column per node.
+    /// Takes the step of an augmented Lagrangian method, $\lambda \leftarrow \lambda + \rho\\, c$, with the violation
+    /// `c` of the constraints given by its values at the nodes of `chebyshev`: one row per component, one column per
+    /// node.
     ///
     /// # Errors
-    /// `c` has other rows or columns than that, or the horizons differ.
+    /// `c` has another number of rows or columns, or the horizons differ.
     pub fn ascend(&mut self, rho: f64, chebyshev: &Chebyshev, c: &DMatrix<f64>) -> Result<()> {
         check_length("c", self.components(), c.nrows())?;
         let step = Self::through(chebyshev, c)?;

@@ -1,4 +1,4 @@
-//! The Lagrangian whose integral over time, the action, the flow makes smaller.
+//! The Lagrangian, whose integral over time is the action that the flow minimises.
 
 use super::{ActuationMetric, ActuationWeights, ControlCost, DualTrajectory};
 use crate::dynamics::{Data, aba, crba, rnea};
@@ -7,16 +7,15 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
-/// A function $L(t, x, \dot x)$ whose integral over time a flow makes smaller.
+/// A function $L(t, x, \dot x)$ whose integral over time a flow minimises.
 ///
-/// It is written once for every scalar; nothing else is asked for, since derivatives come from dual numbers. One that is
-/// written for any type `C` of the constants can be proved over a field as well. A page of the
-/// [guide](crate::guide::lagrangian) walks through an example.
+/// It is implemented once for all scalars; derivatives come from dual numbers. An implementation for all types `C` of
+/// constants can also be proved over a finite field. The [guide](crate::guide::lagrangian) has an example.
 pub trait Lagrangian<C: Scalar = f64> {
-    /// $L$ at the time `t`, in s, and at `x` and `xdot`, `2 N` entries each, under the penalty `k`.
+    /// Computes $L$ at the time `t`, in s, and at `x` and `xdot`, `2 N` entries each, under the penalty `k`.
     ///
     /// # Errors
-    /// The lengths are not those of the robot.
+    /// `x` or `xdot` has the wrong length.
     fn value<S: AlgebraOver<C> + Tanh>(
         &self,
         model: &Model<C>,
@@ -66,20 +65,20 @@ fn control<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, x: &[S], xdot: &[S]) 
     Ok(u)
 }
 
-/// Weights of the actuation, a dual trajectory of the slip, and a cost of the control:
+/// The Lagrangian with actuation weights, a dual trajectory of the slip, and a cost of the control:
 ///
 /// $$ L = k |e|^2 + \lambda_e(t)^T e + u^T W u + \sum_i \ell_i(t, u_i), \quad e = \dot x_{P1} - x_{P2}, \quad
 ///    u = ID(x_{P1}, x_{P2}, \dot x_{P2}) . $$
 ///
-/// The paper's is the default. [`ControlForm`](super::ControlForm) is its flow in closed form, in the [`metric`](Self::metric) that
-/// belongs to it.
+/// The default is the paper's. [`ControlForm`](super::ControlForm) is the flow in closed form, in the corresponding
+/// [`metric`](Self::metric).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlLagrangian<C: Scalar = f64, L = ()> {
-    /// $W$.
+    /// The weights $W$.
     pub weights: ActuationWeights<C>,
-    /// $\lambda_e$, `N` components; none is zero.
+    /// The dual $\lambda_e$, `N` components; `None` is zero.
     pub slip_dual: Option<DualTrajectory<C>>,
-    /// $\ell$.
+    /// The cost $\ell$.
     pub cost: L,
 }
 
@@ -90,7 +89,7 @@ impl<C: Scalar, L: Default> Default for ControlLagrangian<C, L> {
 }
 
 impl<C: Scalar, L> ControlLagrangian<C, L> {
-    /// The paper's Lagrangian with `cost` added.
+    /// The paper's Lagrangian plus `cost`.
     #[must_use]
     pub fn with_cost(cost: L) -> Self {
         Self {
@@ -100,7 +99,7 @@ impl<C: Scalar, L> ControlLagrangian<C, L> {
         }
     }
 
-    /// The same with another cost besides.
+    /// This Lagrangian plus another cost.
     #[must_use]
     pub fn and_cost<K>(self, cost: K) -> ControlLagrangian<C, (L, K)> {
         ControlLagrangian {
@@ -110,7 +109,7 @@ impl<C: Scalar, L> ControlLagrangian<C, L> {
         }
     }
 
-    /// The metric of its flow, $\mathrm{blockdiag}(k I, H W H)$.
+    /// The metric of the flow, $\mathrm{blockdiag}(k I, H W H)$.
     #[must_use]
     pub fn metric(&self) -> ActuationMetric<C> {
         ActuationMetric {
@@ -118,7 +117,7 @@ impl<C: Scalar, L> ControlLagrangian<C, L> {
         }
     }
 
-    /// Checks that it is for `n` joints.
+    /// Checks that all parts have `n` joints.
     pub(super) fn check(&self, n: usize) -> Result<()> {
         self.weights.check(n)?;
         let components = self.slip_dual.as_ref().map(DualTrajectory::components);
@@ -160,13 +159,12 @@ pub(super) fn split<S>(x: &[S]) -> (&[S], &[S]) {
     x.split_at(x.len() / 2)
 }
 
-/// The Lagrangian by its definition, equations (5) and (11):
+/// Computes the Lagrangian by its definition, equations (5) and (11):
 ///
 /// $$ L = (\dot x - F_d)^T G\\, (\dot x - F_d), \quad F_d = \begin{bmatrix} x_{P2} \\\\ FD_0 \end{bmatrix}, \quad
 ///    G = \begin{bmatrix} k I & 0 \\\\ 0 & H^T H \end{bmatrix}, \quad FD_0 = -H^{-1} C. $$
 ///
-/// `x` and `xdot` have `2 N` entries. It allocates: this is the definition that the fast forms are tested against.
-/// Cost O(N^2).
+/// `x` and `xdot` have `2 N` entries. This definition allocates; the fast forms are tested against it. Cost O(N^2).
 ///
 /// # Errors
 /// `x` or `xdot` does not have `2 N` entries.
@@ -191,10 +189,10 @@ pub fn lagrangian<C: Scalar, S: AlgebraOver<C>>(
     Ok(slip.dot(&slip).scale(k) + force.dot(&force))
 }
 
-/// The Lagrangian from the control `u`, $L = k\\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
+/// Computes the Lagrangian from the control `u`, $L = k\\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 ///
-/// It is the same number as [`lagrangian`] gives, since $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control
-/// (13). `xdot_p1`, `x_p2` and `u` have `N` entries.
+/// The value equals that of [`lagrangian`], because $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control (13).
+/// `xdot_p1`, `x_p2` and `u` have `N` entries.
 ///
 /// # Errors
 /// The lengths differ.

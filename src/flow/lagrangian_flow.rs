@@ -1,4 +1,4 @@
-//! The flow of any Lagrangian in any metric straight from its definition, by dual numbers.
+//! The flow of any Lagrangian in any metric from its definition, by dual numbers.
 
 use super::lagrangian::Lagrangian;
 use super::{ActuationMetric, Metric, Node, RightHandSide};
@@ -6,14 +6,14 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 
-/// The heat flow (7) of any [`Lagrangian`] in any [`Metric`], the paper's (11) unless another is given:
+/// The heat flow (7) of any [`Lagrangian`] in any [`Metric`], by default the paper's (11):
 ///
 /// $$ \Omega = G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial x} \right), \quad
 ///    \frac{d}{dt} = \frac{\partial}{\partial t} + \dot x^T \frac{\partial}{\partial x} +
 ///    \ddot x^T \frac{\partial}{\partial \dot x} . $$
 ///
-/// Second derivatives of `L` come from nested dual numbers, `4 N` evaluations of it: slow, allocating, and right for
-/// whatever `L` is. With [`ForwardDual::of`](super::jacobian::ForwardDual::of) around it the Jacobian is right as well.
+/// Second derivatives of `L` come from nested dual numbers with `4 N` evaluations: slow and allocating, but correct for
+/// any `L`. [`ForwardDual::of`](super::jacobian::ForwardDual::of) computes its Jacobian.
 #[derive(Clone, Debug)]
 pub struct LagrangianFlow<'m, L, C: Scalar = f64, M = ActuationMetric<C>> {
     model: &'m Model<C>,
@@ -40,7 +40,8 @@ impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> LagrangianFlow<'m, L, C, M> 
         }
     }
 
-    /// `L`, moving with time and the curve in the inner tangent and along one coordinate of `[x; xdot]` in the outer one.
+    /// Evaluates `L` with a rate along time and the curve in the inner tangent and along one coordinate of `[x; xdot]`
+    /// in the outer one.
     fn along<S: AlgebraOver<C> + Tanh>(
         &self,
         node: Node<'_, S>,

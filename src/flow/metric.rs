@@ -1,4 +1,4 @@
-//! The metric in which the flow descends, and the drift that a Lagrangian measures from.
+//! The metric of the descent, and the drift of an affine Lagrangian.
 
 use super::ActuationWeights;
 use super::lagrangian::{Lagrangian, split};
@@ -11,10 +11,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// A metric $G(t, x)$ on states, symmetric and positive definite, for [`LagrangianFlow`](super::LagrangianFlow).
 pub trait Metric<C: Scalar = f64> {
-    /// $G$, `2 N` by `2 N`, at the time `t`, in s, and the state `x`, under the penalty `k`.
+    /// Computes $G$, `2 N` by `2 N`, at the time `t`, in s, and the state `x`, under the penalty `k`.
     ///
     /// # Errors
-    /// `x` does not have `2 N` entries, or the metric is for another robot.
+    /// `x` does not have `2 N` entries, or the metric has another number of joints.
     fn matrix<S: AlgebraOver<C> + Tanh>(
         &self,
         model: &Model<C>,
@@ -23,10 +23,10 @@ pub trait Metric<C: Scalar = f64> {
         k: C,
     ) -> Result<DMatrix<S>>;
 
-    /// $G^{-1} f$ in place of `force`, `2 N` entries: by factors of [`matrix`](Self::matrix) unless overridden.
+    /// Replaces `force`, `2 N` entries, by $G^{-1} f$; by default with a factorisation of [`matrix`](Self::matrix).
     ///
     /// # Errors
-    /// As [`matrix`](Self::matrix), or `force` does not have `2 N` entries.
+    /// Those of [`matrix`](Self::matrix), or `force` does not have `2 N` entries.
     fn raise<S: AlgebraOver<C> + Tanh>(
         &self,
         model: &Model<C>,
@@ -67,10 +67,10 @@ impl<C: Scalar, M: Metric<C>> Metric<C> for &M {
     }
 }
 
-/// $G = \mathrm{blockdiag}(k I, H W H)$ with the weights of the actuation: the paper's metric (11) where all are one.
+/// The metric $G = \mathrm{blockdiag}(k I, H W H)$ with the weights of the actuation: the paper's (11) if all are one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActuationMetric<C: Scalar = f64> {
-    /// $W$.
+    /// The weights $W$.
     pub weights: ActuationWeights<C>,
 }
 
@@ -82,7 +82,7 @@ impl<C: Scalar> Default for ActuationMetric<C> {
 }
 
 impl<C: Scalar> ActuationMetric<C> {
-    /// `H` at `x`, everything checked.
+    /// Computes `H` at `x`, after checking the sizes.
     fn mass_matrix<S: AlgebraOver<C>>(&self, model: &Model<C>, x: &[S]) -> Result<DMatrix<S>> {
         let n = model.dof();
         self.weights.check(n)?;
@@ -111,7 +111,7 @@ impl<C: Scalar> Metric<C> for ActuationMetric<C> {
         Ok(g)
     }
 
-    /// Two solves with `H`, which keeps the digits that the square of its condition number would cost.
+    /// Uses two solves with `H` instead of one with `H W H`, whose condition number is the square.
     fn raise<S: AlgebraOver<C> + Tanh>(
         &self,
         model: &Model<C>,
@@ -134,17 +134,17 @@ impl<C: Scalar> Metric<C> for ActuationMetric<C> {
     }
 }
 
-/// A drift $F_d(t, x)$: the rate of the state where nothing acts.
+/// A drift $F_d(t, x)$: the rate of the state without control.
 pub trait Drift<C: Scalar = f64> {
-    /// $F_d$, `2 N` entries, at the time `t`, in s, and the state `x`.
+    /// Computes $F_d$, `2 N` entries, at the time `t`, in s, and the state `x`.
     ///
     /// # Errors
-    /// `x` does not have `2 N` entries, or the drift is for another robot.
+    /// `x` does not have `2 N` entries, or the drift has another number of joints.
     fn rate<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S])
     -> Result<DVector<S>>;
 }
 
-/// The drift of the paper (5), the dynamics without a control, $F_d = [x_{P2}; FD_0]$.
+/// The paper's drift (5), the dynamics without control, $F_d = [x_{P2}; FD_0]$.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FreeDynamics;
 
@@ -173,13 +173,13 @@ impl<C: Scalar> Drift<C> for FreeDynamics {
     }
 }
 
-/// The Lagrangian $L = (\dot x - F_d)^T G\\, (\dot x - F_d)$ of the affine geometric heat flow, for any drift and any metric. Those of
-/// (5) and (11) give the paper's.
+/// The Lagrangian $L = (\dot x - F_d)^T G\\, (\dot x - F_d)$ of the affine geometric heat flow, for any drift and any
+/// metric; (5) and (11) give the paper's.
 #[derive(Clone, Copy, Debug)]
 pub struct AffineLagrangian<D, M> {
-    /// $F_d$.
+    /// The drift $F_d$.
     pub drift: D,
-    /// $G$.
+    /// The metric $G$.
     pub metric: M,
 }
 

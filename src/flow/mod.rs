@@ -1,7 +1,7 @@
 //! The right-hand side of the Affine Geometric Heat Flow and its Jacobian.
 //!
-//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. At one time of a curve the flow reads `t`, `x`, `xdot`
-//! and `xddot`, together a [`Node`]; off the solution `xdot_P1` differs from `x_P2`.
+//! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. The input of the flow at one time of a curve, `t`, `x`,
+//! `xdot` and `xddot`, is a [`Node`]; before the solution is reached, `xdot_P1` differs from `x_P2`.
 
 mod action;
 mod actuation;
@@ -49,12 +49,12 @@ pub use state_cost::{StateCost, StateCostTerm, WithStateCost};
 
 use crate::error::Result;
 
-/// A way to compute $\Omega(t, x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S` for a
-/// model with constants `C`.
+/// A method of computing $\Omega(t, x, \dot x, \ddot x, k)$, the right-hand side of the flow (15), over the scalar `S`
+/// for a model with constants `C`.
 pub trait RightHandSide<C = f64, S = C> {
-    /// $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.
+    /// Computes $\Omega$ at `node` with penalty `k`, `2 N` entries, into `omega`.
     ///
     /// # Errors
-    /// `node` or `omega` does not have `2 N` entries throughout.
+    /// A slice of `node`, or `omega`, does not have `2 N` entries.
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()>;
 }

@@ -2,7 +2,7 @@
 
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 
-/// The numbers $k_{cons}$ and $c_{cons}$ of a penalty, one pair for all rows.
+/// The parameters $k_{cons}$ and $c_{cons}$ of a penalty, the same for all rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<C = f64> {
     /// The weight $k_{cons}$ of (A2).
@@ -12,9 +12,10 @@ pub struct Penalty<C = f64> {
 }
 
 impl<C: Scalar> Penalty<C> {
-    /// $b(g)$ and its first three derivatives, the derivatives of the activation kept. With $t = \tanh(c_{cons}\\, g)$ those of
-    /// the activation are $S^{\prime} = \tfrac12 c\\, (1 - t^2)$, $S^{\prime\prime} = -2 c\\, t S^{\prime}$ and $S^{\prime\prime\prime}
-    /// = -2 c\\, (c\\, (1 - t^2)\\, S^{\prime} + t S^{\prime\prime})$.
+    /// Computes $b(g)$ and its first three derivatives, including those of the activation. With
+    /// $t = \tanh(c_{cons}\\, g)$ the latter are $S^{\prime} = \tfrac12 c\\, (1 - t^2)$,
+    /// $S^{\prime\prime} = -2 c\\, t S^{\prime}$ and
+    /// $S^{\prime\prime\prime} = -2 c\\, (c\\, (1 - t^2)\\, S^{\prime} + t S^{\prime\prime})$.
     #[inline]
     #[must_use]
     pub fn derivatives<S: AlgebraOver<C> + Tanh>(&self, g: S) -> [S; 4] {
@@ -37,35 +38,36 @@ impl<C: Scalar> Penalty<C> {
     }
 }
 
-/// (A3): the activation $S(g) = \tfrac12 + \tfrac12 \tanh(c_{cons}\\, g)$. It goes from 0 to 1 where the constraint is
-/// violated, and is one half on the boundary.
+/// Computes the activation (A3), $S(g) = \tfrac12 + \tfrac12 \tanh(c_{cons}\\, g)$. It rises from 0 in the interior to
+/// 1 at violated constraints, and is one half on the boundary.
 pub fn activation<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let half = S::from_f64(0.5);
     half + half * g.scale(c_cons).tanh()
 }
 
-/// $S'(g) = \tfrac12 c_{cons} (1 - \tanh^2(c_{cons}\\, g))$.
+/// Computes $S'(g) = \tfrac12 c_{cons} (1 - \tanh^2(c_{cons}\\, g))$.
 pub fn activation_slope<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, c_cons: C) -> S {
     let tanh = g.scale(c_cons).tanh();
     (S::from_f64(0.5) * (S::one() - tanh * tanh)).scale(c_cons)
 }
 
-/// (A2): the penalty $b(g) = k_{cons}\\, g^2 S(g)$.
+/// Computes the penalty (A2), $b(g) = k_{cons}\\, g^2 S(g)$.
 pub fn penalty<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     (g * g * activation(g, c_cons)).scale(k_cons)
 }
 
-/// $b^{\prime}(g) = k_{cons} (2 g S + g^2 S^{\prime})$, the derivative of the activation kept.
+/// Computes $b^{\prime}(g) = k_{cons} (2 g S + g^2 S^{\prime})$, including the derivative of the activation.
 pub fn penalty_slope<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     Penalty { k_cons, c_cons }.derivatives(g)[1]
 }
 
-/// $b^{\prime\prime}(g) = k_{cons} (2 S + 4 g S^{\prime} + g^2 S^{\prime\prime})$, the derivatives of the activation kept.
+/// Computes $b^{\prime\prime}(g) = k_{cons} (2 S + 4 g S^{\prime} + g^2 S^{\prime\prime})$, including the derivatives
+/// of the activation.
 pub fn penalty_curvature<C: Scalar, S: AlgebraOver<C> + Tanh>(g: S, k_cons: C, c_cons: C) -> S {
     Penalty { k_cons, c_cons }.derivatives(g)[2]
 }
 
-/// (A1): $L_{cons} = L + \sum_j b(g_j)$ from the Lagrangian and the values of the constraints.
+/// Computes (A1), $L_{cons} = L + \sum_j b(g_j)$, from the Lagrangian and the values of the constraints.
 pub fn constrained_lagrangian<C: Scalar, S: AlgebraOver<C> + Tanh>(
     lagrangian: S,
     g: impl IntoIterator<Item = S>,

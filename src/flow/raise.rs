@@ -1,4 +1,4 @@
-//! A force on the state as a rate of the flow, and the derivative of that.
+//! The conversion of a force on the state to a rate of the flow, with its derivative.
 
 use super::ActuationWeights;
 use crate::dynamics::{Data, crba, mass_matrix_product_derivative};
@@ -8,10 +8,10 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
-/// $G^{-1} \gamma(x)$ in the metric $G = \mathrm{blockdiag}(k I, H W H)$, and its derivative in `x`.
+/// The vector $G^{-1} \gamma(x)$ in the metric $G = \mathrm{blockdiag}(k I, H W H)$, and its derivative in `x`.
 ///
-/// With $z = H^{-1} \gamma_{P2}$ and $y = H^{-1} W^{-1} z$, that is $H W H y = \gamma_{P2}$, the rows of its derivative are
-/// $\tfrac1k\\, d\gamma_{P1}$ and
+/// With $z = H^{-1} \gamma_{P2}$ and $y = H^{-1} W^{-1} z$, that is $H W H y = \gamma_{P2}$, the rows of its derivative
+/// are $\tfrac1k\\, d\gamma_{P1}$ and
 ///
 /// $$ dy = H^{-1} \left[ W^{-1} H^{-1} (d\gamma_{P2} - K_z\\, dx_{P1}) - K_y\\, dx_{P1} \right], \quad
 ///    K_w = \frac{\partial (H w)}{\partial q} . $$
@@ -34,7 +34,7 @@ pub(super) struct Raise<'m, C: Scalar, S: Scalar> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
-    /// For `model` and the metric with these weights.
+    /// The conversion for `model` in the metric with these weights.
     pub(super) fn new(model: &'m Model<C>, weights: ActuationWeights<C>) -> Self {
         let n = model.dof();
         Self {
@@ -52,7 +52,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
         }
     }
 
-    /// $G^{-1} \gamma$ at `q`, `N` entries, in place of `gamma`, `2 N` entries.
+    /// Replaces `gamma`, `2 N` entries, by $G^{-1} \gamma$ at `q`, `N` entries.
     pub(super) fn apply(&mut self, q: &[S], k: C, gamma: &mut [S]) -> Result<()> {
         let n = self.model.dof();
         self.weights.check(n)?;
@@ -67,7 +67,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
         Ok(())
     }
 
-    /// $\partial (G^{-1} \gamma) / \partial x$ at `q` in place of $\partial \gamma / \partial x$, `2 N` by `2 N`.
+    /// Replaces $\partial \gamma / \partial x$, `2 N` by `2 N`, by $\partial (G^{-1} \gamma) / \partial x$ at `q`.
     pub(super) fn differentiate(
         &mut self,
         q: &[S],

@@ -14,12 +14,12 @@ use nalgebra::DMatrix;
 use std::fmt;
 use std::time::Duration;
 
-/// How many values of `s` the output has between its first and `s_max`, on a logarithmic grid.
+/// The number of values of `s` in the output between its first and `s_max`, on a logarithmic grid.
 const OUTPUTS: usize = 50;
 /// The first value of `s` after zero.
 const FIRST_OUTPUT: f64 = 1e-6;
 
-/// The most unknowns: a Jacobian of so many takes 800 MB, and there are three.
+/// The largest number of unknowns: one Jacobian of this size takes 800 MB, and there are three.
 const MOST_UNKNOWNS: usize = 10_000;
 
 /// The parameters of the flow.
@@ -29,24 +29,24 @@ pub struct FlowSettings {
     pub p: usize,
     /// The penalty on $\dot x_{P1} \ne x_{P2}$ in (11).
     pub k: f64,
-    /// The `s` to which the flow runs.
+    /// The value of `s` at which the flow stops.
     pub s_max: f64,
     /// Absolute and relative tolerance of the integrator.
     pub tolerance: f64,
-    /// The curve at `s = 0`.
+    /// The initial curve, at `s = 0`.
     pub guess: Guess,
-    /// The way in which the Jacobian is computed.
+    /// The method of computing the Jacobian.
     pub jacobian: JacobianKind,
     /// The integrator over `s`.
     pub integrator: IntegratorKind,
-    /// The wall time after which the flow stops where it is, as a failure.
+    /// The wall time after which the flow fails.
     pub time_limit: Option<Duration>,
-    /// The request that stops it likewise when it is raised.
+    /// The handle by which another thread stops the flow in the same way.
     pub interrupt: Interrupt,
 }
 
 impl FlowSettings {
-    /// The tolerance that the paper uses, and the default.
+    /// The paper's tolerance, which is the default.
     pub const TOLERANCE: f64 = 1e-4;
 
     /// Settings with the default tolerance, guess, Jacobian and integrator.
@@ -65,13 +65,13 @@ impl FlowSettings {
         }
     }
 
-    /// The same with another Jacobian.
+    /// Replaces the Jacobian.
     #[must_use]
     pub fn with_jacobian(self, jacobian: JacobianKind) -> Self {
         Self { jacobian, ..self }
     }
 
-    /// The same with another integrator.
+    /// Replaces the integrator.
     #[must_use]
     pub fn with_integrator(self, integrator: IntegratorKind) -> Self {
         Self { integrator, ..self }
@@ -98,7 +98,7 @@ impl FlowSettings {
     }
 }
 
-/// The progress of the flow at one `s`.
+/// The progress of the flow at one value of `s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowRecord {
     /// The homotopy variable.
@@ -114,26 +114,26 @@ pub struct FlowSolution {
     pub curve: Curve,
     /// The action at `s = 0` and at 50 values of `s` on a logarithmic grid.
     pub history: Vec<FlowRecord>,
-    /// The work that the integrator did.
+    /// The work of the integrator.
     pub statistics: Statistics,
 }
 
-/// The flow did not reach `s_max`.
+/// A flow that did not reach `s_max`.
 #[derive(Clone, Debug)]
 pub struct FlowFailure {
-    /// The `s` that it came to.
+    /// The value of `s` that was reached.
     pub s: f64,
-    /// The interior node at which the right-hand side was last not finite, and which entry of $\Omega$ it was there.
+    /// The interior node at which the right-hand side was last not finite, and the index of that entry of $\Omega$.
     pub non_finite: Option<(usize, usize)>,
     /// The curve at `s`.
     pub last_good: Curve,
     /// The history up to `s`.
     pub history: Vec<FlowRecord>,
-    /// The reason why it stopped.
+    /// The reason of the failure.
     pub reason: String,
-    /// The reason why it was stopped, if that was not the integration itself.
+    /// The external reason of the stop; `None` if the integration itself failed.
     pub stopped: Option<Stopped>,
-    /// The work that the integrator did.
+    /// The work of the integrator.
     pub statistics: Statistics,
 }
 
@@ -149,11 +149,11 @@ impl fmt::Display for FlowFailure {
 
 impl std::error::Error for FlowFailure {}
 
-/// The outcome of a flow: a curve, or a flow that could not be carried to its end, which keeps the last good curve.
+/// The result of a flow: a curve, or a failure with the last good curve.
 pub type FlowOutcome = std::result::Result<FlowSolution, Box<FlowFailure>>;
 
-/// Runs the flow (Algorithm B3) from the guess to `s_max` with the control form of $\Omega$ and the Jacobian that the settings
-/// name; `observe` is called at each value of `s` of the history.
+/// Runs the flow (Algorithm B3) from the guess to `s_max` with the control form of $\Omega$ and the Jacobian of the
+/// settings. `observe` is called at each value of `s` of the history.
 ///
 /// # Errors
 /// A setting is not positive and finite, or the degree is out of range.
@@ -173,10 +173,11 @@ pub fn flow(
     )
 }
 
-/// Runs the constrained flow (A4), otherwise as [`flow`].
+/// Runs the constrained flow (A4) in the same way as [`flow`].
 ///
 /// # Errors
-/// As [`flow`], or the constraints are for another robot, or a row of the state is an equality: a penalty is one-sided.
+/// Those of [`flow`]; the constraints have another number of joints; or a row of the state is an equality, because a
+/// penalty is one-sided.
 pub fn flow_constrained<K: Constraint>(
     problem: &Problem<'_>,
     settings: &FlowSettings,
@@ -190,12 +191,12 @@ pub fn flow_constrained<K: Constraint>(
     flow_with(problem, settings, rhs, jacobian, observe)
 }
 
-/// Runs the flow of any right-hand side with any Jacobian of it and the integrator that the settings name. The history tells the
-/// paper's action whatever the right-hand side is. See the guide on [Jacobians](crate::guide::jacobian) and
+/// Runs the flow of any right-hand side with any Jacobian and the integrator of the settings. The history records the
+/// paper's action for any right-hand side. See the guide on [Jacobians](crate::guide::jacobian) and
 /// [Lagrangians](crate::guide::lagrangian).
 ///
 /// # Errors
-/// As [`flow`], or `rhs` or `jacobian` is for another robot.
+/// Those of [`flow`], or `rhs` or `jacobian` has another number of joints.
 pub fn flow_with(
     problem: &Problem<'_>,
     settings: &FlowSettings,
@@ -207,11 +208,11 @@ pub fn flow_with(
     flow_with_integrator(problem, settings, rhs, jacobian, integrator, observe)
 }
 
-/// Runs the flow with any integrator, whatever the settings name, otherwise as [`flow_with`]. See the guide on
+/// Runs the flow with any integrator in place of that of the settings, otherwise as [`flow_with`]. See the guide on
 /// [integrators](crate::guide::integrator).
 ///
 /// # Errors
-/// As [`flow_with`].
+/// Those of [`flow_with`].
 pub fn flow_with_integrator(
     problem: &Problem<'_>,
     settings: &FlowSettings,
@@ -289,7 +290,7 @@ fn outputs(s_max: f64) -> Vec<f64> {
     inner.filter(|s| *s < s_max).chain([s_max]).collect()
 }
 
-/// The collocated flow as the integrator sees it.
+/// The collocated flow as a problem for the integrator.
 struct CollocatedFlow<'a> {
     rhs: &'a mut dyn RightHandSide<f64, f64>,
     jacobian: &'a mut dyn NodeJacobian,
@@ -344,7 +345,7 @@ impl Ode for CollocatedFlow<'_> {
     }
 }
 
-/// Keeps what the integrator reports.
+/// A recorder of the integrator's output.
 struct Recorder<'a, 'm> {
     problem: &'a Problem<'m>,
     k: f64,

@@ -8,12 +8,12 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::DVector;
 
-/// A running cost $\psi(t, x)$ that a Lagrangian gains.
+/// A running cost $\psi(t, x)$ as a term of a Lagrangian.
 pub trait StateCost<C: Scalar = f64> {
-    /// $\psi$ at the time `t`, in s, and the state `x`, `2 N` entries.
+    /// Computes $\psi$ at the time `t`, in s, and the state `x`, `2 N` entries.
     ///
     /// # Errors
-    /// `x` does not have `2 N` entries, or the cost is for another robot.
+    /// `x` does not have `2 N` entries, or the cost has another number of joints.
     fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S]) -> Result<S>;
 }
 
@@ -26,9 +26,9 @@ impl<C: Scalar, K: StateCost<C>> StateCost<C> for &K {
 /// The Lagrangian $L + \psi(t, x)$.
 #[derive(Clone, Copy, Debug)]
 pub struct WithStateCost<L, K> {
-    /// $L$.
+    /// The Lagrangian $L$.
     pub lagrangian: L,
-    /// $\psi$.
+    /// The cost $\psi$.
     pub cost: K,
 }
 
@@ -48,7 +48,7 @@ impl<C: Scalar, L: Lagrangian<C>, K: StateCost<C>> Lagrangian<C> for WithStateCo
 /// The term $-G^{-1} \partial \psi / \partial x$ that a [`StateCost`] adds to the flow in the metric
 /// $G = \mathrm{blockdiag}(k I, H W H)$, and its Jacobian.
 ///
-/// Gradient and Hessian of $\psi$ come from dual numbers: `2 N` evaluations, and `N (2 N + 1)` for the Jacobian.
+/// Dual numbers give the gradient and the Hessian of $\psi$: `2 N` evaluations, and `N (2 N + 1)` for the Jacobian.
 #[derive(Clone, Debug)]
 pub struct StateCostTerm<'m, C: Scalar, S: Scalar, K> {
     model: &'m Model<C>,
@@ -58,7 +58,7 @@ pub struct StateCostTerm<'m, C: Scalar, S: Scalar, K> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> StateCostTerm<'m, C, S, K> {
-    /// For `model` and the metric with these weights.
+    /// The term for `model` in the metric with these weights.
     #[must_use]
     pub fn new(model: &'m Model<C>, weights: ActuationWeights<C>, cost: K) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> StateCostTerm<'m,
         }
     }
 
-    /// $-\partial \psi / \partial x$.
+    /// Computes $-\partial \psi / \partial x$.
     fn push(&mut self, node: Node<'_, S>) -> Result<()> {
         for i in 0..node.x.len() {
             let moved: Vec<_> = (node.x.iter().enumerate())
@@ -83,7 +83,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> StateCostTerm<'m,
         Ok(())
     }
 
-    /// $-\partial^2 \psi / \partial x_i \partial x_j$.
+    /// Computes $-\partial^2 \psi / \partial x_i \partial x_j$.
     fn curvature(&self, node: Node<'_, S>, i: usize, j: usize) -> Result<S> {
         let t = Jet::constant(Jet::<S, 1>::constant(node.t));
         let moved: Vec<_> = (node.x.iter().enumerate())

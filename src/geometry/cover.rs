@@ -1,22 +1,22 @@
 //! Balls that cover a shape.
 //!
-//! A shape is cut into cells about as long as the spacing, and each cell gets a ball about its middle that holds it:
-//! whoever keeps out of the balls keeps out of the shape.
+//! A shape is divided into cells about as long as the spacing, and each cell gets a ball about its middle that contains
+//! it, so that a point outside the balls is outside the shape.
 
 use super::{Shape, Solid};
 use crate::error::{Error, Result, plain};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// The most balls that cover one shape.
+/// The largest number of balls that cover one shape.
 const MOST_BALLS: f64 = 1e5;
 
 /// A ball, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its centre.
+    /// Centre.
     pub centre: Vector3<f64>,
-    /// Its radius.
+    /// Radius.
     pub radius: f64,
 }
 
@@ -25,16 +25,15 @@ pub struct Ball {
 pub struct Cover {
     /// The balls.
     pub balls: Vec<Ball>,
-    /// The largest distance of a point of a ball from the shape, m. For shapes of a few numbers it is exact, for meshes
-    /// a bound.
+    /// The largest distance of a point of a ball from the shape, m. Exact for primitive shapes, a bound for meshes.
     pub excess: f64,
 }
 
 impl Solid<f64> {
-    /// Balls that cover the solid, in the frame in which it is placed. See [`Shape::cover`].
+    /// Covers the solid by balls, in the frame in which it is placed. See [`Shape::cover`].
     ///
     /// # Errors
-    /// As [`Shape::cover`].
+    /// Those of [`Shape::cover`].
     pub fn cover(&self, spacing: f64) -> Result<Cover> {
         let mut cover = self.shape.cover(spacing)?;
         for ball in &mut cover.balls {
@@ -45,17 +44,17 @@ impl Solid<f64> {
 }
 
 impl Shape<f64> {
-    /// Balls that cover the shape, its inside as well. With `h` for `spacing`, their excess is
+    /// Covers the shape and its interior by balls. With `h` for `spacing`, their excess is
     ///
-    /// - of a sphere zero: it is its own cover;
-    /// - of a box at most $(\sqrt 3 / 2) h$: it is cut into cells with edges of at most `h`;
-    /// - of a capsule of radius $\rho$ at most $\sqrt{\rho^2 + h^2 / 4} - \rho$: the centres are at most `h` apart along the segment, its
-    ///   ends included;
-    /// - of a cylinder at most $(\sqrt 5 / 2) h$: it is cut into slices of thickness at most `h`, these into a disc of radius at most `h`
-    ///   and rings of at most that width, and rings into sectors of at most that length. So one with a radius of at most `h` is covered by balls on its
-    ///   axis.
+    /// - for a sphere zero: it is its own cover;
+    /// - for a box at most $(\sqrt 3 / 2) h$: it is divided into cells with edges of at most `h`;
+    /// - for a capsule of radius $\rho$ at most $\sqrt{\rho^2 + h^2 / 4} - \rho$: the centres are at most `h` apart
+    ///   along the segment, its ends included;
+    /// - for a cylinder at most $(\sqrt 5 / 2) h$: it is divided into slices of thickness at most `h`, these into a
+    ///   disc of radius at most `h` and rings of at most that width, and rings into sectors of at most that length. A
+    ///   cylinder with a radius of at most `h` is therefore covered by balls on its axis.
     ///
-    /// The number of balls grows as the volume over $h^3$.
+    /// The number of balls is of the order of the volume over $h^3$.
     ///
     /// # Errors
     /// `spacing` or a length of the shape is not positive and finite, or more than 1e5 balls are needed.
@@ -128,15 +127,15 @@ impl Shape<f64> {
 }
 
 impl Cover {
-    /// Adds a ball about a point of the shape that is `depth` inside. A convex shape that holds a ball of that radius
-    /// about the centre is nowhere further than the difference of the radii from the larger ball.
+    /// Adds a ball about a point at depth `depth` in the shape. If a convex shape contains a ball of that radius about
+    /// the centre, every point of a larger concentric ball is at most the difference of the radii away from the shape.
     fn add(&mut self, centre: Vector3<f64>, radius: f64, depth: f64) {
         self.balls.push(Ball { centre, radius });
         self.excess = self.excess.max(radius - depth);
     }
 }
 
-/// Discs that cover a disc about the origin: one in the middle, and those of the sectors of `rings - 1` rings.
+/// Discs that cover a disc about the origin: one in the middle, and one per sector of `rings - 1` rings.
 fn disc(radius: f64, rings: f64, spacing: f64) -> Vec<(Vector2<f64>, f64)> {
     let width = radius / rings;
     let mut cells = vec![(Vector2::zeros(), width)];
@@ -156,7 +155,7 @@ fn disc(radius: f64, rings: f64, spacing: f64) -> Vec<(Vector2<f64>, f64)> {
     cells
 }
 
-/// The number of equal pieces of a length that are no longer than `spacing`.
+/// The smallest number of equal pieces of a length that are no longer than `spacing`.
 fn pieces(length: f64, spacing: f64) -> f64 {
     (length / spacing).ceil().max(1.0)
 }
@@ -178,7 +177,7 @@ pub(super) fn check(spacing: f64, lengths: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Refuses more balls than can be meant.
+/// Refuses an implausible number of balls.
 pub(super) fn check_number(balls: f64, spacing: f64) -> Result<()> {
     if balls <= MOST_BALLS {
         return Ok(());

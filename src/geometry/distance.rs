@@ -5,11 +5,11 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{apply_constant, apply_constant_transpose, matrix};
 use nalgebra::{Matrix3, Vector3};
 
-/// The length in m below which distances are those from a plane: far below what matters, and far above where $1 / d^3$
-/// overflows.
+/// The length in m below which a distance is replaced by that from a plane: far below any relevant size, and far above
+/// the size at which $1 / d^3$ overflows.
 pub const FLAT: f64 = 1e-12;
 
-/// The signed distance of a point from a surface, and its derivatives in the point.
+/// The signed distance of a point from a surface, with its derivatives in the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance<S: Scalar> {
     /// The distance in m, negative inside.
@@ -21,7 +21,8 @@ pub struct Distance<S: Scalar> {
 }
 
 impl<C: Scalar> Shape<C> {
-    /// The signed distance of the point `p` of the frame of the shape from its surface, in m, negative inside.
+    /// Computes the signed distance of the point `p`, in the frame of the shape, from its surface, in m, negative
+    /// inside.
     #[inline]
     #[must_use]
     pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
@@ -47,7 +48,7 @@ impl<C: Scalar> Shape<C> {
         }
     }
 
-    /// As [`distance`](Self::distance), with its gradient and its Hessian in `p`.
+    /// Computes [`distance`](Self::distance) with its gradient and its Hessian in `p`.
     #[inline]
     #[must_use]
     pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
@@ -96,14 +97,14 @@ impl<C: Scalar> Shape<C> {
 }
 
 impl<C: Scalar> Solid<C> {
-    /// The signed distance of the point `p` from the surface, in m, negative inside.
+    /// Computes the signed distance of the point `p` from the surface, in m, negative inside.
     #[inline]
     #[must_use]
     pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
         self.shape.distance(&self.in_shape(p))
     }
 
-    /// As [`distance`](Self::distance), with its gradient and its Hessian in `p`.
+    /// Computes [`distance`](Self::distance) with its gradient and its Hessian in `p`.
     #[inline]
     #[must_use]
     pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
@@ -130,13 +131,13 @@ impl<C: Scalar> Solid<C> {
     }
 }
 
-/// $|x| - h$.
+/// Computes $|x| - h$.
 #[inline]
 fn beyond<C: Scalar, S: AlgebraOver<C>>(x: S, half: C) -> S {
     x.if_negative(-x, x) - S::lift(half)
 }
 
-/// The number where it is not negative.
+/// The positive part of a number.
 #[inline]
 fn excess<S: Scalar>(q: S) -> S {
     q.if_negative(S::zero(), q)
@@ -147,21 +148,21 @@ fn sum_of_squares<S: Scalar, const K: usize>(v: &[S; K]) -> S {
     v.iter().fold(S::zero(), |sum, v| sum + *v * *v)
 }
 
-/// Negative where the length with that square is below [`FLAT`].
+/// A number that is negative if the length with this square is below [`FLAT`].
 #[inline]
 fn short<S: Scalar>(square: S) -> S {
     square - S::from_f64(FLAT * FLAT)
 }
 
-/// $|v|$, which is taken for the first entry where it is [`FLAT`].
+/// Computes $|v|$, or the first entry if the length is below [`FLAT`].
 #[inline]
 fn length<S: Scalar, const K: usize>(v: [S; K]) -> S {
     let square = sum_of_squares(&v);
     short(square).if_negative(v[0], square.sqrt())
 }
 
-/// The distance from the corner of $q \le 0$: from the nearest of the sides inside, from all that `q` is beyond
-/// outside.
+/// The distance from the corner $q \le 0$: inside, from the nearest of the sides; outside, from all sides that `q` is
+/// beyond.
 #[inline]
 fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
     let mut most = q[0];
@@ -172,7 +173,7 @@ fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
     (most - S::from_f64(FLAT)).if_negative(most, outside)
 }
 
-/// A function of `K` numbers that is a plane in some places and a length in others, with its derivatives.
+/// A function of `K` numbers that is linear in one region and a length in another, with its derivatives.
 struct Bent<S: Scalar, const K: usize> {
     value: S,
     gradient: [S; K],
@@ -180,8 +181,8 @@ struct Bent<S: Scalar, const K: usize> {
 }
 
 impl<S: Scalar, const K: usize> Bent<S, K> {
-    /// $|v|$ where `v` are numbers whose derivatives are `moves`, one or zero; the plane with that value and gradient
-    /// where `flat` is negative.
+    /// Computes $|v|$ for numbers `v` whose derivatives are `moves`, one or zero; the linear function with the given
+    /// value and gradient if `flat` is negative.
     #[inline]
     fn new(v: [S; K], moves: [S; K], flat: S, (value, gradient): (S, [S; K])) -> Self {
         let length = sum_of_squares(&v).sqrt();
@@ -198,14 +199,14 @@ impl<S: Scalar, const K: usize> Bent<S, K> {
         }
     }
 
-    /// [`length`] of numbers whose derivatives are `moves`.
+    /// Computes [`length`] of numbers whose derivatives are `moves`.
     #[inline]
     fn length(v: [S; K], moves: [S; K]) -> Self {
         let first = std::array::from_fn(|i| if i == 0 { S::one() } else { S::zero() });
         Self::new(v, moves, short(sum_of_squares(&v)), (v[0], first))
     }
 
-    /// [`corner`].
+    /// Computes [`corner`].
     #[inline]
     fn corner(q: [S; K]) -> Self {
         let (zero, one) = (S::zero(), S::one());
@@ -225,7 +226,7 @@ impl<S: Scalar, const K: usize> Bent<S, K> {
 }
 
 impl<S: Scalar> Bent<S, 3> {
-    /// The distance from what is `radius` around, in the coordinates of which those here are the ones with `sign`.
+    /// Converts to the distance from a surface at `radius`, in coordinates that differ by the signs `sign`.
     #[inline]
     fn distance(self, radius: S, sign: &Vector3<S>) -> Distance<S> {
         Distance {

@@ -1,4 +1,4 @@
-//! Surfaces of triangles, and balls that cover them.
+//! Triangle meshes, and balls that cover them.
 
 use super::cover::{check, check_number};
 use super::{Ball, Cover};
@@ -6,20 +6,21 @@ use crate::error::{Error, Result, plain};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// A triangle by its corners, in m.
+/// The corners of a triangle, in m.
 pub type Triangle = [Vector3<f64>; 3];
 
-/// The largest coordinate in units of the spacing: halves of an edge differ from it by far more than by rounding.
+/// The largest coordinate in units of the spacing: up to it, halving an edge is not affected by rounding.
 const FURTHEST: f64 = 1e12;
 
-/// Balls that cover the triangles, not what they may enclose. Triangles are halved until no edge is longer than
-/// `spacing`, those with their middles in one cell of a grid of that width share a ball about the box around them. Each
-/// ball has corners of triangles in it, so no point of it is further from the surface than its radius and the distance
-/// from its centre to the nearest of them: the excess, which is less than 4.1 times `spacing`. Cost O(area /
+/// Covers the triangles by balls, but not a volume that they may enclose. Triangles are halved until no edge is longer
+/// than `spacing`; those with their middles in one cell of a grid of that width share a ball about their bounding box.
+/// Each ball contains corners of triangles, so that no point of it is further from the surface than its radius plus the
+/// distance from its centre to the nearest corner: the excess, which is less than 4.1 times `spacing`. Cost O(area /
 /// spacing^2).
 ///
 /// # Errors
-/// `spacing` is not positive and finite, a coordinate is not finite or above 1e12 times `spacing`, or more than 1e5 balls are needed.
+/// `spacing` is not positive and finite, a coordinate is not finite or above 1e12 times `spacing`, or more than 1e5
+/// balls are needed.
 pub fn cover_triangles(triangles: &[Triangle], spacing: f64) -> Result<Cover> {
     check(spacing, &[])?;
     let coordinates = triangles.iter().flatten().flat_map(|p| p.iter());

@@ -1,23 +1,23 @@
-//! Shapes in space, and how far a point is from them.
+//! Shapes in space, and signed distances from them.
 //!
 //! [`Shape::distance`] is the signed distance from the surface in closed form over every scalar, negative inside;
 //! [`Shape::distance_derivatives`] adds its gradient and Hessian. The formulas and their proofs are in
 //! `proofs/geometry.md`.
 //!
-//! **Outside** the distance from a convex shape has a continuous gradient of length one, which points away from the
+//! **Outside**, the distance from a convex shape has a continuous gradient of length one, which points away from the
 //! nearest point of the surface. Its Hessian jumps where the nearest point passes from a face to an edge, and is at
-//! most $1 / d$ at the distance `d`. So a ball with a positive radius touches edges and corners where the distance is
-//! smooth enough for Newton's method: curvatures are at most those of the ball.
+//! most $1 / d$ at the distance `d`. A ball with a positive radius therefore touches edges and corners where the
+//! distance is smooth enough for Newton's method: curvatures are at most those of the ball.
 //!
-//! **Inside** it is the distance from the nearest face with the sign reversed, flat under flat faces. Where several
-//! faces are equally near (the diagonals of a box, the axis of a cylinder, the centre of a ball) it has a kink, and the
-//! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. So there
-//! is a way out everywhere.
+//! **Inside**, it is the negative distance from the nearest face, flat under flat faces. Where several faces are
+//! equally near (the diagonals of a box, the axis of a cylinder, the centre of a ball) it has a kink, and the
+//! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. A
+//! direction out of the shape therefore exists everywhere.
 //!
-//! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, with the largest excess.
+//! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, and give the largest excess.
 //!
-//! Nothing is undefined anywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is that from
-//! the tangent plane of a face, which differs by at most twice `FLAT`.
+//! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
+//! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
 mod cover;
 mod distance;

@@ -1,4 +1,4 @@
-//! Convex shapes, and where they are.
+//! Convex shapes and their placements.
 
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -9,31 +9,31 @@ use nalgebra::Vector3;
 pub enum Shape<C: Scalar = f64> {
     /// A ball.
     Sphere {
-        /// Its radius.
+        /// Radius.
         radius: C,
     },
     /// A box with edges along the axes.
     Cuboid {
-        /// Half of its lengths along the axes.
+        /// Half of its edge lengths.
         half_extents: Vector3<C>,
     },
     /// A cylinder along the `z` axis.
     Cylinder {
-        /// Its radius.
+        /// Radius.
         radius: C,
         /// Half of its length.
         half_length: C,
     },
     /// All points within a radius of a segment of the `z` axis.
     Capsule {
-        /// The radius.
+        /// Radius.
         radius: C,
         /// Half of the length of the segment, without the caps.
         half_length: C,
     },
 }
 
-/// A shape somewhere in a frame.
+/// A shape with a placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<C: Scalar = f64> {
     /// The placement of the frame of the shape.

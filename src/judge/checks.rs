@@ -10,12 +10,12 @@ const VELOCITY: [&str; 2] = ["rad/s", "m/s"];
 const ACCELERATION: [&str; 2] = ["rad/s^2", "m/s^2"];
 const TORQUE: [&str; 2] = ["N m", "N"];
 
-/// A difference, which should be zero.
+/// A difference with the bound zero.
 fn difference(value: f64, unit: &'static str, at_s: f64) -> Worst {
     Worst::between(value, [f64::NEG_INFINITY, 0.0], unit, at_s)
 }
 
-/// The duration, and the states at both ends.
+/// Checks the duration and the boundary states.
 pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
     let (file, duration) = (&scenario.file, trajectory.duration());
     let bounds = match file.free_horizon {
@@ -72,7 +72,7 @@ pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: 
     rows
 }
 
-/// The checks that velocities and accelerations are the rates that they should be.
+/// Checks that velocities and accelerations are the rates of positions and velocities.
 pub(super) fn consistency(
     scenario: &Scenario,
     trajectory: &Trajectory,
@@ -127,13 +127,13 @@ pub(super) fn consistency(
     vec![rates, second]
 }
 
-/// The part of a difference that is not explained; a number that is none stays none.
+/// The unexplained part of a difference; NaN stays NaN.
 fn beyond(off: f64, explained: f64) -> f64 {
     let left = off - explained;
     if left < 0.0 { 0.0 } else { left }
 }
 
-/// The torques against inverse dynamics, and against zero and their limits.
+/// Checks the torques against inverse dynamics, against zero and against their limits.
 pub(super) fn torques(
     scenario: &Scenario,
     trajectory: &Trajectory,
@@ -194,7 +194,7 @@ pub(super) fn torques(
     Ok(vec![dynamics, passive, limits])
 }
 
-/// The limits of positions and velocities.
+/// Checks the limits of positions and velocities.
 pub(super) fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Vec<Row> {
     let mut position = Row::new(Check::PositionLimits, tolerance);
     let mut velocity = Row::new(Check::VelocityLimits, tolerance);

@@ -8,13 +8,14 @@ use crate::scenario::Scenario;
 use crate::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 
-/// The gaps that are computed at most beyond those of the samples and the middles of their intervals: some ten seconds.
+/// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
+/// seconds.
 const MOST_GAPS: usize = 50_000_000;
 
-/// The number of gaps that placing a robot counts for.
+/// The cost of placing a robot, in gaps.
 const PLACING: usize = 20;
 
-/// The share of the least clearance to which it is found, where that is positive.
+/// The relative accuracy of a positive least clearance.
 const PRECISION: f64 = 0.05;
 
 /// An obstacle.
@@ -23,18 +24,18 @@ enum Obstacle {
     HalfSpace { normal: Vector3<f64>, offset: f64 },
 }
 
-/// Two things that have to be apart.
+/// A pair that must not overlap.
 enum Gap {
     /// A ball and an obstacle.
     Obstacle { ball: usize, obstacle: usize },
-    /// Two balls, and the joints that carry one and not the other.
+    /// Two balls, and the joints that carry only one of them.
     Balls {
         balls: [usize; 2],
         paths: [Vec<usize>; 2],
     },
 }
 
-/// The surroundings, and the robot in them.
+/// The robot and its surroundings.
 struct Scene<'a> {
     balls: Vec<CollisionSphere>,
     paths: Vec<Vec<usize>>,
@@ -116,7 +117,7 @@ pub(super) fn clearances(
     Ok(rows)
 }
 
-/// A bound; where numbers overflow nothing is known.
+/// A bound; negative infinity if numbers overflow.
 fn known(bound: f64) -> f64 {
     if bound.is_nan() {
         f64::NEG_INFINITY
@@ -125,7 +126,7 @@ fn known(bound: f64) -> f64 {
     }
 }
 
-/// The search for the least of gaps over time.
+/// The search for the least gap over time.
 struct Search<'a> {
     scene: &'a Scene<'a>,
     reach: Reach<'a>,
@@ -133,11 +134,11 @@ struct Search<'a> {
     overlap: f64,
     /// The least gap found so far, m.
     least: f64,
-    /// Which one that is, and its time.
+    /// The index of the least gap, and its time.
     at: (usize, f64),
-    /// The bound that no gap is below, m.
+    /// The proved lower bound of all gaps, m.
     proved: f64,
-    /// The number of gaps that may be spent on halving.
+    /// The remaining number of gaps for halving.
     budget: usize,
     q: Vec<f64>,
     ways: Vec<f64>,
@@ -159,7 +160,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Looks at all samples, so that the least gap is nearly known, and then proves what is between.
+    /// Evaluates all samples, so that the least gap is nearly known, and then proves bounds between them.
     fn run(mut self) -> Result<Self> {
         let all: Vec<usize> = (0..self.gaps.len()).collect();
         let intervals = self.scene.intervals.cubics.len();
@@ -182,7 +183,7 @@ impl<'a> Search<'a> {
         Ok(self)
     }
 
-    /// Puts the robot where it is at the share `s` of interval `k`, and takes note of the gaps there.
+    /// Places the robot at the fraction `s` of interval `k`, and updates the least of the given gaps.
     fn look(&mut self, k: usize, s: f64, gaps: &[usize]) -> Result<Vec<f64>> {
         let cubics = &self.scene.intervals.cubics[k];
         self.q.clear();
@@ -200,7 +201,8 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// Looks at the middle of a part of interval `k`. Returns it, and the gaps that may be less elsewhere in it.
+    /// Evaluates the middle of a part of interval `k`. Returns it, and the gaps that may be smaller elsewhere in the
+    /// part.
     fn prove(&mut self, k: usize, range: [f64; 2], gaps: &[usize]) -> Result<(f64, Vec<usize>)> {
         let middle = 0.5 * (range[0] + range[1]);
         let distances = self.look(k, middle, gaps)?;
@@ -227,7 +229,7 @@ impl<'a> Search<'a> {
         Ok((middle, left))
     }
 
-    /// A gap where the robot is, m; negative for an overlap.
+    /// The current gap, m; negative for an overlap.
     fn distance(&self, gap: &Gap) -> f64 {
         let ball = |i: usize| &self.scene.balls[i];
         let centre = |i: usize| self.reach.centre(ball(i));
@@ -245,7 +247,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A bound on how much a gap changes in the part of the interval that is looked at, m.
+    /// A bound on the change of a gap in the current part of the interval, m.
     fn way(&self, gap: &Gap) -> f64 {
         let way = |i: usize, path: &[usize]| {
             let centre = self.reach.centre(&self.scene.balls[i]);
@@ -257,7 +259,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The row of the check.
+    /// The row of the check in the verdict.
     fn row(self, check: Check, place: impl Fn(&Gap) -> String) -> Row {
         let (gap, at_s) = self.at;
         let mut row = Row::new(check, self.overlap);

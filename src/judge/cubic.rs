@@ -1,7 +1,7 @@
 //! The motion between two samples.
 
-/// The cubic polynomial of one joint between two samples that has their positions and velocities (Hermite), in the
-/// share `s` of the time between them, from 0 to 1.
+/// The Hermite cubic of one joint between two samples, which has their positions and velocities, in the fraction `s` of
+/// the time between them, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
     /// The coefficients of the powers of `s`.
@@ -11,7 +11,7 @@ pub struct Cubic {
 }
 
 impl Cubic {
-    /// From `q` and the velocity `v` at either end, `interval` seconds apart.
+    /// The cubic from positions `q` and velocities `v` at both ends, `interval` seconds apart.
     #[must_use]
     pub fn new(q: [f64; 2], v: [f64; 2], interval: f64) -> Self {
         let way = q[1] - q[0];
@@ -27,28 +27,28 @@ impl Cubic {
         }
     }
 
-    /// The position.
+    /// The position at `s`.
     #[must_use]
     pub fn position(&self, s: f64) -> f64 {
         let [a, b, c, d] = self.coefficients;
         a + s * (b + s * (c + s * d))
     }
 
-    /// The velocity.
+    /// The velocity at `s`.
     #[must_use]
     pub fn velocity(&self, s: f64) -> f64 {
         let [_, b, c, d] = self.coefficients;
         (b + s * (2.0 * c + s * 3.0 * d)) / self.interval
     }
 
-    /// The acceleration.
+    /// The acceleration at `s`.
     #[must_use]
     pub fn acceleration(&self, s: f64) -> f64 {
         let [_, _, c, d] = self.coefficients;
         (2.0 * c + 6.0 * d * s) / (self.interval * self.interval)
     }
 
-    /// The share at which the velocity has its extremum, if that is inside of `range`.
+    /// The fraction at which the velocity has its extremum, if that is inside `range`.
     #[must_use]
     pub fn fastest(&self, range: [f64; 2]) -> Option<f64> {
         let [_, _, c, d] = self.coefficients;
@@ -56,7 +56,8 @@ impl Cubic {
         (s > range[0] && s < range[1]).then_some(s)
     }
 
-    /// The shares at which the joint turns back between the samples: the zeros of the velocity, each `None` where it is not inside.
+    /// The fractions at which the joint reverses between the samples: the zeros of the velocity, each `None` if
+    /// outside.
     #[must_use]
     pub fn turns(&self) -> [Option<f64>; 2] {
         let [_, b, c, d] = self.coefficients;
@@ -66,8 +67,8 @@ impl Cubic {
         [sum / (3.0 * d), b / sum].map(|s| (s > 0.0 && s < 1.0).then_some(s))
     }
 
-    /// A bound on the way of the joint from the middle of `range` to anywhere in it: its largest speed there times half
-    /// of the time.
+    /// A bound on the distance of the joint from its position at the middle of `range` anywhere in it: its largest
+    /// speed there times half of the time.
     #[must_use]
     pub fn way_from_middle(&self, range: [f64; 2]) -> f64 {
         let fastest = self.fastest(range).unwrap_or(range[0]);

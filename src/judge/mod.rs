@@ -1,33 +1,43 @@
-//! An independent judge of trajectories, whoever made them.
+//! An independent judge of trajectories from any source.
 //!
-//! [`judge`] looks at a [`Trajectory`], a table of samples, against a [`Scenario`]. It shares no code with what finds
-//! motions but the model, its kinematics and inverse dynamics, the distances of [`geometry`](crate::geometry), and the
+//! [`judge`] checks a [`Trajectory`], a table of samples, against a [`Scenario`]. Of the code that finds motions it
+//! shares only the model, its kinematics and inverse dynamics, the distances of [`geometry`](crate::geometry), and the
 //! scenario: no curve, no constraint row, no derivative.
 //!
-//! **Between samples** the motion is the cubic polynomial of each joint that has the positions and velocities of both
-//! samples (Hermite). Velocities and accelerations that a table does not have are derived at the samples from
-//! polynomials of degree four through five neighbours. Across a jump of the acceleration these are off by about the
-//! jump, so tables with jumps should give both.
+//! **Between samples** the motion of each joint is the cubic polynomial with the positions and velocities of both
+//! samples (Hermite). Velocities and accelerations that a table lacks are derived at the samples from polynomials of
+//! degree four through five neighbours. At a jump of the acceleration their error is about as large as the jump, so
+//! that tables with jumps should contain both.
 //!
-//! | check | what is compared |
+//! | check
+//! compared quantities |
 //! | --- | --- |
 //! | horizon | the time from the first to the last sample with `horizon_s`, or with the bounds of `free_horizon` |
-//! | start, goal | the first and last positions and velocities with those of the scenario; angles count as they are, without whole turns taken off; of a free final velocity nothing |
-//! | v is the rate of q | on each interval the mean velocity with half of the sum of the velocities at its ends, but for what accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
-//! | a is the rate of v | likewise, but for half of the spread of the accelerations at the two samples and their neighbours and of what the two before and the two after lead to, so that accelerations may jump |
+//! | start, goal
+//! the first and last positions and velocities with those of the scenario; angles are compared without removing whole
+//! turns; a free final velocity is not checked |
+//! | v is the rate of q
+//! on each interval the mean velocity with the mean of the velocities at its ends, except for the difference that
+//! accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
+//! | a is the rate of v
+//! in the same way, except for half of the spread of the accelerations at the two samples and their neighbours and of
+//! those extrapolated from the two samples before and the two after, so that accelerations may jump |
 //! | u is inverse dynamics | at the samples, with their accelerations |
-//! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic half-way between them |
+//! | passive joints, torque limits
+//! the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between
+//! them |
 //! | position and velocity limits | the extrema of the cubics, in closed form |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
 //!
-//! **Clearances** are proved. A ball is within a [bound](Reach) of where it is in the middle of an interval, so its
-//! distance from an obstacle, or the gap to a ball of another link, is at least the one in the middle less that bound.
-//! Intervals are halved until this keeps the gap from being a new least one, to within a tenth of the accepted overlap or
-//! a twentieth of the least clearance, whatever is more. So nothing passes through unseen, however thin. Only balls that
-//! joints move are looked at, and pairs as [`Environment::self_pairs`](crate::scenario::Environment::self_pairs) has
-//! them. Where the work is more than a bound the check is undecided, and says what was proved.
+//! **Clearances** are proved. A ball is within a [bound](Reach) of its position in the middle of an interval, so that
+//! its distance from an obstacle, or the gap to a ball of another link, is at least the one in the middle minus that
+//! bound. Intervals are halved until this excludes a new least gap, to within a tenth of the accepted overlap or a
+//! twentieth of the least clearance, whichever is larger. Therefore no collision is missed, however thin the obstacle.
+//! Only balls on moving bodies are checked, and the pairs of
+//! [`Environment::self_pairs`](crate::scenario::Environment::self_pairs). If the work exceeds a limit, the check is
+//! undecided, and reports the proved bound.
 //!
-//! An excess of no more than the [`Tolerances`] passes.
+//! An excess up to the [`Tolerances`] passes.
 
 mod checks;
 mod clearance;
@@ -47,11 +57,11 @@ use crate::scenario::Scenario;
 
 /// Judges a trajectory of the robot of `scenario`.
 ///
-/// Cost per sample: O(N), and O(N) for each pair of a ball and an obstacle, or of balls of links that keep clear of each
-/// other; about as much again for each halving near the least clearance.
+/// Cost per sample: O(N), and O(N) per pair of a ball and an obstacle, or of balls of links that keep clear of each
+/// other; about as much again per halving near the least clearance.
 ///
 /// # Errors
-/// A tolerance is negative or not finite, or the trajectory is of another robot.
+/// A tolerance is negative or not finite, or the trajectory has another number of joints.
 pub fn judge(
     scenario: &Scenario,
     trajectory: &Trajectory,
@@ -114,7 +124,7 @@ pub fn judge(
     })
 }
 
-/// Refuses a trajectory whose numbers are not those of the robot, joint by joint and sample by sample.
+/// Refuses a trajectory whose numbers of joints or samples are inconsistent.
 fn check(scenario: &Scenario, trajectory: &Trajectory) -> Result<()> {
     let (times, n) = (&trajectory.times, scenario.model.dof());
     if times.len() < 2 || !times.windows(2).all(|pair| pair[0] < pair[1]) {
@@ -139,9 +149,9 @@ fn check(scenario: &Scenario, trajectory: &Trajectory) -> Result<()> {
 
 /// The motion between the samples.
 struct Intervals {
-    /// The time after the start at which each interval begins, and how long it is, s.
+    /// The time after the start at which each interval begins, and its duration, s.
     times: Vec<[f64; 2]>,
-    /// The cubics of the joints in each.
+    /// The cubics of the joints in each interval.
     cubics: Vec<Vec<Cubic>>,
 }
 
@@ -162,19 +172,19 @@ impl Intervals {
         }
     }
 
-    /// The time after the start, s, at the share `s` of interval `k`.
+    /// The time after the start, s, at the fraction `s` of interval `k`.
     fn time(&self, k: usize, s: f64) -> f64 {
         let [begin, interval] = self.times[k];
         begin + s * interval
     }
 }
 
-/// A joint in words.
+/// The name of a joint for messages.
 fn joint_name(joint: &Joint<f64>) -> String {
     format!("joint '{}'", joint.name())
 }
 
-/// The unit of a joint, of what turns or of what slides.
+/// The unit of a joint: the first for a revolute joint, the second for a prismatic one.
 fn unit_of(joint: &Joint<f64>, [turns, slides]: [&'static str; 2]) -> &'static str {
     match joint.kind() {
         JointKind::Revolute | JointKind::Continuous => turns,

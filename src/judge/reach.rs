@@ -7,16 +7,17 @@ use crate::model::{JointKind, Model};
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 
-/// A robot in one configuration, with a bound on how far a ball is from there in others.
+/// A robot in one configuration, with a bound on the distance of a ball from its position there in other
+/// configurations.
 ///
-/// Let joint `i` be moved by at most $\delta_i$. The joints that carry a ball are moved one after the other, from the
-/// base on. When it is the turn of joint `i`, the joints beyond it are still where they were, and those before it have
-/// moved its axis and the ball as one body. So the distance $d_i$ of the ball from the axis is that of this
-/// configuration, whatever the others do, and an arc is longer than its chord:
+/// Let joint `i` move by at most $\delta_i$. Move the joints that carry a ball one after the other, from the base on.
+/// When joint `i` moves, the joints beyond it have not moved, and those before it have moved its axis and the ball as
+/// one body. The distance $d_i$ of the ball from the axis is therefore that of this configuration, independent of the
+/// other joints, and because an arc is longer than its chord,
 ///
 /// $$ |p(q + \delta) - p(q)| \le \sum_i d_i |\delta_i|, $$
 ///
-/// with $d_i = 1$ for a joint that slides.
+/// with $d_i = 1$ for a prismatic joint.
 #[derive(Clone, Debug)]
 pub struct Reach<'m> {
     model: &'m Model,
@@ -26,7 +27,7 @@ pub struct Reach<'m> {
 }
 
 impl<'m> Reach<'m> {
-    /// A robot nowhere in particular.
+    /// Allocates a robot without a configuration.
     #[must_use]
     pub fn new(model: &'m Model) -> Self {
         Self {
@@ -36,10 +37,10 @@ impl<'m> Reach<'m> {
         }
     }
 
-    /// Puts the robot into configuration `q`, `N` entries. Cost O(N).
+    /// Places the robot in configuration `q`, `N` entries. Cost O(N).
     ///
     /// # Errors
-    /// `q` is of another robot.
+    /// `q` has the wrong length.
     pub fn place(&mut self, q: &[f64]) -> Result<()> {
         forward_kinematics(self.model, q, &mut self.placements)?;
         for (i, joint) in self.model.joints().iter().enumerate() {
@@ -59,8 +60,8 @@ impl<'m> Reach<'m> {
         }
     }
 
-    /// A bound on the way of a ball whose centre is here, m, when joint `i` moves by at most `ways[i]`, rad or m, and
-    /// only the joints of `path` count: those that carry the ball, from its body on, all of them or the ones beyond a
+    /// A bound on the displacement of a ball with this centre, m, when joint `i` moves by at most `ways[i]`, rad or m.
+    /// Only the joints of `path` count: those that carry the ball, from its body on, all of them or those beyond a
     /// common body.
     #[must_use]
     pub fn way(&self, centre: &Vector3<f64>, path: &[usize], ways: &[f64]) -> f64 {

@@ -6,15 +6,15 @@ use crate::model::Model;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
-/// The number of neighbouring samples through which a polynomial is put to differentiate.
+/// The number of neighbouring samples of the polynomials that are differentiated.
 const NEIGHBOURS: usize = 5;
 
-/// The quantities of a joint, by the letters with which the names of their columns begin.
+/// The quantities of a joint, by the first letters of their column names.
 const QUANTITIES: [&str; 4] = ["q", "v", "a", "u"];
 
-/// A motion of a robot as samples, whoever made it.
+/// A motion of a robot as samples, from any source.
 ///
-/// Numbers are by sample and then by joint, in the order of the model: rad or m, per s, per s^2, N m or N.
+/// Numbers are ordered by sample and then by joint, in the order of the model: rad or m, per s, per s^2, N m or N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// The times, ascending, s.
@@ -25,31 +25,31 @@ pub struct Trajectory {
     pub v: Vec<Vec<f64>>,
     /// The accelerations.
     pub a: Vec<Vec<f64>>,
-    /// The torques or forces; `None` where the table has none.
+    /// The torques or forces; `None` if the table has none.
     pub u: Option<Vec<Vec<f64>>>,
-    /// True if the velocities are given; else they are those of the polynomials of degree four through five
-    /// neighbouring samples of the positions.
+    /// True if the table has velocities; otherwise they are those of the polynomials of degree four through five
+    /// neighbouring positions.
     pub has_velocities: bool,
-    /// True if the accelerations are given; else they come from the velocities in the same way.
+    /// True if the table has accelerations; otherwise they come from the velocities in the same way.
     pub has_accelerations: bool,
 }
 
 impl Trajectory {
-    /// The table in the file at `path`; `-` reads the standard input. See [`parse`](Self::parse).
+    /// Loads the table in the file at `path`; `-` reads the standard input. See [`parse`](Self::parse).
     ///
     /// # Errors
-    /// As [`parse`](Self::parse), or the file cannot be read or has more than 64 MiB.
+    /// Those of [`parse`](Self::parse); or the file cannot be read or is larger than 64 MiB.
     pub fn load(path: &Path, model: &Model) -> Result<Self> {
         Self::parse(&read_text(path)?, &path.display().to_string(), model)
     }
 
-    /// A table in CSV with a header, for `model`. The columns, in any order, are `t` in s and `q_JOINT` for every
-    /// joint, and, each for all joints or for none, `v_JOINT`, `a_JOINT` and `u_JOINT`: what `aghf solve` writes. Lines
-    /// that begin with `#` are passed over. `file` names the table in errors. Cost O(N) per sample.
+    /// Parses a CSV table with a header for `model`. The columns, in any order, are `t` in s and `q_JOINT` for every
+    /// joint, and, each for all joints or for none, `v_JOINT`, `a_JOINT` and `u_JOINT`, as `aghf solve` writes them.
+    /// Lines that begin with `#` are ignored. `file` names the table in errors. Cost O(N) per sample.
     ///
     /// # Errors
-    /// A column is unknown, double or missing, a line has another number of fields than the header, a field is no
-    /// finite number, times do not ascend, or there are fewer than two samples; the error names line and column.
+    /// A column is unknown, duplicate or missing; a line has another number of fields than the header; a field is not a
+    /// finite number; the times do not ascend; or there are fewer than two samples. The error names line and column.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
         let mut reader = ReaderBuilder::new()
             .comment(Some(b'#'))
@@ -130,15 +130,15 @@ impl Trajectory {
     }
 }
 
-/// The places of the quantities in a line.
+/// The columns of the quantities.
 struct Columns {
     time: usize,
-    /// For each of [`QUANTITIES`] the columns of all joints, `None` where the table does not have it.
+    /// The columns of all joints for each of [`QUANTITIES`]; `None` if the table does not have it.
     of_joints: [Option<Vec<usize>>; 4],
 }
 
 impl Columns {
-    /// By the names of a header, or which element is wrong with it and why.
+    /// Finds the columns by the names of a header; the error names the faulty element and the reason.
     fn new(header: &StringRecord, model: &Model) -> std::result::Result<Self, (String, String)> {
         let mut time = None;
         let mut found = vec![[None; 4]; model.dof()];
@@ -184,8 +184,8 @@ impl Columns {
     }
 }
 
-/// The derivatives in time at the samples, by the polynomials through [`NEIGHBOURS`] of them, or all where there are
-/// fewer. The error is of the fourth power of the distances of the times where the fifth derivative is bounded.
+/// The derivatives in time at the samples, by the polynomials through [`NEIGHBOURS`] of them, or through all if there
+/// are fewer. The error is of fourth order in the spacing if the fifth derivative is bounded.
 fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = NEIGHBOURS.min(times.len());
     let rate = |k: usize| {

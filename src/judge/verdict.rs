@@ -5,16 +5,15 @@ use serde::Serialize;
 /// The accepted deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tolerances {
-    /// By how much everything but clearances may be off: rad, m, rad/s, m/s, rad/s^2, m/s^2, s as they are; torques and
-    /// forces as a share of the largest one of the motion.
+    /// The accepted deviation of everything but clearances: absolute for rad, m, rad/s, m/s, rad/s^2, m/s^2 and s;
+    /// relative to the largest torque or force of the motion for torques and forces.
     pub tolerance: f64,
-    /// The depth by which balls may be in an obstacle or in each other, m. Clearances are proved to within a tenth of
-    /// it.
+    /// The accepted depth of a ball in an obstacle or another ball, m. Clearances are proved to within a tenth of it.
     pub overlap_m: f64,
 }
 
 impl Default for Tolerances {
-    /// One thousandth, as far as an arm follows its motion at best; and a tenth of a millimetre.
+    /// One thousandth, about the tracking accuracy of a good arm; and a tenth of a millimetre.
     fn default() -> Self {
         Self {
             tolerance: 1e-3,
@@ -32,11 +31,11 @@ pub struct Judgement {
     pub scenario: String,
     /// The number of samples of the trajectory.
     pub samples: usize,
-    /// The time from the first to the last one, s.
+    /// The time from the first to the last sample, s.
     pub duration_s: f64,
-    /// The motion that is assumed between samples, in words.
+    /// The assumed motion between samples, in words.
     pub between_samples: &'static str,
-    /// The quantities that the table did not have and were derived, in words.
+    /// The quantities that were derived because the table lacks them, in words.
     pub derived: Vec<&'static str>,
     /// The accepted deviations.
     pub tolerances: Tolerances,
@@ -49,37 +48,37 @@ pub struct Judgement {
 pub struct Row {
     /// The kind of check.
     pub check: Check,
-    /// Its outcome.
+    /// The outcome.
     pub outcome: Outcome,
-    /// The worst place; `None` where nothing was checked.
+    /// The worst place; `None` if nothing was checked.
     #[serde(flatten)]
     pub worst: Option<Worst>,
-    /// The amount by which the bound may be exceeded, in the unit of the worst.
+    /// The accepted excess over the bound, in the unit of `worst`.
     pub tolerance: f64,
-    /// Of a clearance: what no clearance is below, proved for all times, m.
+    /// For clearances: the proved lower bound at all times, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proved_at_least: Option<f64>,
-    /// More about it, in words.
+    /// A remark in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
-/// The place at which something is nearest to its bound, or farthest beyond.
+/// The place that is nearest to its bound, or farthest beyond it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
     /// The value.
     pub value: f64,
-    /// The least that it should be.
+    /// The lower bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
-    /// The most that it should be.
+    /// The upper bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
     /// The unit of these.
     pub unit: &'static str,
     /// The time after the start, s.
     pub at_s: f64,
-    /// The joint, or what is near what.
+    /// The joint, or the names of the closest pair.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
 }
@@ -102,7 +101,7 @@ impl Worst {
         }
     }
 
-    /// The amount by which the value is beyond a bound, negative within; infinite where it is no number.
+    /// The excess over a bound, negative within; infinite if the value is NaN.
     fn excess(&self) -> f64 {
         let below = self.at_least.map(|least| least - self.value);
         let above = self.at_most.map(|most| self.value - most);
@@ -120,18 +119,18 @@ impl Worst {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It holds.
+    /// The condition is satisfied.
     Pass,
-    /// It does not hold.
+    /// The condition is violated.
     Fail,
-    /// It could be neither proved nor refuted.
+    /// The condition could be neither proved nor refuted.
     Undecided,
-    /// There is nothing to check.
+    /// The condition does not apply.
     NotChecked,
 }
 
 impl Outcome {
-    /// Tells whether a trajectory may have it and be valid.
+    /// Returns true if the outcome is compatible with a valid trajectory.
     #[must_use]
     pub fn is_good(self) -> bool {
         matches!(self, Self::Pass | Self::NotChecked)
@@ -173,7 +172,7 @@ pub enum Check {
 }
 
 impl Check {
-    /// Its name for people.
+    /// The name of the check for people.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -196,7 +195,7 @@ impl Check {
 }
 
 impl Row {
-    /// A check of which nothing was found yet.
+    /// A check without a value yet.
     pub(super) fn new(check: Check, tolerance: f64) -> Self {
         Self {
             check,
@@ -208,7 +207,7 @@ impl Row {
         }
     }
 
-    /// A check that there is no use in, and why.
+    /// A check that does not apply, with the reason.
     pub(super) fn not_checked(check: Check, tolerance: f64, why: &str) -> Self {
         Self {
             note: Some(why.to_owned()),
@@ -216,7 +215,7 @@ impl Row {
         }
     }
 
-    /// Takes a value into account; `place` names where it is.
+    /// Updates the worst value; `place` names its place.
     pub(super) fn take(&mut self, found: Worst, place: impl FnOnce() -> String) {
         let excess = found.excess();
         if self

@@ -1,4 +1,5 @@
-//! The Hessian of a curve of segments: each has to do with its neighbours alone.
+//! Block-tridiagonal matrices, such as the Hessian of a curve in which each segment is coupled only with its
+//! neighbours.
 
 use crate::scalar::Scalar;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -6,17 +7,18 @@ use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
 use faer::{MatMut, Par};
 use nalgebra::{DMatrix, DVector};
 
-/// A symmetric matrix of diagonal blocks, each coupled with the next by its last few columns alone. Lower halves are kept.
+/// A symmetric matrix of diagonal blocks, each coupled with the next only by its last few columns. Lower triangles are
+/// stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockTridiagonal<S: Scalar> {
-    /// The blocks on the diagonal.
+    /// The diagonal blocks.
     pub(crate) diagonal: Vec<DMatrix<S>>,
     /// Block `e + 1` by the last columns of block `e`.
     pub(crate) coupling: Vec<DMatrix<S>>,
 }
 
 impl<S: Scalar> BlockTridiagonal<S> {
-    /// Zero, with diagonal blocks of these sizes, the last `shared` columns of each coupled with the next.
+    /// A zero matrix with diagonal blocks of these sizes, the last `shared` columns of each coupled with the next.
     #[must_use]
     pub fn new(sizes: &[usize], shared: usize) -> Self {
         let blocks = sizes.iter();
@@ -42,14 +44,14 @@ impl<S: Scalar> BlockTridiagonal<S> {
         self.diagonal.iter_mut().chain(&mut self.coupling)
     }
 
-    /// Makes it `a + factor b`.
+    /// Sets it to `a + factor b`.
     pub fn set_sum(&mut self, a: &Self, factor: S, b: &Self) {
         for ((to, a), b) in self.blocks_mut().zip(a.blocks()).zip(b.blocks()) {
             to.zip_zip_apply(a, b, |to, a, b| *to = a + factor * b);
         }
     }
 
-    /// The whole matrix, both halves.
+    /// The full matrix, both triangles.
     #[must_use]
     pub fn to_dense(&self) -> DMatrix<S> {
         let mut dense = DMatrix::zeros(self.order(), self.order());
@@ -77,7 +79,7 @@ impl<S: Scalar> BlockTridiagonal<S> {
 }
 
 impl BlockTridiagonal<f64> {
-    /// The product with a vector.
+    /// Computes the product with a vector.
     #[must_use]
     pub fn product(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut y = DVector::zeros(x.len());
@@ -99,7 +101,8 @@ impl BlockTridiagonal<f64> {
         y
     }
 
-    /// Replaces the matrix by its Cholesky factor; says whether it was positive definite. If not, what is left is of no use.
+    /// Replaces the matrix by its Cholesky factor; returns true if it was positive definite. Otherwise the contents are
+    /// undefined.
     pub fn factorise(&mut self) -> bool {
         for e in 0..self.diagonal.len() {
             if !cholesky(&mut self.diagonal[e]) {
@@ -119,7 +122,7 @@ impl BlockTridiagonal<f64> {
         true
     }
 
-    /// Replaces `b` by the solution, after [`factorise`](Self::factorise).
+    /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
     pub fn solve(&self, b: &mut DVector<f64>) {
         let mut at = 0;
         for (e, factor) in self.diagonal.iter().enumerate() {
@@ -148,7 +151,7 @@ impl BlockTridiagonal<f64> {
     }
 }
 
-/// Replaces the lower half of a symmetric matrix by its Cholesky factor. Says whether it is positive definite.
+/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; returns true if it is positive definite.
 fn cholesky(a: &mut DMatrix<f64>) -> bool {
     let n = a.nrows();
     let scratch = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());

@@ -1,9 +1,10 @@
-//! Products of a matrix with itself.
+//! Gram matrices.
 
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// The lower half of $A^T D A$ for columns of `A` and a diagonal `D`, in tiles that stay in registers.
+/// Computes the lower triangle of $A^T D A$ from the columns of `A` and a diagonal `D`, in tiles that stay in
+/// registers.
 pub(crate) fn weighted_gram<'a, S: Scalar>(
     columns: impl Fn(usize) -> &'a [S],
     diagonal: &DVector<S>,

@@ -1,21 +1,21 @@
-//! `H = L D L^T` without pivots, square roots or comparisons.
+//! The factorisation `H = L D L^T` without pivots, square roots or comparisons.
 
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, Dyn, Matrix, RawStorage};
 
 /// The factors of a symmetric positive definite matrix.
 ///
-/// `L` is unit lower triangular and `D` diagonal, with $H = L D L^T$. Neither pivoting nor a square root is needed for a
-/// positive definite matrix (Golub and Van Loan, *Matrix Computations*, 4.1.2), so the factorisation runs over dual
-/// numbers and over a field alike. Over `f64` a matrix that is not positive definite shows in [`Ldlt::pivots`].
+/// `L` is unit lower triangular and `D` diagonal, with $H = L D L^T$. A positive definite matrix needs neither pivoting
+/// nor square roots (Golub and Van Loan, *Matrix Computations*, 4.1.2), so that the factorisation also works over dual
+/// numbers and over a finite field. Over `f64` a matrix that is not positive definite shows in [`Ldlt::pivots`].
 #[derive(Clone, Debug)]
 pub struct Ldlt<S: Scalar> {
-    /// `L` strictly below the diagonal, `D` on it; above is unused and stays zero.
+    /// `L` strictly below the diagonal, `D` on it; the upper triangle is unused and zero.
     factors: DMatrix<S>,
 }
 
 impl<S: Scalar> Ldlt<S> {
-    /// Room for matrices of order `n`.
+    /// Allocates the factors of matrices of order `n`.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -23,7 +23,7 @@ impl<S: Scalar> Ldlt<S> {
         }
     }
 
-    /// Factorises the `n` by `n` matrix `h`, of which it reads the lower triangle. About `n^3 / 3` operations.
+    /// Factorises the `n` by `n` matrix `h`, of which only the lower triangle is read. About `n^3 / 3` operations.
     pub fn factorise<V: RawStorage<S, Dyn, Dyn>>(&mut self, h: &Matrix<S, Dyn, Dyn, V>) {
         let n = self.factors.nrows();
         for j in 0..n {
@@ -47,7 +47,7 @@ impl<S: Scalar> Ldlt<S> {
         }
     }
 
-    /// The diagonal of `D`: entry `i` is what column `i` of `H` has left once the columns before it are eliminated.
+    /// The diagonal of `D`: entry `i` is the diagonal entry of column `i` after elimination of the columns before it.
     pub fn pivots(&self) -> impl Iterator<Item = S> + '_ {
         (0..self.factors.nrows()).map(|i| self.factors[(i, i)])
     }
@@ -79,7 +79,7 @@ impl<S: Scalar> Ldlt<S> {
         &self.factors.as_slice()[k * n + k..(k + 1) * n]
     }
 
-    /// Replaces every column of `b` by $H^{-1}$ times it; `b` has `n` rows.
+    /// Replaces each column of `b`, `n` rows, by $H^{-1}$ times it.
     pub fn solve_columns(&self, b: &mut DMatrix<S>) {
         let n = b.nrows();
         if n > 0 {

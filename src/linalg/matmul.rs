@@ -6,13 +6,13 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 use std::any::Any;
 
-/// Writes the product $A B$ of an `m` by `k` and a `k` by `n` matrix to `out`, `m` by `n`. Cost O(m k n).
+/// Computes the product $A B$ of an `m` by `k` and a `k` by `n` matrix into `out`, `m` by `n`. Cost O(m k n).
 ///
-/// Over `f64` it is `faer`'s product, and over every other scalar `nalgebra`'s, which takes up to twice as long where one side is
-/// small. The two round differently: entries differ by at most a few times `k` units of rounding of $|A|\\, |B|$.
+/// Over `f64` it uses `faer`, and over every other scalar `nalgebra`, which takes up to twice as long if one dimension
+/// is small. The two round differently: entries differ by at most a few times `k` units of rounding of $|A|\\, |B|$.
 ///
 /// # Panics
-/// Shapes do not agree.
+/// The shapes do not match.
 pub fn multiply<S: Scalar>(a: &DMatrix<S>, b: &DMatrix<S>, out: &mut DMatrix<S>) {
     let [x, y]: [&dyn Any; 2] = [a, b];
     let z: &mut dyn Any = out;

@@ -1,5 +1,5 @@
-//! Linear algebra that the dynamics and the solvers share: factors and products of dense matrices, block-tridiagonal systems and
-//! tensors of third and fourth order.
+//! Linear algebra of the dynamics and the solvers: factorisations and products of dense matrices, block-tridiagonal
+//! systems and tensors of third and fourth order.
 
 #[cfg(feature = "solvers")]
 mod block_tridiagonal;
@@ -29,7 +29,7 @@ pub(crate) use tiled::{TILE, Tiled};
 #[cfg(feature = "solvers")]
 pub(crate) use trust_region::{Region, Step, add_step};
 
-/// A matrix as a list of its rows, as files have it.
+/// A matrix as a list of its rows, the form in files.
 #[cfg(feature = "output")]
 pub(crate) fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
     let rows = matrix.row_iter();

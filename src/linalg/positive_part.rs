@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// A symmetric matrix with its negative eigenvalues taken for zero; says whether it has none. One that is not finite is left as it is.
+/// Sets the negative eigenvalues of a symmetric matrix to zero; returns true if it has none. A matrix that is not
+/// finite is left unchanged.
 pub(crate) fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool {
-    /// The part that rounding can take from an eigenvalue that is zero, relative.
+    /// The relative rounding error of an eigenvalue that is zero.
     const ROUNDING: f64 = 1e-12;
     to.copy_from(from);
     // Most costs do not depend on everything.

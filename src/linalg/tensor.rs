@@ -1,6 +1,6 @@
-//! Explicit tensors of second derivatives, with contractions that have names.
+//! Explicit tensors of second derivatives with named contractions.
 //!
-//! One convention holds everywhere: **a derivative index comes last**, in the order in which the derivatives are written.
+//! One convention holds everywhere: **a derivative index comes last**, in the order of differentiation.
 //!
 //! - for a matrix `M`: $(dM)\_{ijk} = \partial M_{ij} / \partial x_k$,
 //! - and $(d^2 M)\_{ijkl} = \partial^2 M_{ij} / (\partial x_k\\, \partial x_l)$;
@@ -15,7 +15,7 @@ use std::ops::{Add, Index, IndexMut};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tensor3<S: Scalar> {
     n: usize,
-    /// The first index moves fastest.
+    /// Entries in the order in which the first index varies fastest.
     entries: Vec<S>,
 }
 
@@ -23,7 +23,7 @@ pub struct Tensor3<S: Scalar> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tensor4<S: Scalar> {
     n: usize,
-    /// The first index moves fastest.
+    /// Entries in the order in which the first index varies fastest.
     entries: Vec<S>,
 }
 
@@ -37,24 +37,24 @@ impl<S: Scalar> Tensor3<S> {
         }
     }
 
-    /// Makes every entry `value`.
+    /// Sets every entry to `value`.
     pub fn fill(&mut self, value: S) {
         self.entries.fill(value);
     }
 
-    /// All entries, the first index moving fastest.
+    /// All entries, in the order in which the first index varies fastest.
     #[must_use]
     pub fn entries(&self) -> &[S] {
         &self.entries
     }
 
-    /// The matrix of the first two indices at each value of the third.
+    /// The matrices of the first two indices, one for each value of the third.
     fn slices(&self) -> impl Iterator<Item = DMatrixView<'_, S>> {
         (self.entries.chunks_exact((self.n * self.n).max(1)))
             .map(|slice| DMatrixView::from_slice(slice, self.n, self.n))
     }
 
-    /// The matrix $M_{jk} = \sum_i T_{ijk}\\, w_i$; `w` has `N` entries. Cost O(N^3).
+    /// Computes the matrix $M_{jk} = \sum_i T_{ijk}\\, w_i$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_first(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -64,7 +64,7 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The matrix $M_{ik} = \sum_j T_{ijk}\\, w_j$; `w` has `N` entries. Cost O(N^3).
+    /// Computes the matrix $M_{ik} = \sum_j T_{ijk}\\, w_j$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_second(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -74,7 +74,7 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The matrix $M_{ij} = \sum_k T_{ijk}\\, w_k$; `w` has `N` entries. Cost O(N^3).
+    /// Computes the matrix $M_{ij} = \sum_k T_{ijk}\\, w_k$; `w` has `N` entries. Cost O(N^3).
     #[must_use]
     pub fn times_third(&self, w: &DVector<S>) -> DMatrix<S> {
         let mut result = DMatrix::zeros(self.n, self.n);
@@ -84,19 +84,19 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// The tensor $R_{ijk} = \sum_l M_{il}\\, T_{ljk}$; `m` is `N` by `N`. Cost O(N^4).
+    /// Computes the tensor $R_{ijk} = \sum_l M_{il}\\, T_{ljk}$; `m` is `N` by `N`. Cost O(N^4).
     #[must_use]
     pub fn map_first(&self, m: &DMatrix<S>) -> Self {
         self.of_slices(|slice| m * slice)
     }
 
-    /// The tensor $R_{ijk} = \sum_l T_{ilk}\\, M_{lj}$; `m` is `N` by `N`. Cost O(N^4).
+    /// Computes the tensor $R_{ijk} = \sum_l T_{ilk}\\, M_{lj}$; `m` is `N` by `N`. Cost O(N^4).
     #[must_use]
     pub fn map_second(&self, m: &DMatrix<S>) -> Self {
         self.of_slices(|slice| slice * m)
     }
 
-    /// The tensor $R_{ijk} = T_{ikj}$.
+    /// Computes the tensor $R_{ijk} = T_{ikj}$.
     #[must_use]
     pub fn swap_last(&self) -> Self {
         let mut result = Self::new(self.n);
@@ -110,7 +110,7 @@ impl<S: Scalar> Tensor3<S> {
         result
     }
 
-    /// A tensor of slices that are made from those of this one.
+    /// Applies a function to each slice.
     fn of_slices(&self, f: impl Fn(DMatrixView<'_, S>) -> DMatrix<S>) -> Self {
         let entries = (self.slices()).flat_map(|slice| f(slice).as_slice().to_vec());
         Self {
@@ -119,7 +119,7 @@ impl<S: Scalar> Tensor3<S> {
         }
     }
 
-    /// Checks that a result is of order `n`.
+    /// Checks that the order of a result is `n`.
     pub(crate) fn check(&self, what: &'static str, n: usize) -> Result<()> {
         check_length(what, n, self.n)
     }
@@ -135,18 +135,18 @@ impl<S: Scalar> Tensor4<S> {
         }
     }
 
-    /// Makes every entry `value`.
+    /// Sets every entry to `value`.
     pub fn fill(&mut self, value: S) {
         self.entries.fill(value);
     }
 
-    /// All entries, the first index moving fastest.
+    /// All entries, in the order in which the first index varies fastest.
     #[must_use]
     pub fn entries(&self) -> &[S] {
         &self.entries
     }
 
-    /// The tensor $R_{ijk} = \sum_l T_{ijkl}\\, w_l$, into `out`; `w` has `N` entries. Cost O(N^4).
+    /// Computes the tensor $R_{ijk} = \sum_l T_{ijkl}\\, w_l$ into `out`; `w` has `N` entries. Cost O(N^4).
     pub fn times_fourth(&self, w: &[S], out: &mut Tensor3<S>) {
         out.fill(S::zero());
         for (slice, factor) in (self.entries.chunks_exact(self.n.pow(3).max(1))).zip(w) {
@@ -156,7 +156,7 @@ impl<S: Scalar> Tensor4<S> {
         }
     }
 
-    /// The matrix $M_{kl} = \sum_{ij} T_{ijkl}\\, u_i\\, w_j$; `u` and `w` have `N` entries. Cost O(N^4).
+    /// Computes the matrix $M_{kl} = \sum_{ij} T_{ijkl}\\, u_i\\, w_j$; `u` and `w` have `N` entries. Cost O(N^4).
     #[must_use]
     pub fn times_first_and_second(&self, u: &DVector<S>, w: &DVector<S>) -> DMatrix<S> {
         let slices = self.entries.chunks_exact((self.n * self.n).max(1));
@@ -164,7 +164,7 @@ impl<S: Scalar> Tensor4<S> {
         DMatrix::from_iterator(self.n, self.n, slices.map(entry))
     }
 
-    /// Checks that a result is of order `n`.
+    /// Checks that the order of a result is `n`.
     pub(crate) fn check(&self, what: &'static str, n: usize) -> Result<()> {
         check_length(what, n, self.n)
     }

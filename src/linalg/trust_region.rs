@@ -1,25 +1,25 @@
-//! Steps of Newton's method that stay where the quadratic model is worth something.
+//! Newton steps in a trust region.
 
 use super::BlockTridiagonal;
 use nalgebra::{DMatrix, DVector};
 
-/// A step is as long as the region allows within these factors of the radius.
+/// The smallest length of an acceptable step at the boundary of the region, relative to the radius.
 const SHORT: f64 = 0.6;
 const LONG: f64 = 1.3;
-/// The number of multipliers that are tried for one step.
+/// The largest number of multipliers tried for one step.
 const TRIES: usize = 40;
-/// The number of them that are tried before a step shorter than the region allows is good enough.
+/// The number of multipliers after which a step shorter than the region allows is accepted.
 const PATIENCE: usize = 6;
 
-/// A region about the present curve, and the multiplier with which the last step kept within it.
+/// A trust region about the current curve, and the multiplier of the last step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Region {
     pub radius: f64,
-    /// $\lambda$.
+    /// The multiplier $\lambda$.
     pub damping: f64,
-    /// The size that multipliers have times that of the region.
+    /// Typical value of `damping * radius`; the first guess for an indefinite Hessian.
     pub scale: f64,
-    /// The factor by which the radius grows where a step gained nearly all that was predicted.
+    /// The growth factor of the radius after a step that achieved nearly all of the predicted decrease.
     pub growth: f64,
 }
 
@@ -41,10 +41,10 @@ impl Default for Region {
 }
 
 impl Region {
-    /// The minimum of the quadratic model in the region, to within a third of its radius: the solution of
-    /// $(B + \lambda D) d = -g$ with a multiplier $\lambda \ge 0$ that makes the matrix positive definite, and either $\lambda = 0$ and
-    /// $|d|_D$ at most the radius or $|d|_D$ about the radius (Conn, Gould and Toint, *Trust-Region Methods*, chapter 7).
-    /// `None` if there is no such multiplier among floating-point numbers.
+    /// Minimises the quadratic model in the region, to within a third of its radius: the solution of
+    /// $(B + \lambda D) d = -g$ with a multiplier $\lambda \ge 0$ that makes the matrix positive definite, and either
+    /// $\lambda = 0$ and $|d|_D$ at most the radius or $|d|_D$ about the radius (Conn, Gould and Toint, *Trust-Region
+    /// Methods*, chapter 7). `None` if there is no such multiplier among floating-point numbers.
     pub fn step(
         &mut self,
         gradient: &DVector<f64>,
@@ -95,7 +95,7 @@ impl Region {
         None
     }
 
-    /// Adapts the radius to what a step of this length gained of what was predicted.
+    /// Adapts the radius to the ratio `gain` of actual to predicted decrease of a step of this length.
     pub fn learn(&mut self, gain: f64, length: f64) {
         if gain > 0.75 && self.damping > 0.0 {
             let growth = if gain > 0.9 { self.growth } else { 2.0 };
@@ -106,7 +106,7 @@ impl Region {
     }
 }
 
-/// `from` and a `share` of `step` added to its entries from `first` on, column by column.
+/// Adds a `share` of `step` to the entries of `from` from `first` on, column by column.
 pub(crate) fn add_step(
     from: &DMatrix<f64>,
     first: usize,

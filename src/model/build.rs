@@ -9,35 +9,35 @@ use nalgebra::{Matrix3, Vector3};
 /// The acceleration of gravity, m/s^2, downwards.
 pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
 
-/// The most joints of a model. One tensor of second derivatives, `N x N x N`, takes 134 MB then, and several are needed; the
-/// largest humanoids have about 100 joints.
+/// The largest number of joints of a model. At this size one tensor of second derivatives, `N x N x N`, takes 134 MB,
+/// and several are needed; the largest humanoids have about 100 joints.
 pub const LARGEST_DOF: usize = 256;
 
-/// A joint and the body it moves, to build a [`Model`] from.
+/// The specification of a joint and its body, from which a [`Model`] is built.
 #[derive(Clone, Debug)]
 pub struct JointSpec<C: Scalar> {
     /// The name of the joint. The frame of its body is called the same.
     pub name: String,
     /// The kind of the joint.
     pub kind: JointKind,
-    /// The body that carries it, by the index of that body's joint; `None` is the base.
+    /// The parent body, by the index of its joint; `None` is the base.
     pub parent: Option<usize>,
-    /// The placement of the joint in that body at `q = 0`.
+    /// The placement of the joint in the parent body at `q = 0`.
     pub origin: Placement<C>,
-    /// Its axis in its own frame, of length one.
+    /// The axis, a unit vector in the frame of the joint.
     pub axis: Vector3<C>,
-    /// The inertia of the body it moves, in the frame of the joint.
+    /// The inertia of the body, in the frame of the joint.
     pub inertia: Inertia<C>,
-    /// Its limits.
+    /// The limits of the joint.
     pub limits: Limits,
 }
 
 impl<C: Scalar> Model<C> {
-    /// A model of the given joints under gravity $(0, 0, -9.81)$.
+    /// Builds a model of the given joints under gravity $(0, 0, -9.81)$.
     ///
     /// # Errors
-    /// There is no joint, or more than [`LARGEST_DOF`], a parent does not come before its child, or two joints share a name. Over `f64` see also
-    /// [`Model::check_regular`].
+    /// There is no joint or more than [`LARGEST_DOF`], a parent does not come before its child, or two joints have the
+    /// same name. Over `f64` see also [`Model::check_regular`].
     pub fn from_joints(name: &str, specs: Vec<JointSpec<C>>) -> Result<Self> {
         let mut model = Self {
             name: name.to_owned(),
@@ -92,7 +92,7 @@ impl<C: Scalar> Model<C> {
     /// Adds a frame.
     ///
     /// # Errors
-    /// There is no such body, or another frame has its name.
+    /// The body does not exist, or another frame has the same name.
     pub fn add_frame(&mut self, frame: Frame<C>) -> Result<()> {
         let refused = |condition: &str| {
             Error::input(&self.name, format!("frame '{}'", frame.name), condition)
@@ -107,15 +107,15 @@ impl<C: Scalar> Model<C> {
         Ok(())
     }
 
-    /// The same model with other frames.
+    /// Replaces the frames.
     pub(crate) fn with_frames(mut self, frames: Vec<Frame<C>>) -> Self {
         self.frames = frames;
         self
     }
 }
 
-/// A chain of `links` pendulums in the vertical plane: links of 1 m with a point mass of 1 kg at the middle and no
-/// rotational inertia, axes along y, along -x at `q = 0`.
+/// A planar chain of `links` pendulums: links of 1 m with a point mass of 1 kg at the middle and no rotational inertia,
+/// axes along y; the links point along -x at `q = 0`.
 ///
 /// # Errors
 /// `links` is zero.

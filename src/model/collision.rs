@@ -1,4 +1,4 @@
-//! What of a robot can touch something.
+//! The collision shapes of a robot.
 
 use super::Model;
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 
-/// A shape that a link carries, from a `<collision>` element of its URDF.
+/// A shape of a link, from a `<collision>` element of its URDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision<C: Scalar = f64> {
     /// The name of the link.
@@ -23,19 +23,19 @@ pub struct Collision<C: Scalar = f64> {
 /// The shape of a [`Collision`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum CollisionShape<C: Scalar = f64> {
-    /// A shape of a few numbers.
+    /// A primitive shape.
     Solid(Shape<C>),
     /// A mesh in a file, which is not read with the robot.
     Mesh {
         /// The file as the URDF names it.
         file: String,
-        /// The factors by which its axes are stretched.
+        /// The scale factors of its axes.
         scale: Vector3<C>,
     },
 }
 
 impl<C: Scalar> Collision<C> {
-    /// A shape that a link carries, at `placement` in the frame of the link.
+    /// A shape of a link, at `placement` in the frame of the link.
     ///
     /// # Errors
     /// The model has no link of that name.
@@ -58,7 +58,7 @@ impl<C: Scalar> Collision<C> {
         })
     }
 
-    /// The shape with its place in the body, unless it is a mesh.
+    /// The shape with its placement in the body; `None` for a mesh.
     #[must_use]
     pub fn solid(&self) -> Option<Solid<C>> {
         match self.shape {
@@ -72,16 +72,16 @@ impl<C: Scalar> Collision<C> {
 }
 
 impl<C: Scalar> Model<C> {
-    /// The shapes of the links, in the order in which the tree is walked.
+    /// The collision shapes, in the order in which the tree is visited.
     #[must_use]
     pub fn collisions(&self) -> &[Collision<C>] {
         &self.collisions
     }
 
-    /// The same model with other shapes, such as those of [`Collision::at_link`].
+    /// Replaces the collision shapes, for example by those of [`Collision::at_link`].
     ///
     /// # Errors
-    /// A shape is at a link that the model does not have, or not at its body.
+    /// A shape belongs to a link that the model does not have, or not to the body of its link.
     pub fn with_collisions(mut self, collisions: Vec<Collision<C>>) -> Result<Self> {
         for Collision { link, body, .. } in &collisions {
             let same = self.frames.iter().find(|f| f.name == *link);
@@ -100,7 +100,7 @@ impl<C: Scalar> Model<C> {
 }
 
 impl Collision<f64> {
-    /// The same with constants of another type.
+    /// Converts the constants to another type.
     pub(super) fn cast<D: Scalar>(&self) -> Collision<D> {
         let vector = |v: &Vector3<f64>| v.map(D::from_f64);
         Collision {

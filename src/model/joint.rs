@@ -7,16 +7,16 @@ use nalgebra::{Matrix3, Vector3};
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// Turns about its axis, within limits.
+    /// Rotates about its axis, within limits.
     Revolute,
-    /// Turns about its axis without limits; one degree of freedom, an angle in radians that may grow.
+    /// Rotates about its axis without limits; one degree of freedom, an unbounded angle in radians.
     Continuous,
     /// Slides along its axis.
     Prismatic,
 }
 
 impl JointKind {
-    /// The type of the joint in a URDF.
+    /// The joint type in a URDF.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -27,17 +27,17 @@ impl JointKind {
     }
 }
 
-/// The limits of a joint, in rad or m, rad/s or m/s, N m or N. Infinite where there is no limit; of a URDF also where the limit of
-/// velocity or effort is zero.
+/// The limits of a joint, in rad or m, rad/s or m/s, N m or N. Infinite without a limit; in a URDF a velocity or effort
+/// limit of zero also means no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Smallest position.
+    /// Lower position limit.
     pub lower: f64,
-    /// Largest position.
+    /// Upper position limit.
     pub upper: f64,
-    /// Largest speed.
+    /// Velocity limit.
     pub velocity: f64,
-    /// Largest torque or force.
+    /// Effort limit: torque or force.
     pub effort: f64,
 }
 
@@ -60,7 +60,7 @@ pub struct Joint<C: Scalar> {
     limits: Limits,
     axis: Vector3<C>,
     origin: Placement<C>,
-    /// With `R_0` the rotation of the origin and `a` the axis, that of the joint is
+    /// With `R_0` the rotation of the origin and `a` the axis, the rotation of the joint is
     /// `R_0 (a a^T + cos q (1 - a a^T) + sin q [a]x)`: these are the last two products.
     cosine_part: Matrix3<C>,
     sine_part: Matrix3<C>,
@@ -101,7 +101,7 @@ impl<C: Scalar> Joint<C> {
         self.kind
     }
 
-    /// $\lambda(i)$: the body that carries the joint, `None` for the base.
+    /// The parent body $\lambda(i)$; `None` for the base.
     #[must_use]
     pub fn parent(&self) -> Option<usize> {
         self.parent
@@ -125,7 +125,8 @@ impl<C: Scalar> Joint<C> {
         &self.origin
     }
 
-    /// The placement of body `i` in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's book).
+    /// Computes the placement of body `i` in its parent at position `q`: ${}^{\lambda(i)} X_i$ (4.3 in Featherstone's
+    /// book).
     #[must_use]
     #[inline]
     pub fn placement<S: AlgebraOver<C>>(&self, q: S) -> Placement<S> {
@@ -150,8 +151,8 @@ impl<C: Scalar> Joint<C> {
         }
     }
 
-    /// $S_i$, the motion that one unit of joint velocity makes, in the coordinates of the frame in which the body is
-    /// placed at `placement`.
+    /// Computes the motion subspace $S_i$, the motion at unit joint velocity, in the coordinates of the frame in which
+    /// the body is placed at `placement`.
     #[must_use]
     #[inline]
     pub fn motion_subspace<S: AlgebraOver<C>>(&self, placement: &Placement<S>) -> Motion<S> {
@@ -166,7 +167,7 @@ impl<C: Scalar> Joint<C> {
 }
 
 impl Joint<f64> {
-    /// The same joint with constants of another type.
+    /// Converts the constants to another type.
     pub(crate) fn cast<D: Scalar>(&self) -> Joint<D> {
         Joint {
             name: self.name.clone(),

@@ -1,4 +1,4 @@
-//! Models with fewer joints.
+//! Models with some joints locked.
 
 use super::{Collision, Frame, JointSpec, Model};
 use crate::error::{Error, Result, plain};
@@ -6,26 +6,27 @@ use crate::spatial::Placement;
 
 /// A model some of whose joints are locked.
 pub(crate) struct Reduced {
-    /// The model of the joints that are left.
+    /// The model of the remaining joints.
     pub(crate) model: Model,
-    /// Of each body of the full model: the body that it is part of now, and where it is in that one; without a body it is part of the
-    /// base.
+    /// For each body of the full model, the body of the reduced model that contains it and its placement there; `None`
+    /// is the base.
     pub(crate) bodies: Vec<(Option<usize>, Placement<f64>)>,
 }
 
 impl Model<f64> {
-    /// The model in which some joints, by their indices, are locked at the given positions, in rad or m, as Pinocchio's
-    /// `buildReducedModel`. A body whose joint is locked becomes part of the body before it, or of the base, whose mass does not count;
-    /// the other joints keep their order, and all frames are kept. Cost O(N).
+    /// Locks some joints, given by their indices, at the given positions, in rad or m, like Pinocchio's
+    /// `buildReducedModel`. A body whose joint is locked becomes part of its parent body, or of the base, whose mass is
+    /// ignored; the other joints keep their order, and all frames are kept. Cost O(N).
     ///
     /// # Errors
-    /// There is no such joint, it is locked twice or it cannot be at that position, or no joint is left. See also
+    /// A joint does not exist, is locked twice or cannot be at that position, or no joint remains. See also
     /// [`Model::check_regular`].
     pub fn with_locked_joints(&self, locked: &[(usize, f64)]) -> Result<Self> {
         Ok(self.reduced(locked)?.model)
     }
 
-    /// As [`Model::with_locked_joints`], and where the bodies are in the new model.
+    /// Locks joints as [`Model::with_locked_joints`] does, and returns the placements of the bodies in the reduced
+    /// model.
     pub(crate) fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
         let mut positions = vec![None; self.dof()];
         for (i, q) in locked {

@@ -1,26 +1,33 @@
-//! Joints, the tree they form, and where models come from: URDF files and builders.
+//! The robot model: joints, the tree that they form, and builders.
 //!
-//! Joint `i` moves body `i` and is degree of freedom `i`; its parent body comes before it. `None` as a parent is the fixed
-//! base. So there are no joints with several degrees of freedom, and none that depend on others: [`Mimic`](crate::urdf::Mimic) says what becomes
-//! of those.
+//! Joint `i` moves body `i` and is degree of freedom `i`; its parent body comes before it. The parent `None` is the
+//! fixed base. There are no joints with several degrees of freedom and no dependent joints; see
+//! [`Mimic`](crate::urdf::Mimic) for the treatment of the latter.
 //!
-//! # What is what in Pinocchio
+//! # Correspondence with Pinocchio
 //!
-//! Of a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and [`load_urdf`](crate::urdf::load_urdf) reads too, here is there:
+//! For a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and
+//! [`load_urdf`](crate::urdf::load_urdf) reads too:
 //!
-//! | here | there |
+//! | here
+//! Pinocchio |
 //! | --- | --- |
 //! | joint `i`, depth first, the joints on a link in the order of their names (compared byte by byte) | joint `i + 1`; joint 0 is the universe |
 //! | the name of a joint | the same, `names[i + 1]` |
 //! | `q[i]` of a revolute or prismatic joint | `q[joints[i + 1].idx_q]` |
 //! | `q[i]` of a continuous joint, an angle | two numbers, `cos q[i]` and `sin q[i]`, at `idx_q` and `idx_q + 1` |
 //! | `v[i]`, `a[i]`, `tau[i]`, row or column `i` of a matrix | the same, `idx_v` is `i` |
-//! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent) | a joint as any other, unless it is called with `mimic=True` |
-//! | a [`Frame`], one for every link, in the order of the walk | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
+//! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent)
+//! an ordinary joint, unless `mimic=True` is passed |
+//! | a [`Frame`], one per link, in the order of the visit
+//! the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
-//! | the mass fixed to the base: left out | `inertias[0]` |
-//! | infinite limits where the file has none, zeros only, or a zero for velocity or effort | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
-//! | angular part first in spatial vectors, at the origin of the base | linear part first, at the frame that is asked for |
+//! | the mass fixed to the base: ignored
+//! `inertias[0]` |
+//! | infinite limits if the file has none, only zeros, or a zero for velocity or effort
+//! zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
+//! | angular part first in spatial vectors, at the origin of the base
+//! linear part first, at the requested frame |
 
 mod build;
 mod collision;
@@ -39,30 +46,30 @@ use crate::scalar::Scalar;
 use crate::spatial::{Inertia, Placement};
 use nalgebra::Vector3;
 
-/// A point and a set of axes fixed to a body: every link of a URDF has one, those of merged links too.
+/// A frame fixed to a body: every link of a URDF has one, merged links too.
 #[derive(Clone, Debug)]
 pub struct Frame<C: Scalar> {
-    /// The name of the link.
+    /// The name, which for a URDF is that of the link.
     pub name: String,
-    /// The body it is fixed to; `None` is the base.
+    /// The body; `None` is the base.
     pub body: Option<usize>,
     /// The placement of the frame in that body.
     pub placement: Placement<C>,
-    /// What carries the link; `None` for the root, and for frames that are no links.
+    /// The joint that carries the link; `None` for the root, and for frames that are not links.
     pub(crate) carrier: Option<Carrier>,
 }
 
-/// What carries a link.
+/// The joint and the parent of a link.
 #[derive(Clone, Debug)]
 pub(crate) struct Carrier {
-    /// The name of the joint, which moves or is fixed.
+    /// The name of the joint, which may be fixed.
     pub(crate) joint: String,
-    /// The link that the joint hangs on, by the index of its frame; `None` for a base that is no link.
+    /// The parent link, by the index of its frame; `None` if the base is not a link.
     pub(crate) parent: Option<usize>,
 }
 
 impl<C: Scalar> Frame<C> {
-    /// A frame at `placement` in the body of joint `body`, or in the base: a tool, a sensor.
+    /// A frame at `placement` in the body of joint `body`, or in the base, such as a tool or a sensor.
     #[must_use]
     pub fn new(name: &str, body: Option<usize>, placement: Placement<C>) -> Self {
         Self {
@@ -92,7 +99,7 @@ impl<C: Scalar> Model<C> {
         &self.name
     }
 
-    /// `N`: how many joints, bodies and degrees of freedom there are.
+    /// The number of joints `N`, which is also that of bodies and degrees of freedom.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.joints.len()
@@ -110,12 +117,12 @@ impl<C: Scalar> Model<C> {
         &self.inertias
     }
 
-    /// The inertias, to change or to differentiate with respect to them (after [`Model::cast`] to a dual number).
+    /// The inertias, which may be changed, or differentiated after [`Model::cast`] to a dual number.
     pub fn inertias_mut(&mut self) -> &mut [Inertia<C>] {
         &mut self.inertias
     }
 
-    /// The frames of all links, in the order in which the tree is walked.
+    /// The frames of all links, in the order in which the tree is visited.
     #[must_use]
     pub fn frames(&self) -> &[Frame<C>] {
         &self.frames
@@ -127,22 +134,22 @@ impl<C: Scalar> Model<C> {
         &self.gravity
     }
 
-    /// The same model under another gravity.
+    /// Replaces gravity.
     #[must_use]
     pub fn with_gravity(mut self, gravity: Vector3<C>) -> Self {
         self.gravity = gravity;
         self
     }
 
-    /// Checks that an argument has one entry a joint.
+    /// Checks that an argument has one entry per joint.
     pub(crate) fn check(&self, what: &'static str, found: usize) -> Result<()> {
         check_length(what, self.dof(), found)
     }
 }
 
 impl Model<f64> {
-    /// The same model with constants of another type, as Pinocchio's `cast`: dual numbers to differentiate with respect
-    /// to a mass, elements of a field to prove an identity.
+    /// Converts the constants to another type, like Pinocchio's `cast`: dual numbers for derivatives with respect to a
+    /// mass, elements of a finite field for the proof of an identity.
     #[must_use]
     pub fn cast<D: Scalar>(&self) -> Model<D> {
         let vector = |v: &Vector3<f64>| v.map(D::from_f64);
@@ -172,7 +179,7 @@ impl Model<f64> {
         }
     }
 
-    /// The mass that the joints move, kg. What is fixed to the base does not count.
+    /// The moving mass, kg. Mass fixed to the base is not included.
     #[must_use]
     pub fn mass(&self) -> f64 {
         self.inertias.iter().map(|i| i.mass).sum()

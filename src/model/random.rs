@@ -7,12 +7,12 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A vector in the cube of side two about the origin.
+/// A random vector in the cube of side two about the origin.
 fn vector(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0))
 }
 
-/// A unit vector in any direction, negative and oblique ones included, sometimes along a coordinate axis.
+/// A random unit vector, including negative and oblique ones, sometimes along a coordinate axis.
 fn axis(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     if rng.random_bool(0.25) {
         let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
@@ -26,7 +26,7 @@ fn axis(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     }
 }
 
-/// A random tree of `n` joints of all kinds: arbitrary branching, axes, placements and physically possible inertias.
+/// A random tree of `n` joints of all kinds: arbitrary branching, axes, placements and physically consistent inertias.
 /// The same `n` and `seed` give the same robot.
 ///
 /// # Errors
@@ -39,7 +39,7 @@ pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
     random_robot(&format!("random_tree_{n}_{seed}"), n, seed, parent)
 }
 
-/// A random chain of `n` joints, otherwise as [`random_tree`]: the deepest tree there is.
+/// A random chain of `n` joints, otherwise like [`random_tree`]: the deepest tree of that size.
 ///
 /// # Errors
 /// `n` is zero.
@@ -48,7 +48,7 @@ pub fn random_chain(n: usize, seed: u64) -> Result<Model> {
     random_robot(&name, n, seed, |i, _| i.checked_sub(1))
 }
 
-/// A random robot whose joint `i` hangs on `parent(i)`.
+/// A random robot in which `parent(i)` is the parent of joint `i`.
 fn random_robot(
     name: &str,
     n: usize,

@@ -1,4 +1,4 @@
-//! The control that a curve takes, and what it costs.
+//! The control along a curve.
 
 use crate::curve::Curve;
 use crate::dynamics::{Data, rnea};
@@ -11,23 +11,23 @@ use nalgebra::DVector;
 pub struct Sample {
     /// Time, s.
     pub t: f64,
-    /// $x_{P1}$, the configuration.
+    /// Configuration $x_{P1}$.
     pub q: Vec<f64>,
-    /// $x_{P2}$, the velocity.
+    /// Velocity $x_{P2}$.
     pub v: Vec<f64>,
-    /// $\dot x_{P2}$, the acceleration.
+    /// Acceleration $\dot x_{P2}$.
     pub a: Vec<f64>,
-    /// The control (13).
+    /// Control (13).
     pub u: Vec<f64>,
-    /// $\dot x_{P1}$, which is `v` where the curve is dynamically consistent.
+    /// $\dot x_{P1}$, which equals `v` if the curve is dynamically consistent.
     pub qdot: Vec<f64>,
 }
 
-/// The control extraction (13): $u(t) = H \dot x_{P2} + C$, inverse dynamics at $(x_{P1}, x_{P2}, \dot x_{P2})$.
-/// `u` has `N` entries.
+/// Extracts the control (13): $u(t) = H \dot x_{P2} + C$, inverse dynamics at $(x_{P1}, x_{P2}, \dot x_{P2})$. `u` has
+/// `N` entries.
 ///
 /// # Errors
-/// The curve or `u` is for another robot.
+/// The curve has another number of joints than `model`, or `u` has the wrong length.
 pub fn control_at(
     model: &Model,
     data: &mut Data<f64>,
@@ -40,17 +40,17 @@ pub fn control_at(
     rnea(model, data, q, v, &xdot.as_slice()[model.dof()..], u)
 }
 
-/// The curve at `intervals + 1` equidistant times, both ends included. At a breakpoint acceleration and control are those of
-/// the later one.
+/// Samples the curve at `intervals + 1` equidistant times, both ends included. At a breakpoint acceleration and control
+/// are those of the later segment.
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The curve has another number of joints than `model`.
 pub fn sample(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<Sample>> {
     let times = (0..=intervals).map(|i| curve.horizon() * i as f64 / intervals as f64);
     samples_at(model, curve, times.map(|t| (curve.segment_at(t), t))).collect()
 }
 
-/// The curve at times, each by the polynomial of the segment before it.
+/// Samples the curve at given times, each in the given segment.
 pub(crate) fn samples_at(
     model: &Model,
     curve: &Curve,

@@ -1,20 +1,20 @@
-//! A request to stop, seen by all threads that look for a motion.
+//! A stop request, shared by all threads of a search.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A request to stop a search. All clones are one request, so that one of them can be raised from another thread, such as
-/// that of a signal.
+/// A handle that stops a search. All clones share one request, so that another thread, such as a signal handler, can
+/// raise it.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     raised: Arc<AtomicBool>,
-    /// The time at which it raises itself.
+    /// The time at which the request is raised automatically.
     at: Option<Instant>,
 }
 
 impl Interrupt {
-    /// A request that raises itself after a time, counted from now.
+    /// A request that is raised automatically after a time, counted from now.
     #[must_use]
     pub fn after(time: Duration) -> Self {
         Self {
@@ -23,24 +23,24 @@ impl Interrupt {
         }
     }
 
-    /// Asks for the search to stop.
+    /// Requests that the search stop.
     pub fn raise(&self) {
         self.raised.store(true, Ordering::Relaxed);
     }
 
-    /// Tells whether it is to stop.
+    /// Returns true if the search has to stop.
     #[must_use]
     pub fn is_raised(&self) -> bool {
         self.raised.load(Ordering::Relaxed) || self.at.is_some_and(|at| Instant::now() >= at)
     }
 }
 
-/// The reason why a search was stopped before its end.
+/// The reason for stopping a search early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped {
-    /// Its time was over.
+    /// The time limit was reached.
     TimeLimit(Duration),
-    /// Its [`Interrupt`] was raised.
+    /// The [`Interrupt`] was raised.
     Interrupt,
 }
 
@@ -53,7 +53,7 @@ impl std::fmt::Display for Stopped {
     }
 }
 
-/// A search in time: when it began, and what may stop it.
+/// The timer of a search: its start, and the conditions that stop it.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
     began: Instant,
@@ -62,7 +62,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// From now on.
+    /// Starts the timer now.
     pub fn start(limit: Option<Duration>, interrupt: &Interrupt) -> Self {
         Self {
             began: Instant::now(),
@@ -71,13 +71,13 @@ impl Watch {
         }
     }
 
-    /// Tells whether this share of the time limit is over.
+    /// Returns true if this fraction of the time limit has passed.
     pub fn is_late(&self, share: f64) -> bool {
         let limit = self.limit.map(|limit| limit.mul_f64(share));
         limit.is_some_and(|limit| self.began.elapsed() >= limit)
     }
 
-    /// The reason to stop, once there is one.
+    /// The reason to stop, if there is one.
     pub fn stopped(&self) -> Option<Stopped> {
         if self.interrupt.is_raised() {
             return Some(Stopped::Interrupt);

@@ -1,5 +1,5 @@
-//! What a motion is: the boundary value problem, the control that a curve takes, whether that control
-//! does it, and whether the motion keeps its constraints.
+//! The motion: the boundary value problem, the control along a curve, the simulation of that control, and the
+//! violations of constraints.
 
 mod control;
 mod interrupt;

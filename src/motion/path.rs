@@ -7,19 +7,19 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The sizes of the bends of starts, in turn, relative to their amplitude.
+/// The relative sizes of the bends of the starts, in turn.
 const SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 
 /// A curve in a basis.
 #[derive(Clone, Debug)]
 pub(crate) struct Path {
     pub basis: Basis,
-    /// `N` by [`Basis::count`].
+    /// The coefficients, `N` by [`Basis::count`].
     pub coefficients: DMatrix<f64>,
 }
 
 impl Path {
-    /// The cubic that takes `q` from the start to the goal with the velocities of the problem.
+    /// The cubic between the boundary states of the problem.
     pub fn line(problem: &Problem<'_>, basis: Basis) -> Self {
         let (n, horizon) = (problem.model().dof(), problem.horizon());
         let cubic = Basis::new(1, 3, false);
@@ -37,7 +37,7 @@ impl Path {
         cubic.in_basis(basis)
     }
 
-    /// The same curve, or the nearest there is, in another basis.
+    /// The same curve, or its best approximation, in another basis.
     pub fn in_basis(&self, basis: Basis) -> Self {
         let dof = self.coefficients.nrows();
         let coefficients = basis.fit(dof, |time| self.basis.evaluate(&self.coefficients, time));
@@ -47,7 +47,7 @@ impl Path {
         }
     }
 
-    /// The start of this number: this curve, or the same with bends, of several sizes in turn.
+    /// The start of this number: this curve, or this curve with bends, of several sizes in turn.
     pub fn start(&self, amplitude: f64, seed: u64, number: u64) -> Self {
         if number == 0 {
             return self.clone();
@@ -59,7 +59,7 @@ impl Path {
         self.bent(size, &mut rng)
     }
 
-    /// The same with bends: each joint is moved by random multiples, up to `size` for the longest, of the bubbles.
+    /// Adds bends: each joint is moved by random multiples of the bubbles, up to `size` for the longest one.
     fn bent(&self, size: f64, rng: &mut ChaCha8Rng) -> Self {
         let mut bent = self.clone();
         let times = (0..=64).map(|i| i as f64 / 32.0 - 1.0);
@@ -75,7 +75,8 @@ impl Path {
         bent
     }
 
-    /// The rates at which the coefficients change with the horizon: the slopes that the boundary velocities fix.
+    /// The derivatives of the coefficients with respect to the horizon, which come from the slopes of the fixed
+    /// boundary velocities.
     pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
         let (n, count) = self.coefficients.shape();
         let mut rates = DMatrix::zeros(n, count);
@@ -87,7 +88,7 @@ impl Path {
         rates
     }
 
-    /// The same shape between the ends of a problem, on its horizon.
+    /// The same shape between the boundary states of a problem, on its horizon.
     pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
         let (n, last) = self.coefficients.shape();
         let slopes = self.rates(problem) * problem.horizon();
@@ -103,7 +104,7 @@ impl Path {
     }
 }
 
-/// The polynomials through Chebyshev nodes that are the same curve, with $v = \dot q$.
+/// Converts the path to polynomials through Chebyshev nodes, with $v = \dot q$.
 pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let (n, horizon) = (problem.model().dof(), problem.horizon());
     let (segments, p) = (path.basis.segments(), path.basis.degree());

@@ -1,11 +1,11 @@
-//! Where a motion starts, where it ends, and a first guess at what is between.
+//! The boundary value problem and its first guess.
 
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result, check_length, plain};
 use crate::model::Model;
 use nalgebra::DMatrix;
 
-/// A motion to be found: from one state of a robot to another in a given time.
+/// A trajectory optimisation problem: from one state of a robot to another in a given time.
 #[derive(Clone, Debug)]
 pub struct Problem<'m> {
     model: &'m Model,
@@ -15,12 +15,12 @@ pub struct Problem<'m> {
 }
 
 impl<'m> Problem<'m> {
-    /// The shortest horizon, s: no drive moves a robot to and fro within it, and squared accelerations of shorter ones overflow.
+    /// The shortest horizon, s: below it no drive can move a robot, and squared accelerations overflow.
     pub const SHORTEST_HORIZON: f64 = 1e-6;
-    /// The longest horizon, s: a year. What a robot does in all that time is no one polynomial.
+    /// The longest horizon, one year, s. A motion of that length is not a polynomial.
     pub const LONGEST_HORIZON: f64 = 31_536_000.0;
 
-    /// Refuses a horizon that is out of range, with the condition that it breaks.
+    /// Checks a horizon; the error gives the violated condition.
     pub(crate) fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
         if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
             return Ok(());
@@ -32,11 +32,11 @@ impl<'m> Problem<'m> {
         ))
     }
 
-    /// From state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
+    /// The problem from state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
     ///
     /// # Errors
-    /// A wrong length, a number that is not finite, or a horizon below [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above
-    /// [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
+    /// A wrong length, a number that is not finite, or a horizon below [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or
+    /// above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         for (what, state) in [("start", &start), ("goal", &goal)] {
             check_length(what, 2 * model.dof(), state.len())?;
@@ -61,25 +61,25 @@ impl<'m> Problem<'m> {
         self.model
     }
 
-    /// The first state, $[q; v]$.
+    /// The initial state, $[q; v]$.
     #[must_use]
     pub fn start(&self) -> &[f64] {
         &self.start
     }
 
-    /// The last state, $[q; v]$.
+    /// The final state, $[q; v]$.
     #[must_use]
     pub fn goal(&self) -> &[f64] {
         &self.goal
     }
 
-    /// `T`, in s.
+    /// The horizon `T`, in s.
     #[must_use]
     pub fn horizon(&self) -> f64 {
         self.horizon
     }
 
-    /// The same in another time.
+    /// The same problem on another horizon.
     ///
     /// # Errors
     /// The horizon is out of range.
@@ -87,7 +87,7 @@ impl<'m> Problem<'m> {
         Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
     }
 
-    /// The states at the nodes before the flow starts, `2 N` by `p + 1`.
+    /// The initial states at the nodes, `2 N` by `p + 1`.
     #[must_use]
     pub fn guess(&self, guess: Guess, chebyshev: &Chebyshev) -> DMatrix<f64> {
         let (n, p) = (self.model.dof(), chebyshev.degree());

@@ -1,4 +1,4 @@
-//! Forward simulation: whether the control of a curve takes the robot to its goal.
+//! Forward simulation of the robot under the control of a curve.
 
 use super::control::control_at;
 use crate::curve::Curve;
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// Local error of the simulation, relative and absolute.
+/// The relative and absolute local error of the simulation.
 const TOLERANCE: Tolerance = Tolerance {
     relative: 1e-8,
     absolute: 1e-10,
@@ -20,9 +20,9 @@ const TOLERANCE: Tolerance = Tolerance {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Feedback {
-    /// $k_p$, N m/rad or N/m.
+    /// The position gain $k_p$, N m/rad or N/m.
     pub kp: f64,
-    /// $k_v$, N m s/rad or N s/m.
+    /// The velocity gain $k_v$, N m s/rad or N s/m.
     pub kv: f64,
 }
 
@@ -36,20 +36,20 @@ impl Feedback {
 pub struct Simulation {
     /// The state at the end of the horizon, $[q; v]$.
     pub state: Vec<f64>,
-    /// The largest entry of the difference to the end of the curve, positions and velocities.
+    /// The largest absolute difference from the end of the curve, over positions and velocities.
     pub error_inf: f64,
-    /// The work that the integrator did.
+    /// The work of the integrator.
     pub statistics: Statistics,
 }
 
-/// Applies the control of `curve` to the robot, from the start of the curve to its end, with [`Bdf`] as the integrator.
+/// Simulates the robot under the control of `curve`, from its start to its end, with [`Bdf`] as the integrator.
 ///
-/// The joints with the indices `passive` move freely: they get no torque, neither that of the curve nor any of the feedback.
+/// The joints with the indices `passive` move freely: their torque is zero, with neither control nor feedback.
 ///
-/// The outer error is bad input; the inner one is a motion that could not be followed to the end.
+/// The outer error is invalid input; the inner one is a simulation that failed before the end.
 ///
 /// # Errors
-/// The curve is for another robot, or an index is none of its joints.
+/// The curve has another number of joints than `model`, or an index is out of range.
 pub fn simulate(
     model: &Model,
     curve: &Curve,
@@ -62,7 +62,7 @@ pub fn simulate(
 /// Simulates with any integrator, otherwise as [`simulate`].
 ///
 /// # Errors
-/// As [`simulate`].
+/// Those of [`simulate`].
 pub fn simulate_with(
     model: &Model,
     curve: &Curve,
@@ -101,16 +101,16 @@ pub fn simulate_with(
     }))
 }
 
-/// The largest distance of the robot from the curve at the end of an interval between two nodes that it enters on the curve, when all
-/// that is known of the control is its values at the nodes and it is given the polynomial through them: the largest entry of
-/// the differences, positions and velocities. `None` where an interval could not be followed to its end. The joints with the indices
-/// `passive` get no torque.
+/// The largest deviation from the curve at the end of an interval between two nodes, for a robot that starts the
+/// interval on the curve and is controlled by the polynomial through the control values at the nodes: the largest
+/// absolute difference over positions and velocities. `None` if the simulation of an interval fails. The joints with
+/// the indices `passive` get no torque.
 ///
-/// Over a whole motion the error of an open loop grows exponentially where the motion is unstable, whatever the degree; over one
-/// interval it tells whether the degree is enough for the control.
+/// Over a whole unstable motion the open-loop error grows exponentially at any degree; over one interval it measures
+/// whether the degree resolves the control.
 ///
 /// # Errors
-/// As [`simulate`].
+/// Those of [`simulate`].
 pub fn replay_error(model: &Model, curve: &Curve, passive: &[usize]) -> Result<Option<f64>> {
     let mut robot = ControlledRobot::new(model, curve, Feedback::NONE, passive)?;
     let chebyshev = curve.chebyshev();
@@ -156,13 +156,13 @@ impl AddAssign for Statistics {
     }
 }
 
-/// The robot under its control, as the integrator sees it.
+/// The controlled robot as a problem for the integrator.
 struct ControlledRobot<'a> {
     model: &'a Model,
     curve: &'a Curve,
-    /// The segment of the curve that is on.
+    /// The current segment of the curve.
     segment: usize,
-    /// The control at the nodes of that segment, `N` by `p + 1`, where nothing else is known of it.
+    /// The control at the nodes of that segment, `N` by `p + 1`, if only these values are used.
     nodes: Option<DMatrix<f64>>,
     feedback: Feedback,
     /// The joints that get no torque.
@@ -200,7 +200,7 @@ impl<'a> ControlledRobot<'a> {
         })
     }
 
-    /// The control at time `t` in state `y`.
+    /// Computes the control at time `t` in state `y`.
     fn control(&mut self, t: f64, y: &[f64]) -> Result<()> {
         self.control_of_all(t, y)?;
         for i in self.passive {
@@ -209,7 +209,7 @@ impl<'a> ControlledRobot<'a> {
         Ok(())
     }
 
-    /// The control as if every joint had a motor.
+    /// Computes the control as if every joint had a motor.
     fn control_of_all(&mut self, t: f64, y: &[f64]) -> Result<()> {
         let n = self.model.dof();
         if let Some(nodes) = &self.nodes {

@@ -1,4 +1,4 @@
-//! The violations of constraints along a motion: what a summary tells and decides a success by.
+//! The violations of constraints along a motion, for reports and for the success criterion.
 
 use crate::constraint::{Constraint, Constraints, Evaluator, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// The number of times that go through the dynamics side by side.
 const LANES: usize = 4;
-/// A number at that many times.
+/// The values of a number at these times.
 type Wide = Lanes<f64, LANES>;
 
 /// The largest value over time of one row of constraints.
@@ -19,23 +19,24 @@ type Wide = Lanes<f64, LANES>;
 pub struct Violation {
     /// The row: those of the state come first, then those of the torque.
     pub row: usize,
-    /// The amount by which it is violated, in the unit of its [label](Constraints::label): the row divided by its
-    /// [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative where the row is kept with a
-    /// margin, infinite where it is not a number.
+    /// The violation, in the unit of its [label](Constraints::label): the row divided by its
+    /// [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative if the row is
+    /// satisfied with a margin, infinite if it is NaN.
     pub by: f64,
-    /// The time of that, s.
+    /// The time of the violation, s.
     pub at_s: f64,
 }
 
-/// The largest value over time of every row of `constraints` along `curve`, one entry per row, in their order.
+/// Computes the largest value over time of every row of `constraints` along `curve`, one entry per row, in their order.
 ///
-/// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included, since the control
-/// may jump from one segment to the next. Between the times a maximum is that of the parabola through three neighbours; it is off by
-/// O(h^3) for the distance `h` of the times. Each row is computed by itself: its entry does not depend on the others. Cost per time:
-/// O(N p) for the curve, O(N) for the dynamics, and that of the rows.
+/// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included,
+/// because the control may jump between segments. A maximum between the times is that of the parabola through three
+/// neighbours, with an error of O(h^3) for a spacing of `h`. Each entry depends on its row alone. Cost per time: O(N p)
+/// for the curve, O(N) for the dynamics, and that of the rows.
 ///
 /// # Errors
-/// The curve or the constraints are for another robot, a torque limit is negative or not finite, or there is no interval.
+/// The curve or the constraints have another number of joints, a torque limit is negative or not finite, or `intervals`
+/// is zero.
 pub fn violations<K: Constraint>(
     model: &Model,
     curve: &Curve,
@@ -78,11 +79,11 @@ pub fn violations<K: Constraint>(
     Ok(largest)
 }
 
-/// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals of each segment and at the
-/// maxima between; see [`violations`].
+/// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals per segment
+/// and at the maxima between; see [`violations`].
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The curve has another number of joints than `model`.
 pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
     // The rows of passive joints are the torques themselves.
     let all = Constraints {
@@ -93,11 +94,11 @@ pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) ->
     Ok(found.into_iter().map(|torque| torque.by).collect())
 }
 
-/// The largest torque of a passive joint along `curve`, relative to the largest torque of any; zero where `limits` have no passive joint. At
-/// the times of [`largest_torques`].
+/// The largest torque of a passive joint along `curve`, relative to the largest torque of any joint; zero if `limits`
+/// have no passive joint. The times are those of [`largest_torques`].
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The curve has another number of joints than `model`.
 pub(crate) fn passive_share(
     model: &Model,
     curve: &Curve,
@@ -114,7 +115,7 @@ pub(crate) fn passive_share(
     Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
 }
 
-/// The weights with which the nodes of a segment enter equally spaced times of it, a column for each time.
+/// The weights of the nodes of a segment at equally spaced times in it, one column per time.
 fn interpolation(chebyshev: &Chebyshev, intervals: usize) -> DMatrix<f64> {
     let nodes = chebyshev.degree() + 1;
     let (mut table, mut weights) = (DMatrix::zeros(nodes, intervals + 1), DVector::zeros(nodes));
@@ -132,13 +133,13 @@ struct Rows<'a, K> {
     constraints: &'a Constraints<K>,
     evaluator: Evaluator<'a, f64, Wide>,
     data: Data<Wide>,
-    /// $[q; v; a]$, the torque and the rows at the times that are side by side.
+    /// $[q; v; a]$, the torque and the rows at the times that are evaluated side by side.
     z: Vec<Wide>,
     u: Vec<Wide>,
     g: Vec<Wide>,
-    /// $[q; v; a]$ at all times, a column each.
+    /// $[q; v; a]$ at all times, one column each.
     states: DMatrix<f64>,
-    /// The rows divided by their scales, one after the other, each over time and filled up to whole lanes.
+    /// The rows divided by their scales, one after the other, each over time and padded to full lanes.
     values: Vec<f64>,
     stride: usize,
 }
@@ -203,8 +204,9 @@ impl<'a, K: Constraint> Rows<'a, K> {
     }
 }
 
-/// The largest of values at equally spaced times, or of their absolute values for an equality, and its position in intervals. Every
-/// maximum of the parabolas through three neighbours takes part: near the middle one, or out to an end where there is no other.
+/// The largest of values at equally spaced times, or of their absolute values for an equality, and its position in
+/// intervals. The maxima of all parabolas through three neighbours are included: near the middle one, and out to an end
+/// at the first and last three.
 fn peak(values: &[f64], equality: bool) -> (f64, f64) {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
     let mut take = |height: f64, at: f64| {

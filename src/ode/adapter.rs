@@ -1,9 +1,9 @@
-//! What the integrators of diffsol share.
+//! The common layer of the integrators from diffsol.
 //!
-//! diffsol's methods come with a modified Newton iteration and a dense LU factorisation. This layer adds
-//! * a dense Jacobian that the system writes itself, and counters of the real calls;
-//! * an initial step that suits problems with eigenvalues of any size;
-//! * limits that end in a [`Failure`] where diffsol would give up too early or not at all.
+//! diffsol's methods include a modified Newton iteration and a dense LU factorisation. This layer adds
+//! * a dense Jacobian that the system writes itself, and exact counters of calls;
+//! * an initial step for problems with eigenvalues of any size;
+//! * limits that end in a [`Failure`] in cases where diffsol would stop too early or not at all.
 
 use super::{Failure, Integrator, NonFinite, Ode, Statistics, Tolerance};
 use diffsol::error::DiffsolError;
@@ -17,20 +17,20 @@ use diffsol::{
 use std::cell::RefCell;
 use std::error::Error;
 
-/// Accepted steps after which the integrators give up.
+/// The number of accepted steps after which the integrators give up.
 pub const STEP_LIMIT: usize = 100_000;
-/// Newton failures within one step after which it is given up (each shrinks the step to 0.3).
+/// The number of Newton failures after which a step is given up (each shrinks the step to 0.3).
 const NEWTON_FAILURE_LIMIT: usize = 80;
-/// Error test failures within one step after which it is given up (each at least halves it).
+/// The number of error test failures after which a step is given up (each at least halves it).
 const ERROR_FAILURE_LIMIT: usize = 80;
-/// Most a step may grow at once. diffsol's 2 makes the way from 1e-17 to 0.1 needlessly long.
+/// The largest growth factor of a step. With diffsol's 2 the way from 1e-17 to 0.1 would be needlessly long.
 const STEP_GROWTH: f64 = 10.0;
-/// Smallest step, relative to the whole interval.
+/// The smallest step, relative to the whole interval.
 const SMALLEST_STEP: f64 = 1e-30;
-/// A state entry larger than this counts as non-finite, so that no norm overflows to a NaN.
+/// The size from which a state entry counts as non-finite, so that no norm overflows to NaN.
 const LARGEST_STATE: f64 = 1e150;
 
-/// The problem as diffsol has it.
+/// The problem in diffsol's form.
 pub(super) type Problem<'a> = OdeSolverProblem<Equations<'a>>;
 
 /// The state of a solver.
@@ -46,17 +46,17 @@ pub(super) trait Method: Sized {
     /// The solver.
     type Solver<'p, 'a: 'p>: OdeSolverMethod<'p, Equations<'a>>;
 
-    /// The solver of `problem` from `state` on.
+    /// Starts the solver of `problem` from `state`.
     fn start<'p, 'a>(
         problem: &'p Problem<'a>,
         state: State<'p, 'a, Self>,
     ) -> Result<Self::Solver<'p, 'a>, DiffsolError>;
 
-    /// Sets how often the Newton iteration may fail, over the whole run.
+    /// Sets the number of Newton failures allowed over the whole run.
     fn limit_newton_failures<'p, 'a: 'p>(config: &mut Config<'p, 'a, Self>, limit: usize);
 }
 
-/// Outputs but the last are interpolated and do not influence the steps. A `y` beyond 1e150 counts as not finite.
+/// Outputs except the last are interpolated and do not influence the steps. A `y` beyond 1e150 counts as not finite.
 impl<M: Method> Integrator for M {
     fn integrate(
         &mut self,
@@ -110,7 +110,7 @@ impl<M: Method> Integrator for M {
     }
 }
 
-/// Says what is wrong with the input, if anything.
+/// Checks the input; the error names the fault.
 fn validate(n: usize, s0: f64, y0: &[f64], outputs: &[f64], tol: Tolerance) -> Result<(), String> {
     let positive = |x: f64| x.is_normal() && x > 0.0;
     let span = outputs.last().map_or(1.0, |end| end - s0);
@@ -133,8 +133,8 @@ fn reasonable(y: f64) -> bool {
     y.abs() <= LARGEST_STATE
 }
 
-/// Takes the steps. diffsol's time is t = s - s0: small steps at the start then stay exact for any
-/// s0, and its test for the stop time, whose margin is relative to t, cannot be overrun (a panic).
+/// Takes the steps. diffsol's time is t = s - s0: small steps at the start then stay exact for any s0, and its test for
+/// the stop time, whose margin is relative to t, cannot be overrun (a panic).
 fn advance<M: Method>(
     problem: &Problem<'_>,
     outputs: &[f64],
@@ -180,9 +180,9 @@ fn advance<M: Method>(
     Err(format!("not finished after {STEP_LIMIT} steps").into())
 }
 
-/// A first step for order 1: its error h^2/2 |y''| is to be a quarter of the tolerance, with
-/// y'' = df/ds + J f from one more evaluation of f, a little along the solution. It changes y by at
-/// most a tenth (or by the tolerance, near zero) and covers at most a tenth of the interval.
+/// A first step for order 1: its error h^2/2 |y''| should be a quarter of the tolerance, with y'' = df/ds + J f from
+/// one more evaluation of f slightly along the solution. It changes y by at most a tenth (or by the tolerance, near
+/// zero) and covers at most a tenth of the interval.
 fn initial_step(
     problem: &Problem<'_>,
     y0: &NalgebraVec<f64>,
@@ -209,7 +209,7 @@ fn initial_step(
     probe.max(smallest)
 }
 
-/// The system in diffsol's terms, which are `&self`; hence the `RefCell`.
+/// The system in diffsol's interface, whose methods take `&self`; hence the `RefCell`.
 pub(super) struct Equations<'a> {
     core: RefCell<Core<'a>>,
     s0: f64,
@@ -226,12 +226,12 @@ impl Equations<'_> {
 
 struct Core<'a> {
     system: &'a mut dyn Ode,
-    /// What a failure would have to say; `reason` holds a remark about the Jacobian.
+    /// The data of a possible failure; `reason` holds a remark about the Jacobian.
     progress: Failure,
 }
 
 impl Core<'_> {
-    /// Takes note of the outcome of a step.
+    /// Records the outcome of a step.
     fn record(&mut self, s: f64, y: &[f64], accepted: bool, steps: &OdeSolverStatistics) {
         let progress = &mut self.progress;
         if accepted {
@@ -272,8 +272,8 @@ impl ConstantOp for Equations<'_> {
 }
 
 impl NonLinearOp for Equations<'_> {
-    /// The right-hand side. NaN is how diffsol is told of a failure: the Newton iteration then does
-    /// not converge. Its remaining iterations come here with a NaN state and stay here.
+    /// The right-hand side. NaN signals a failure to diffsol: the Newton iteration then does not converge. Its
+    /// remaining iterations have a NaN state and stop here.
     fn call_inplace(&self, y: &Self::V, t: f64, dy: &mut Self::V) {
         let core = &mut *self.core.borrow_mut();
         let (y, dy) = (y.inner().as_slice(), dy.inner_mut().as_mut_slice());
@@ -303,7 +303,7 @@ impl NonLinearOpJacobian for Equations<'_> {
         };
     }
 
-    /// J v. Only sensitivities and adjoints would need it.
+    /// The product J v, which only sensitivities and adjoints need.
     fn jac_mul_inplace(&self, y: &Self::V, t: f64, v: &Self::V, jv: &mut Self::V) {
         self.jacobian(y, t).gemv(1.0, v, 0.0, jv);
     }

@@ -4,7 +4,8 @@ use super::adapter::{Config, Equations, Method, Problem, State};
 use diffsol::NalgebraLU;
 use diffsol::error::DiffsolError;
 
-/// Backward differentiation formulas of variable order 1 to 5 and variable step, in the NDF coefficients: diffsol's. The default.
+/// diffsol's backward differentiation formulas of variable order 1 to 5 and variable step, with the NDF coefficients.
+/// The default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bdf;
 

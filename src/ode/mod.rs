@@ -1,10 +1,10 @@
 //! Integrators of ordinary differential equations.
 //!
-//! An [`Integrator`] takes a system from its initial state through given outputs. [`Bdf`] and [`Esdirk34`] are thin layers over
-//! diffsol, each in a file of its own; what they share is in `adapter.rs`. A page of the [guide](crate::guide::integrator) writes
-//! another one.
+//! An [`Integrator`] advances a system from its initial state through given outputs. [`Bdf`] and [`Esdirk34`] are thin
+//! layers over diffsol, each in a separate file; their common part is `adapter.rs`. The
+//! [guide](crate::guide::integrator) implements another one.
 //!
-//! The same call in the same program gives the same bits: there are no threads, and no clocks but a system's own.
+//! The same call in the same program gives the same bits: there are no threads, and no clock except that of a system.
 
 mod adapter;
 mod bdf;
@@ -20,13 +20,13 @@ use std::fmt;
 
 /// A system dy/ds = f(s, y) with a dense Jacobian.
 pub trait Ode {
-    /// Number of entries of y.
+    /// The number of entries of y.
     fn dim(&self) -> usize;
-    /// Writes f(s, y) to dy. A non-finite entry makes the integrator shorten its step.
+    /// Computes f(s, y) into dy. A non-finite entry makes the integrator shorten its step.
     fn rhs(&mut self, s: f64, y: &[f64], dy: &mut [f64]);
-    /// Writes df/dy, dim x dim. The matrix is zero on entry.
+    /// Computes df/dy into `jac`, dim x dim, which is zero on entry.
     fn jacobian(&mut self, s: f64, y: &[f64], jac: &mut DMatrix<f64>);
-    /// Asked before each step: a reason to stop there, if there is one.
+    /// A reason to stop, if there is one; called before each step.
     fn stop(&mut self) -> Option<String> {
         None
     }
@@ -41,8 +41,8 @@ pub trait Ode {
 /// ```
 ///
 /// with `y` the state at the start of the step: a weighted root mean square, so one of `n` entries may exceed its own
-/// weight by up to `sqrt(n)`. This bounds the error of one step; that of the whole solution is typically one to two orders
-/// of magnitude above the tolerance.
+/// weight by up to `sqrt(n)`. This bounds the error of one step; that of the whole solution is typically one to two
+/// orders of magnitude above the tolerance.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerance {
     /// Tolerance relative to the size of each entry of y.
@@ -51,12 +51,12 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
-/// The work that an integration took.
+/// The work of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Accepted steps.
     pub steps: usize,
-    /// Attempts at a step that were thrown away: error too large, or Newton did not converge.
+    /// Rejected attempts at a step: error too large, or Newton did not converge.
     pub rejected_steps: usize,
     /// Calls of [`Ode::rhs`].
     pub rhs_evaluations: usize,
@@ -69,13 +69,13 @@ pub struct Statistics {
 /// A point at which a right-hand side was not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonFinite {
-    /// The `s` at which it was evaluated.
+    /// The value of `s`.
     pub s: f64,
-    /// Index of the first non-finite entry of dy.
+    /// The index of the first non-finite entry of dy.
     pub entry: usize,
 }
 
-/// An integration that ended early: the place and the reason.
+/// An integration that failed before its end, with the place and the reason.
 #[derive(Clone, Debug)]
 pub struct Failure {
     /// The last s reached.
@@ -84,9 +84,9 @@ pub struct Failure {
     pub y: Vec<f64>,
     /// The last non-finite right-hand side since the last accepted step, if any.
     pub non_finite: Option<NonFinite>,
-    /// The reason, in diffsol's words where it is diffsol that gave up.
+    /// The reason, in diffsol's words if diffsol gave up.
     pub reason: String,
-    /// The cost up to here.
+    /// The work up to here.
     pub statistics: Statistics,
 }
 
@@ -102,16 +102,17 @@ impl fmt::Display for Failure {
 
 impl Error for Failure {}
 
-/// A method that integrates systems of ordinary differential equations.
+/// A method for integrating systems of ordinary differential equations.
 pub trait Integrator {
-    /// Integrates from `(s0, y0)` through all `outputs` (ascending, above `s0`) with `observe(s, y)` called at each in this order.
-    /// The last output is the end of the last step, and the system is not evaluated beyond it. No outputs are no work.
+    /// Integrates from `(s0, y0)` through all `outputs` (ascending, above `s0`), and calls `observe(s, y)` at each in
+    /// this order. The last output is the end of the last step, and the system is not evaluated beyond it. Without
+    /// outputs nothing is evaluated.
     ///
-    /// Before each step [`Ode::stop`] is asked; an entry of `f` that is not finite calls for a shorter step.
+    /// [`Ode::stop`] is called before each step; an entry of `f` that is not finite leads to a shorter step.
     ///
     /// # Errors
-    /// Invalid input (nothing is evaluated then), an `f` that is not finite at `(s0, y0)`, a step size that has become too small, too
-    /// many steps, or a system that asks to stop. What was observed until then is valid.
+    /// Invalid input (nothing is evaluated then), an `f` that is not finite at `(s0, y0)`, a step size that has become
+    /// too small, too many steps, or a system that requests a stop. All values observed before remain valid.
     fn integrate(
         &mut self,
         system: &mut dyn Ode,
@@ -124,7 +125,7 @@ pub trait Integrator {
 }
 
 crate::names::named_enum! {
-/// The integrators that are built in.
+/// The built-in integrators.
 pub enum IntegratorKind("integrator") {
     /// Backward differentiation formulas of order 1 to 5.
     Bdf = "bdf",
@@ -134,7 +135,7 @@ pub enum IntegratorKind("integrator") {
 }
 
 impl IntegratorKind {
-    /// The integrator.
+    /// Builds the integrator.
     #[must_use]
     pub fn build(self) -> Box<dyn Integrator> {
         match self {

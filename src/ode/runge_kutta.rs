@@ -4,11 +4,12 @@ use super::adapter::{Config, Equations, Method, Problem, State};
 use diffsol::error::DiffsolError;
 use diffsol::{NalgebraLU, Sdirk};
 
-/// A singly diagonally implicit Runge-Kutta method of order 3 in four stages, the first explicit, L-stable, of variable step: diffsol's
-/// `esdirk34`. Each step starts afresh, where [`Bdf`](super::Bdf) looks back on several.
+/// diffsol's singly diagonally implicit Runge-Kutta method `esdirk34` of order 3 in four stages, the first explicit,
+/// L-stable, with variable step. Each step is independent of earlier ones, unlike those of [`Bdf`](super::Bdf).
 ///
-/// It is implicit for the sake of the flow, whose eigenvalues grow with the penalty: an explicit method such as diffsol's `tsit45`
-/// would do for the simulation of a robot, but would need steps of the inverse of the largest eigenvalue for the flow.
+/// The method is implicit because of the flow, whose eigenvalues grow with the penalty: an explicit method such as
+/// diffsol's `tsit45` would suffice for the simulation of a robot, but for the flow its steps would be limited by the
+/// inverse of the largest eigenvalue.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Esdirk34;
 

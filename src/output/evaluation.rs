@@ -1,4 +1,4 @@
-//! The dynamics of a robot at a given state, as JSON.
+//! The dynamics of a robot at a given state in JSON.
 
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, aba, bias, mass_matrix_and_rate, rnea_derivatives,
@@ -28,7 +28,7 @@ struct State {
     tau: Option<Vec<f64>>,
 }
 
-/// The quantities that the flow reads at a node.
+/// The input of the flow at a node.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Curve {
@@ -46,7 +46,7 @@ pub struct Evaluation {
     pub inverse_dynamics: Vec<f64>,
     /// The mass matrix, `N` by `N`.
     pub mass_matrix: Vec<Vec<f64>>,
-    /// Its rate along the velocity, or along the first half of xdot, `N` by `N`.
+    /// The rate of the mass matrix along the velocity, or along the first half of xdot, `N` by `N`.
     pub mass_matrix_dot: Vec<Vec<f64>>,
     /// The torques at zero acceleration, `N` entries.
     pub bias: Vec<f64>,
@@ -54,18 +54,18 @@ pub struct Evaluation {
     pub forward_dynamics: Vec<f64>,
     /// The derivative of the inverse dynamics in the configuration, `N` by `N`.
     pub did_dq: Vec<Vec<f64>>,
-    /// The same in the velocity.
+    /// The derivative of the inverse dynamics in the velocity, `N` by `N`.
     pub did_dv: Vec<Vec<f64>>,
-    /// $\Omega$, `2 N` entries; `None` without xddot and k.
+    /// The right-hand side $\Omega$, `2 N` entries; `None` without xddot and k.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub omega: Option<Vec<f64>>,
 }
 
-/// Evaluates the dynamics of `model` at the state that a text in JSON says, under the keys q, v, a and perhaps tau with `N` numbers each, or
-/// x, xdot, xddot with `2 N`, k and perhaps tau. `file` names the text in errors.
+/// Evaluates the dynamics of `model` at a state given in JSON, by the keys q, v, a and optionally tau with `N` numbers
+/// each, or x, xdot, xddot with `2 N`, k and optionally tau. `file` names the text in errors.
 ///
 /// # Errors
-/// The text is no such JSON, a number is missing, or a result is not finite.
+/// The text does not have this form, a number is missing, or a result is not finite.
 pub fn evaluate(model: &Model, text: &str, file: &str) -> Result<Evaluation> {
     let expected =
         "expected numbers under q, v, a, or under x, xdot, xddot, k of an object; tau may be added";
@@ -166,7 +166,7 @@ impl Input {
 }
 
 impl Evaluation {
-    /// Numbers that overflowed have no place in JSON.
+    /// Refuses numbers that overflowed, which JSON cannot represent.
     fn check(&self, file: &str) -> Result<()> {
         let vectors = [
             ("inverse_dynamics", &self.inverse_dynamics),

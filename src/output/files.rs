@@ -1,4 +1,4 @@
-//! Files that are complete or not there: each is written beside its place and then moved.
+//! Atomic writing of files: each is written to a temporary file and then renamed.
 
 use crate::error::{Error, Result};
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ pub fn write_text(text: &str, path: &Path) -> Result<()> {
     write_whole(path, |file| file.write_all(text.as_bytes()))
 }
 
-/// Writes a file beside `path` and moves it there once it is complete.
+/// Writes a temporary file next to `path` and renames it once it is complete.
 pub(crate) fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -23,10 +23,10 @@ pub(crate) fn write_whole(
     Partial::write(path, write)?.complete(true)
 }
 
-/// Partial files and empty folders, to be removed should the program end at once.
+/// Partial files and empty folders, which are removed if the program ends early.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Takes note of what is unfinished, or of the end of that.
+/// Registers an unfinished file or folder, or removes it from the register.
 pub(super) fn unfinished(path: &Path, is: bool) {
     let mut all = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     if is {
@@ -36,7 +36,7 @@ pub(super) fn unfinished(path: &Path, is: bool) {
     }
 }
 
-/// Removes the partial files and empty folders of what is in progress, before the program ends at once.
+/// Removes unfinished files and empty folders before the program ends early.
 pub fn remove_unfinished() {
     let all = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     // Files before the folders that they are in, which have shorter names.
@@ -46,14 +46,14 @@ pub fn remove_unfinished() {
     }
 }
 
-/// A complete file beside its place; removed unless it is moved there.
+/// A complete temporary file, which is removed unless it is renamed.
 pub(super) struct Partial {
     path: PathBuf,
     partial: PathBuf,
 }
 
 impl Partial {
-    /// Writes a file beside `path`.
+    /// Writes a temporary file next to `path`.
     pub fn write(
         path: &Path,
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -75,7 +75,7 @@ impl Partial {
         Ok(whole)
     }
 
-    /// Moves it to its place. If it may not `replace` a file that is there already, that is an error.
+    /// Renames the file to its final path. An existing file is an error unless `replace` is true.
     pub fn complete(self, replace: bool) -> Result<()> {
         let moved = if replace {
             std::fs::rename(&self.partial, &self.path)

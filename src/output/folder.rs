@@ -1,4 +1,4 @@
-//! Folders for results, in which nothing is lost.
+//! Folders for results, without accidental overwriting.
 
 use super::files::unfinished;
 use crate::error::{Error, Result};
@@ -6,10 +6,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The most folders of one name.
+/// The largest number of folders of one name.
 const MOST: usize = 10_000;
 
-/// A folder that is known to take files before the work begins. It is removed again if it was made here and nothing was written.
+/// A folder that is tested for writing before the work begins. A newly created one is removed again if nothing was
+/// written.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -18,10 +19,10 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// This folder, which is made if need be, for files of these names.
+    /// Opens this folder, which is created if necessary, for files of these names.
     ///
     /// # Errors
-    /// One of them is there already and may not be replaced; the folder cannot be made, or no file be written in it.
+    /// A file exists already and may not be replaced, the folder cannot be created, or no file can be written in it.
     pub fn open(path: &Path, files: &[&str], replace: bool) -> Result<Self> {
         for file in files {
             refuse_existing(&path.join(file), replace)?;
@@ -31,10 +32,10 @@ impl OutputFolder {
         Self::new(path, made, replace)
     }
 
-    /// A folder that was not there before: this one, or else the same with `-2`, `-3` and so on after its name.
+    /// Creates a new folder: this one, or the same with the suffix `-2`, `-3` and so on.
     ///
     /// # Errors
-    /// No folder can be made, or no file be written in it.
+    /// The folder cannot be created, or no file can be written in it.
     pub fn fresh(path: &Path) -> Result<Self> {
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
@@ -82,7 +83,7 @@ impl OutputFolder {
         self.replace
     }
 
-    /// Its path.
+    /// The path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -99,7 +100,7 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Refuses a file that is there already, unless it may be replaced.
+/// Refuses a file that exists already, unless it may be replaced.
 ///
 /// # Errors
 /// Names the file.

@@ -1,10 +1,10 @@
-//! JSON that a person can read: objects over several lines, lists in one.
+//! Readable JSON: objects over several lines, lists in one.
 
 use serde::Serialize;
 use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use std::io::{self, Write};
 
-/// Writes a value as readable JSON: an object has a line per key, a list is on one line.
+/// Writes a value as readable JSON: one line per key of an object, lists on one line.
 ///
 /// # Errors
 /// The writer fails.
@@ -13,11 +13,11 @@ pub fn write_json(value: &impl Serialize, writer: impl Write) -> io::Result<()> 
     value.serialize(&mut serializer).map_err(io::Error::from)
 }
 
-/// Lines outside of lists, none within.
+/// A formatter with line breaks outside of lists and none inside.
 #[derive(Default)]
 struct Lines {
     pretty: PrettyFormatter<'static>,
-    /// The number of lists around.
+    /// The nesting depth of lists.
     lists: usize,
 }
 

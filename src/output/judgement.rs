@@ -3,7 +3,7 @@
 use super::table::{short, table};
 use crate::judge::{Judgement, Outcome, Row, Worst};
 
-/// A table of a judgement: a line for each kind of check.
+/// Formats a judgement as a table with one line per kind of check.
 #[must_use]
 pub fn judgement_table(judgement: &Judgement) -> String {
     let mut table = table();
@@ -53,7 +53,7 @@ pub fn judgement_table(judgement: &Judgement) -> String {
     text
 }
 
-/// A bound with what is tolerated beyond it.
+/// Formats a bound with its tolerance.
 fn bound(worst: &Worst, tolerance: f64) -> String {
     let tolerance = short(tolerance);
     match (worst.at_least, worst.at_most) {

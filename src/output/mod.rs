@@ -1,4 +1,4 @@
-//! What a user sees of a result: tables and files.
+//! The presentation of results: tables and files.
 
 mod evaluation;
 mod files;

@@ -18,7 +18,7 @@ pub(crate) fn table() -> Table {
     table
 }
 
-/// A number for people: short, but telling small from large.
+/// Formats a number: short, but with its order of magnitude.
 pub(crate) fn short(x: f64) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
         format!("{x:.4}")
@@ -27,10 +27,10 @@ pub(crate) fn short(x: f64) -> String {
     }
 }
 
-/// The number of starts whose costs are shown.
+/// The number of starts whose costs are listed.
 const SHOWN: usize = 16;
 
-/// A table of the result of a solve.
+/// Formats the result of a solve as a table.
 #[must_use]
 pub fn summary_table(summary: &Summary) -> String {
     let mut table = table();
@@ -40,7 +40,7 @@ pub fn summary_table(summary: &Summary) -> String {
     table.to_string()
 }
 
-/// The rows of that table, each what it is and its value.
+/// The rows of that table, each a name and a value.
 pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
@@ -103,7 +103,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     all
 }
 
-/// The parameters of a flow, and what only a flow has to say.
+/// The parameters and the results that only the published flow has.
 fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "jacobian {}, integrator {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
@@ -122,7 +122,7 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
     (settings, rows)
 }
 
-/// The parameters of a flow to rest, and what only such a flow has to say.
+/// The parameters and the results that only a flow to rest has.
 fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!("{}, k {:e}, tolerance {:e}", d.variant, d.k, d.tolerance);
     let work = format!(
@@ -144,7 +144,7 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
     (settings, rows)
 }
 
-/// The parameters of a relaxation, and what only a relaxation has to say.
+/// The parameters and the results that only a relaxation has.
 fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "tolerance {:e}, {} starts",
@@ -183,7 +183,7 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
     (settings, rows)
 }
 
-/// How the effort changed with the degree, and whether that is as little as it should be.
+/// The change of the effort with the degree, and its comparison with the tolerance.
 fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
     let efforts = adapted.degrees.iter().zip(&adapted.costs);
     let efforts: Vec<_> = efforts
@@ -198,7 +198,7 @@ fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
     format!("{}: {verdict} to {tolerance}", efforts.join(", "))
 }
 
-/// A table of the results of proving identities.
+/// Formats the verdicts of proofs as a table.
 #[must_use]
 pub fn verdict_table(verdicts: &[Verdict]) -> String {
     let mut table = table();
@@ -220,7 +220,7 @@ pub fn verdict_table(verdicts: &[Verdict]) -> String {
     table.to_string()
 }
 
-/// A table of the findings of checking derivatives: the worst of each quantity.
+/// Formats the findings of derivative checks as a table: the worst of each quantity.
 #[must_use]
 pub fn check_table(findings: &[Finding]) -> String {
     let mut table = table();
@@ -247,7 +247,7 @@ pub fn check_table(findings: &[Finding]) -> String {
     table.to_string()
 }
 
-/// The joints of a robot.
+/// Formats the joints of a robot as a table.
 #[must_use]
 pub fn robot_table(model: &Model) -> String {
     let mut table = table();
@@ -287,7 +287,7 @@ pub fn robot_table(model: &Model) -> String {
     table.to_string()
 }
 
-/// All scenarios: robot, horizon and obstacles, then what the generated families are about.
+/// Formats all scenarios as a table: robot, horizon and obstacles, then the descriptions of the generated families.
 ///
 /// # Errors
 /// A scenario cannot be loaded.

@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 /// The times of the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
-    /// So many at equal distances, both ends of the motion included.
+    /// This number of times at equal distances, both ends of the motion included.
     Samples(usize),
-    /// So many per second, in Hz, from the start, and one at the end.
+    /// This number of times per second, in Hz, from the start, and one at the end.
     Rate(f64),
 }
 
@@ -26,10 +26,10 @@ impl Default for Sampling {
 }
 
 impl Sampling {
-    /// The most rows of a table: several GB of text for an arm.
+    /// The largest number of rows of a table: several GB of text for an arm.
     pub const MOST: usize = 10_000_000;
 
-    /// The times of a motion of this horizon, all in s.
+    /// The times of a motion with this horizon, all in s.
     ///
     /// # Errors
     /// The number or the rate is out of range.
@@ -71,12 +71,12 @@ pub const REPORT_FILES: [&str; 6] = [
     "report.failed.html",
 ];
 
-/// Writes the table of a motion: a row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s), `a_JOINT` (rad/s^2 or
-/// m/s^2) and `u_JOINT` (N m or N) of all joints in their order. Where the motion is a `failure` the first line says so and why, after
-/// a `#`. Rows are computed as they are written.
+/// Writes the table of a motion: one row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s),
+/// `a_JOINT` (rad/s^2 or m/s^2) and `u_JOINT` (N m or N) of all joints in their order. For a `failure` the first line
+/// is a comment, after `#`, that gives the reason. Rows are written as they are computed.
 ///
 /// # Errors
-/// The writer fails, or the curve is for another robot.
+/// The writer fails, or the curve has another number of joints than `model`.
 pub fn write_trajectory(
     model: &Model,
     curve: &Curve,
@@ -106,7 +106,7 @@ pub fn write_trajectory(
     csv.flush()
 }
 
-/// The error of the writer below, whose kind would be lost.
+/// Converts the error of the CSV writer without losing its kind.
 fn of_csv(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
@@ -114,10 +114,10 @@ fn of_csv(error: csv::Error) -> io::Error {
     }
 }
 
-/// Writes the table of a motion to the file at `path`, as [`write_trajectory`].
+/// Writes the table of a motion to the file at `path` by [`write_trajectory`].
 ///
 /// # Errors
-/// As [`write_trajectory`].
+/// Those of [`write_trajectory`].
 pub fn write_table(
     model: &Model,
     curve: &Curve,
@@ -130,12 +130,13 @@ pub fn write_table(
     })
 }
 
-/// Writes `trajectory.csv`, see [`write_trajectory`], `summary.json`, and `report.html` where there is a `page`, into `folder` and returns where
-/// they are; of a solve that is no success `trajectory.failed.csv` and so on, so that the files of an earlier success stay. Where files may be
-/// replaced a success removes those of an earlier failure, and no page of an earlier solve is left beside another motion.
+/// Writes `trajectory.csv`, see [`write_trajectory`], `summary.json`, and `report.html` if there is a `page`, into
+/// `folder` and returns their paths; a failed solve writes `trajectory.failed.csv` and so on, so that the files of an
+/// earlier success remain. If files may be replaced, a success removes those of an earlier failure, and no page of an
+/// earlier solve remains next to another motion.
 ///
 /// # Errors
-/// A file cannot be written, and none is; or the sampling is out of range.
+/// A file cannot be written, and then none is; or the sampling is out of range.
 pub fn write_report(
     model: &Model,
     outcome: &SolveReport,

@@ -1,4 +1,4 @@
-//! Which configurations are free.
+//! The test of configurations for collisions and limits.
 
 use crate::constraint::{Constraint, Evaluator};
 use crate::error::{Result, check_length};
@@ -7,30 +7,31 @@ use crate::scalar::Lanes;
 
 /// The number of configurations that are checked side by side.
 const LANES: usize = 4;
-/// A number of that many configurations.
+/// The values of a number for these configurations.
 type Wide = Lanes<f64, LANES>;
 
-/// Tells whether configurations are free: every row of a constraint keeps its bound at `(q, v = 0)`.
+/// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`.
 #[derive(Debug)]
 pub struct Checker<'a, K: ?Sized> {
     constraint: &'a K,
     evaluator: Evaluator<'a, f64, Wide>,
-    /// The largest motion of a joint from one configuration of a line to the next.
+    /// The largest motion of a joint between two checked configurations of a line.
     resolution: f64,
-    /// The value of each row up to which it is kept.
+    /// The largest value of each row that counts as free.
     bounds: Vec<f64>,
     scales: Vec<f64>,
-    /// $[q; 0]$ side by side, and the rows there.
+    /// $[q; 0]$ of several configurations, and the rows there.
     x: Vec<Wide>,
     g: Vec<Wide>,
     checks: usize,
 }
 
 impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
-    /// For the rows of `constraint`, with lines checked wherever a joint has moved by `resolution`, rad or m, which is positive.
+    /// Prepares the test for the rows of `constraint`, with lines checked whenever a joint has moved by `resolution`,
+    /// rad or m, which is positive.
     ///
     /// # Errors
-    /// The constraint is for another robot, as far as that can be told at the configuration zero.
+    /// The constraint fails at the configuration zero, such as one with another number of joints.
     pub fn new(model: &'a Model, constraint: &'a K, resolution: f64) -> Result<Self> {
         let (rows, zero) = (constraint.dim(), Wide::splat(0.0));
         let mut scales = vec![1.0; rows];
@@ -49,7 +50,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         Ok(checker)
     }
 
-    /// Asks of every row that it stays `margin` inside its bound, in its unit, or as far as it is inside at both `ends`.
+    /// Requires every row to be `margin` inside its bound, in its unit, or as far inside as at both `ends` if that is
+    /// less.
     ///
     /// # Errors
     /// An end does not have `N` entries.
@@ -66,8 +68,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         Ok(())
     }
 
-    /// The row that a configuration violates most, and by how much in the unit of the row: negative where all are kept. A row that is
-    /// not a number is violated by infinity; without rows it is minus infinity.
+    /// The row that a configuration violates most, and the violation in the unit of the row: negative if all rows are
+    /// satisfied. A row that is NaN has an infinite violation; without rows the violation is minus infinity.
     ///
     /// # Errors
     /// `q` does not have `N` entries.
@@ -84,7 +86,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         Ok(worst)
     }
 
-    /// Tells whether a configuration is free.
+    /// Returns true if a configuration is free.
     ///
     /// # Errors
     /// `q` does not have `N` entries.
@@ -92,8 +94,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.are_free(&[q])
     }
 
-    /// Tells whether the straight line between two configurations is free where it is checked; its beginning is not. Far apart ones come
-    /// first, in the order of van der Corput, so that what is in the way is found early.
+    /// Returns true if the checked points of the straight line between two configurations, without its beginning, are
+    /// free. They are checked in van der Corput order, widely spaced points first, so that collisions are found early.
     ///
     /// # Errors
     /// A configuration does not have `N` entries.
@@ -131,10 +133,10 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         Ok(true)
     }
 
-    /// Tells whether all configurations are free.
+    /// Returns true if all configurations are free.
     ///
     /// # Errors
-    /// One of them does not have `N` entries.
+    /// A configuration does not have `N` entries.
     pub fn are_free<Q: AsRef<[f64]>>(&mut self, all: &[Q]) -> Result<bool> {
         for some in all.chunks(LANES) {
             self.place(some)?;
@@ -145,13 +147,13 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         Ok(true)
     }
 
-    /// The number of configurations that were checked so far.
+    /// The number of configurations checked so far.
     #[must_use]
     pub fn checks(&self) -> usize {
         self.checks
     }
 
-    /// The rows at up to four configurations, at least one, the last of which is in the lanes that are left.
+    /// Evaluates the rows at one to four configurations; unused lanes hold the last one.
     fn place<Q: AsRef<[f64]>>(&mut self, some: &[Q]) -> Result<()> {
         let n = self.x.len() / 2;
         for lane in 0..LANES {

@@ -1,4 +1,4 @@
-//! A path as a curve in a basis.
+//! The fit of a curve to a path.
 
 use super::{Checker, PlanSettings, between, distance};
 use crate::constraint::Constraint;
@@ -7,20 +7,21 @@ use crate::error::{Error, Result, check_length};
 use crate::motion::{Path, Problem, curve_of};
 use nalgebra::DMatrix;
 
-/// The number of times that the slope at a breakpoint is halved before it vanishes.
+/// The number of times that the slope at a breakpoint is halved before it is set to zero.
 const HALVINGS: i32 = 4;
-/// The number of intervals of a segment at the ends of which the curve is looked at.
+/// The number of intervals per segment at whose ends the curve is checked.
 const LOOKS: usize = 24;
 
-/// The curve of cubics along a path from start to goal of `problem`, in a basis that has at least a segment for each line of the path.
+/// Fits a curve of cubics to a path from start to goal of `problem`, in a basis with at least one segment per line of
+/// the path.
 ///
-/// Breakpoints are at the waypoints, and evenly between those that are far apart. There the curve has the slope from the breakpoint before to
-/// the one after, or as much of it as leaves the curve as free as the lines of the path: without any slope it is the path itself. At the
-/// ends it has the velocities of the problem. Cost: some hundred configurations per segment.
+/// Breakpoints are at the waypoints, and evenly spaced between distant ones. There the curve has the slope from the
+/// previous to the next breakpoint, reduced until the curve is as free as the lines of the path: without any slope it
+/// is the path itself. At the ends it has the velocities of the problem. Cost: some hundred configurations per segment.
 ///
 /// # Errors
-/// There are fewer than two waypoints or more lines than segments, a waypoint does not have `N` entries, or the constraint is for another
-/// robot.
+/// There are fewer than two waypoints or more lines than segments, a waypoint does not have `N` entries, or the
+/// constraint refers to a joint or body that the robot does not have.
 pub fn curve_along<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,
@@ -31,7 +32,7 @@ pub fn curve_along<K: Constraint + ?Sized>(
     curve_of(problem, &along(problem, constraint, path, basis, settings)?)
 }
 
-/// The same as coefficients.
+/// The coefficients of that curve.
 pub(crate) fn along<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,
@@ -104,7 +105,7 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     }
 }
 
-/// The waypoints and, on the longest lines, points between them: as many lines as segments.
+/// The waypoints with additional points on the longest lines, so that there are as many lines as segments.
 fn divide(path: &[Vec<f64>], segments: usize) -> Vec<Vec<f64>> {
     let lengths: Vec<f64> = path
         .windows(2)

@@ -1,16 +1,16 @@
-//! Paths around obstacles: a sampling planner in the space of configurations, for starts of the relaxation.
+//! Paths around obstacles: a sampling planner in configuration space, for starts of the relaxation.
 //!
-//! What is planned is a path, not a motion: configurations that are joined by straight lines, each free at rest. A configuration is
-//! free if every row of the constraints of the state keeps its bound at `(q, v = 0)`, so that joint limits, obstacles, the robot
-//! itself and constraints of one's own all count.
+//! The result is a path, not a motion: configurations that are joined by straight lines, each free at rest. A
+//! configuration is free if every row of the constraints on the state is within its bound at `(q, v = 0)`, which covers
+//! joint limits, obstacles, self-collision and user-defined constraints.
 //!
-//! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown towards random
-//!    configurations and then towards the other.
-//! 2. `shorten.rs`: waypoints that are not needed go, random shortcuts, then corners are rounded.
-//! 3. `fit.rs`: the path as a curve of cubics, as smooth as what is in the way lets it be.
+//! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown
+//!    towards random configurations and then towards the other.
+//! 2. `shorten.rs`: unnecessary waypoints are removed, random shortcuts are taken, then corners are rounded.
+//! 3. `fit.rs`: the path as a curve of cubics, as smooth as the obstacles permit.
 //!
-//! Every random number comes from the seed, and the budget is a number of configurations: the same problem has the same path on any
-//! machine.
+//! All random numbers come from the seed, and the budget is a number of configurations: the same problem has the same
+//! path on any machine.
 
 mod checker;
 mod fit;
@@ -29,27 +29,28 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
-/// The excess of a row at an end of the problem that does no harm, in its unit.
+/// The accepted violation of a row at the ends of the problem, in its unit.
 const HARMLESS: f64 = 1e-6;
 
 /// The settings of a planner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanSettings {
-    /// The number from which everything random is drawn.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// The number of the path: another one is drawn for each.
+    /// The number of the path: each number gives a different one.
     pub number: u64,
-    /// The distance from its bound that a row keeps where start and goal have that room, in its unit, m for a clearance.
+    /// The distance that rows keep from their bounds if start and goal have it too, in the unit of the row, m for a
+    /// clearance.
     pub margin: f64,
-    /// The largest motion of a joint from one checked configuration of an edge to the next, rad or m.
+    /// The largest motion of a joint between two checked configurations of an edge, rad or m.
     pub resolution: f64,
     /// The length of the longest edge of a tree, rad.
     pub range: f64,
-    /// The most configurations that are checked until the two trees meet.
+    /// The largest number of configurations checked before the two trees meet.
     pub most_checks: usize,
-    /// The number of shortcuts that are tried.
+    /// The number of shortcuts tried.
     pub shortcuts: usize,
-    /// The number of times that each corner is rounded.
+    /// The number of passes in which corners are rounded.
     pub roundings: usize,
 }
 
@@ -82,7 +83,7 @@ impl PlanSettings {
         check_count("most_checks", self.most_checks, 1..=usize::MAX)
     }
 
-    /// The generator of the path of this number.
+    /// The random number generator of this path.
     fn generator(&self) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.number);
         rng.set_stream(self.seed);
@@ -99,27 +100,29 @@ pub enum Plan {
     EndBlocked {
         /// True if it is the goal.
         goal: bool,
-        /// The row of the constraint that it violates most.
+        /// The row of the constraint with the largest violation.
         row: usize,
-        /// By how much, in the unit of the row.
+        /// The violation, in the unit of the row.
         by: f64,
     },
-    /// The trees did not meet within the configurations that may be checked.
+    /// The trees did not meet within the allowed number of configurations.
     OutOfBudget {
-        /// The configurations that were.
+        /// The number of checked configurations.
         checks: usize,
     },
-    /// It was told to stop.
+    /// The planner was interrupted.
     Stopped,
 }
 
-/// Plans a path from the start to the goal of `problem` on which every row of `constraint` keeps its bound at rest.
+/// Plans a path from the start to the goal of `problem` on which every row of `constraint` is within its bound at rest.
 ///
-/// Joints are sampled within their limits, widened to start and goal; one without limits within half a turn, or 1 m, beyond both.
-/// Cost per configuration: placing the bodies and the rows, four configurations side by side; per sample O(N) a node of a tree.
+/// Joints are sampled within their limits, extended to include start and goal; a joint without limits within half a
+/// turn, or 1 m, beyond both. Cost per configuration: the placements and the rows, four configurations side by side;
+/// per sample O(N) per node of a tree.
 ///
 /// # Errors
-/// A setting is out of range, a row is an equality, which no sample meets, or the constraint is for another robot.
+/// A setting is out of range, a row is an equality, which samples cannot satisfy, or the constraint refers to a joint
+/// or body that the robot does not have.
 pub fn plan<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,
@@ -179,7 +182,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// The point on the line from `a` to `b` at this share of it.
+/// The point at the fraction `share` of the line from `a` to `b`.
 fn between(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
     let pairs = a.iter().zip(b);
     pairs.map(|(a, b)| a + share * (b - a)).collect()

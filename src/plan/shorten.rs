@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 /// The number of edges into which a path is cut before its corners are rounded.
 const EDGES: usize = 24;
 
-/// Leaves waypoints out, takes shortcuts and rounds corners; false if it was stopped meanwhile.
+/// Removes waypoints, takes shortcuts and rounds corners; returns false if it was interrupted.
 pub(super) fn shorten<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut Vec<Vec<f64>>,
@@ -40,7 +40,7 @@ pub(super) fn shorten<K: Constraint + ?Sized>(
     Ok(true)
 }
 
-/// Goes from each waypoint to the last one that a free line leads to.
+/// Joins each waypoint to the last one that it reaches by a free line.
 fn leave_out<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut Vec<Vec<f64>>,
@@ -58,7 +58,7 @@ fn leave_out<K: Constraint + ?Sized>(
     Ok(())
 }
 
-/// Joins two random points of the path by a line if that is free.
+/// Joins two random points of the path by a line if the line is free.
 fn shortcut<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut Vec<Vec<f64>>,
@@ -86,7 +86,7 @@ fn cut(path: &mut Vec<Vec<f64>>) {
     *path = fine;
 }
 
-/// Moves every waypoint halfway to the middle of its neighbours where both of its edges stay free.
+/// Moves every waypoint halfway to the middle of its neighbours if both of its edges stay free.
 fn round<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut [Vec<f64>],
@@ -107,7 +107,7 @@ fn round<K: Constraint + ?Sized>(
 pub(super) struct Along(Vec<f64>);
 
 impl Along {
-    /// For a path of at least one waypoint.
+    /// The lengths along a path of at least one waypoint.
     pub fn new(path: &[Vec<f64>]) -> Self {
         let mut lengths = vec![0.0];
         for edge in path.windows(2) {
@@ -120,7 +120,8 @@ impl Along {
         self.0[self.0.len() - 1]
     }
 
-    /// The point at this length from the start, and the waypoint that it is on or comes after; the last edge has its end.
+    /// The point at this length from the start, and the index of the waypoint at or before it; the last edge includes
+    /// its end.
     pub fn at(&self, path: &[Vec<f64>], length: f64) -> (usize, Vec<f64>) {
         let last = path.len().saturating_sub(2);
         let edge = self.0.partition_point(|end| *end <= length);

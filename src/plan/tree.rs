@@ -1,4 +1,4 @@
-//! RRT-Connect.
+//! The RRT-Connect algorithm.
 
 use super::{Checker, Plan, PlanSettings, between, distance};
 use crate::constraint::Constraint;
@@ -6,10 +6,10 @@ use crate::error::Result;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Configurations from each of which a free line leads to its parent, up to the first.
+/// A tree of configurations, each joined to its parent by a free line.
 struct Tree {
     dof: usize,
-    /// One configuration after the other.
+    /// The configurations, one after the other.
     nodes: Vec<f64>,
     parents: Vec<usize>,
 }
@@ -37,7 +37,7 @@ impl Tree {
         self.len() - 1
     }
 
-    /// The nearest node, the first of several, and the square of its distance.
+    /// The nearest node, the first one if there are several, and the square of its distance.
     fn nearest(&self, q: &[f64]) -> (usize, f64) {
         let mut nearest = (0, f64::INFINITY);
         for (i, node) in self.nodes.chunks_exact(self.dof).enumerate() {
@@ -50,7 +50,7 @@ impl Tree {
         nearest
     }
 
-    /// From a node to the first one.
+    /// The path from a node to the root.
     fn to_root(&self, mut node: usize) -> Vec<Vec<f64>> {
         let mut path = vec![self.node(node).to_vec()];
         while node != 0 {
@@ -106,7 +106,7 @@ pub(super) fn connect<K: Constraint + ?Sized>(
     Ok(Plan::OutOfBudget { checks })
 }
 
-/// Grows a tree straight to a configuration as far as the way is free; the node that is there.
+/// Grows a tree straight towards a configuration as far as the line is free; returns the last node.
 fn reach<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     tree: &mut Tree,

@@ -1,24 +1,27 @@
-//! Straight to where the flow comes to rest: the control effort minimised over polynomials within constraints.
+//! The relaxation: direct minimisation of the control effort over polynomials within constraints, to the limit of the
+//! flow.
 //!
 //! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
-//! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. There is neither `k` nor `s_max`: `q(t)` is a polynomial that meets the boundary
-//! conditions, its free coefficients are the unknowns, the integral is Gauss-Legendre quadrature with as many points as it takes.
+//! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. Neither `k` nor `s_max` appears: `q(t)` is a polynomial that
+//! meets the boundary conditions, its free coefficients are the unknowns, and the integral is computed by
+//! Gauss-Legendre quadrature with as many points as needed.
 //!
 //! [`Relaxation::solve`] is the whole algorithm:
 //!
-//! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are minimised at a low degree.
-//!    Those that cost hardly more than the best before them go on to the next degree, from where they ended, and so on up to the degree
-//!    and the segments of the settings. While none of them ends within the constraints there are more, every other one along a path
-//!    that [`plan`](crate::plan) finds around what is in the way. If it is the first start that is planned it keeps all constraints, and so
-//!    does the motion in the end, a minimum or not.
-//! 2. `interior_point`: one minimisation. Rows of constraints at the points of the quadrature become barriers that are finite
-//!    everywhere, a trust region with the exact Hessian does the rest, and a dense look finds what rows do between the points. Without
-//!    rows it is Newton's method.
-//! 3. `strategy/degree.rs`: higher degrees until the cost settles, if that is asked for.
-//! 4. `strategy/horizon.rs`: a horizon at which the cost is stationary, if that is free.
+//! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are
+//!    minimised at a low degree. Those that cost hardly more than the best one before them go on to the next degree,
+//!    from their previous end, and so on up to the degree and the segments of the settings. While none of them ends
+//!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
+//!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
+//!    whether or not it is a minimum.
+//! 2. `interior_point`: one minimisation. Rows of constraints at the quadrature points become barriers that are finite
+//!    everywhere, a trust region with the exact Hessian minimises the sum, and a dense scan finds violations between
+//!    the points. Without rows it is Newton's method.
+//! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
+//! 4. `strategy/horizon.rs`: a horizon at which the cost is stationary, if it is free.
 //!
-//! `transcription` makes integrals and their derivatives of running costs and rows; `running_cost` has costs of one's own; `tuning.rs` has every
-//! constant.
+//! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
+//! costs; `tuning.rs` has all tuning constants.
 
 mod interior_point;
 mod running_cost;
@@ -74,7 +77,7 @@ pub struct Relaxation<'a, K, P> {
 }
 
 impl<'a> Relaxation<'a, (), ControlEffort<'a, f64, f64>> {
-    /// The least control effort without constraints, by the default settings.
+    /// The problem of least control effort without constraints, with default settings.
     #[must_use]
     pub fn new(problem: &'a Problem<'a>) -> Self {
         Self {
@@ -88,7 +91,7 @@ impl<'a> Relaxation<'a, (), ControlEffort<'a, f64, f64>> {
 }
 
 impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
-    /// With another running cost.
+    /// Replaces the running cost.
     #[must_use]
     pub fn cost<Q: CostWithControl>(self, cost: Q) -> Relaxation<'a, K, Q> {
         Relaxation {
@@ -100,7 +103,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         }
     }
 
-    /// Within these constraints.
+    /// Replaces the constraints.
     #[must_use]
     pub fn constraints<L: Constraint + Sync>(
         self,
@@ -115,13 +118,13 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         }
     }
 
-    /// By other settings.
+    /// Replaces the settings.
     #[must_use]
     pub fn settings(self, settings: RelaxSettings) -> Self {
         Self { settings, ..self }
     }
 
-    /// With a function that is called after each iteration.
+    /// Sets a function that is called after each iteration.
     #[must_use]
     pub fn observe(self, observe: impl FnMut(&Iteration) + 'a) -> Self {
         Self {
@@ -133,8 +136,9 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
     /// Finds a motion of locally least cost.
     ///
     /// # Errors
-    /// A setting is out of range, cost, constraints or start are for another robot, or the integral of the cost is negative somewhere on
-    /// the way. A search that ends outside the constraints or before its tolerance is a solution that says so.
+    /// A setting is out of range; the cost, the constraints or the start have another number of joints; or the integral
+    /// of the cost becomes negative. A search that ends outside the constraints or before its tolerance is not an
+    /// error: the solution reports it.
     pub fn solve(mut self) -> Result<RelaxSolution> {
         let (problem, settings) = (self.problem, &self.settings);
         settings.check(problem)?;

@@ -1,4 +1,4 @@
-//! What can be asked of the relaxation, and what it says.
+//! The settings and the results of the relaxation.
 
 use super::interior_point::Stage;
 use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
@@ -13,51 +13,54 @@ use std::time::Duration;
 pub struct RelaxSettings {
     /// The degree of the polynomial, or of each segment.
     pub degree: usize,
-    /// The number of polynomials on equal parts of the horizon of which the motion is made. Where two meet `q` and `v` are continuous;
+    /// The number of polynomials on equal parts of the horizon. At their joints `q` and `v` are continuous;
     /// acceleration and control may jump.
     pub segments: usize,
-    /// The relative change of the cost from one degree to the next below which the degree is enough. It goes on from this degree to 9, 16,
-    /// 24, 32, 48, 64, each from where the one before ended; see [`DegreeRefinement`]. The degree is that of the settings without it.
+    /// The relative change of the cost between two degrees below which the degree is high enough. Starting from
+    /// [`degree`](Self::degree), it grows through 9, 16, 24, 32, 48 and 64, each from the end of the one before; see
+    /// [`DegreeRefinement`]. `None` keeps the degree fixed.
     pub degree_tolerance: Option<f64>,
-    /// The relative gradient norm at which it is done; see [`Iteration::gradient_norm`].
+    /// The relative gradient norm of convergence; see [`Iteration::gradient_norm`].
     pub tolerance: f64,
-    /// The most iterations at one degree and one quadrature.
+    /// The largest number of iterations per degree and quadrature.
     pub iterations: usize,
-    /// The largest relative difference of the quadrature and a finer one.
+    /// The largest relative difference between the quadrature and a finer one.
     pub quadrature_tolerance: f64,
-    /// The number of starts: the line, and bent ones.
+    /// The number of starts: the straight line, and bent ones.
     pub num_starts: usize,
-    /// The number from which the bends of the starts are drawn.
+    /// The seed of the bends of the starts.
     pub seed: u64,
-    /// The time after which the search stops with the best motion so far. Until then it tries further starts.
+    /// The time after which the search stops with the best motion so far. Further starts are tried until then.
     pub time_limit: Option<Duration>,
-    /// The request that stops it likewise when it is raised.
+    /// The handle by which another thread stops the search in the same way.
     pub interrupt: Interrupt,
-    /// The number of threads that work on starts; the result does not depend on it.
+    /// The number of threads for the starts; the result does not depend on it.
     pub threads: usize,
-    /// The amplitude of the bent ones, rad or m.
+    /// The amplitude of the bent starts, rad or m.
     pub start_amplitude: f64,
-    /// The starts for which a planner finds ways around what is in the way; see [`plan`](crate::plan). It does nothing where there are bounds of joints
-    /// alone. A [first](PlannedStarts::First) one takes a horizon up to [`longest_horizon`](Self::longest_horizon). Since it keeps what is asked of
-    /// the motion before anything is minimised, so does the motion in the end.
+    /// The starts for which a planner finds paths around obstacles; see [`plan`](crate::plan). It has no effect if only
+    /// joints have bounds. A [first](PlannedStarts::First) planned start may lengthen the horizon up to
+    /// [`longest_horizon`](Self::longest_horizon). Because it satisfies all constraints before the minimisation, so
+    /// does the final motion.
     pub planned_starts: PlannedStarts,
-    /// The longest horizon to which that of the problem is lengthened where a planned first start asks for that, s; that of a free horizon where
-    /// there is one.
+    /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a
+    /// free horizon takes precedence.
     pub longest_horizon: Option<f64>,
-    /// A curve to start from instead, at once at this degree; its shape, between the states of the problem and on its horizon.
+    /// An initial curve, used directly at this degree; only its shape matters, which is fitted to the boundary states
+    /// and the horizon of the problem.
     pub start: Option<Curve>,
-    /// True if the velocity at the end is whatever costs least. That of the goal is then no more than the first guess.
+    /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
-    /// Whether the horizon is found as well; that of the problem is then where the search begins.
+    /// The bounds and the price of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
 }
 
 crate::names::named_enum! {
-/// The starts for which a planner looks for a way around what is in the way.
+/// The starts for which a planner looks for a path around obstacles.
 pub enum PlannedStarts("planned starts") {
-    /// Every other start beyond those that were asked for, while none of these leads to a motion.
+    /// Every other start beyond the requested ones, while none of these leads to a motion.
     Later = "later",
-    /// The first start, on a longer horizon where limits ask for that, and later ones; a motion that keeps all constraints will do.
+    /// The first start, on a longer horizon if limits require it, and later ones; a feasible motion suffices.
     First = "first",
     /// None.
     Never = "never",
@@ -93,16 +96,18 @@ impl RelaxSettings {
     pub const LARGEST_DEGREE: usize = 64;
     /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
     pub const LARGEST_SIZE: usize = 256;
-    /// The most starts: what is kept of each, a cost and some fifty iterations, is up to 4 kB, 400 MB in all.
+    /// The largest number of starts: the record of each, a cost and about fifty iterations, takes up to 4 kB, 400 MB in
+    /// all.
     pub const LARGEST_NUM_STARTS: usize = 100_000;
-    /// The most iterations at one degree, of which each is kept.
+    /// The largest number of iterations at one degree, each of which is recorded.
     pub const MOST_ITERATIONS: usize = 100_000;
-    /// The most threads: more than any machine has cores, and no more than a system lets a program have.
+    /// The largest number of threads: more than the cores of any machine, and within the limits of operating systems.
     pub const MOST_THREADS: usize = 1024;
-    /// What a motion may exceed its constraints by, in rad, rad/s, m, N m or N.
+    /// The accepted violation of a constraint, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
 
-    /// The defaults within constraints: the gradient norm is 1e-6, since large multipliers leave no more digits.
+    /// The defaults for problems with constraints: a gradient norm of 1e-6, because large multipliers limit the
+    /// accuracy.
     #[must_use]
     pub fn constrained() -> Self {
         Self {
@@ -113,7 +118,7 @@ impl RelaxSettings {
         }
     }
 
-    /// The stage at the degree and the segments of the settings.
+    /// The last stage, at the degree and the segments of the settings.
     pub(super) fn highest(&self, constrained: bool) -> Stage {
         Stage {
             tolerance: self.tolerance,
@@ -128,9 +133,10 @@ impl RelaxSettings {
         }
     }
 
-    /// The rungs of the ladder: single polynomials of those of the degrees 6, 9, 16, 24, 32, 48, ... that are below the degree, then the
-    /// degree on fewer segments, of which each rung has all breakpoints of the one before, then the whole motion.
-    /// With passive joints there are at least half as many segments as in the end: a few polynomials leave such a joint next to no choice.
+    /// The sequence of bases: single polynomials of those degrees among 6, 9, 16, 24, 32, 48, ... that are below the
+    /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
+    /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
+    /// a joint almost no freedom.
     pub(super) fn rungs(&self, constrained: bool, passive: bool) -> Vec<Rung> {
         let lower = LOWER[usize::from(constrained)];
         let fewer_segments = Stage {
@@ -176,7 +182,7 @@ impl RelaxSettings {
         Basis::new(self.segments, self.degree, self.free_final_velocity)
     }
 
-    /// The degrees after that of a basis that an adaptive one may have.
+    /// The degrees above that of a basis in a refinement.
     pub(super) fn higher_degrees(basis: &Basis) -> impl Iterator<Item = usize> + use<> {
         let (degree, segments) = (basis.degree(), basis.segments());
         let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / segments);
@@ -184,7 +190,7 @@ impl RelaxSettings {
         above.take_while(move |degree| *degree <= largest)
     }
 
-    /// Whether so many segments of this degree can be had.
+    /// Checks a degree and a number of segments.
     ///
     /// # Errors
     /// One of the two is out of range.
@@ -238,7 +244,7 @@ impl RelaxSettings {
     }
 }
 
-/// One step up the ladder of bases.
+/// One basis of the sequence.
 #[derive(Clone, Debug)]
 pub(super) struct Rung {
     pub basis: Basis,
@@ -248,7 +254,7 @@ pub(super) struct Rung {
 /// One iteration of the minimiser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration {
-    /// The number of the start, from 0; `None` when the best of them is carried on to another degree or horizon.
+    /// The number of the start, from 0; `None` when the best result is continued at another degree or horizon.
     pub start: Option<usize>,
     /// The horizon, s.
     pub horizon: f64,
@@ -256,73 +262,78 @@ pub struct Iteration {
     pub segments: usize,
     /// The degree of the segments.
     pub degree: usize,
-    /// The number of points of quadrature on each segment.
+    /// The number of quadrature points per segment.
     pub points: usize,
     /// The cost $J$ before the step.
     pub cost: f64,
-    /// $\sqrt{g^T G^{-1} g / J}$ with the gradient $g$ and the metric $G$ of Gauss and Newton. The cost of a problem that is
-    /// linear in the curve would be above its minimum by half the square of this, relatively.
+    /// $\sqrt{g^T G^{-1} g / J}$ with the gradient $g$ and the Gauss-Newton metric $G$. For a problem that is linear in
+    /// the curve, half the square of this is the relative excess of the cost over its minimum.
     pub gradient_norm: f64,
-    /// The multiple $\lambda$ of the norm of the trust region that was added to the Hessian.
+    /// The multiple $\lambda$ of the trust-region norm that was added to the Hessian.
     pub damping: f64,
-    /// The length of the step in that norm, roughly radians; zero where there was none.
+    /// The length of the step in that norm, roughly in radians; zero without a step.
     pub step: f64,
-    /// The number of factorisations of matrices.
+    /// The number of matrix factorisations.
     pub factorisations: usize,
-    /// The largest violation of a constraint at the points of the quadrature, in its own unit; zero where all are kept.
+    /// The largest violation of a constraint at the quadrature points, in its own unit; zero if all are satisfied.
     pub violation: f64,
 }
 
 /// The result of a relaxation.
 #[derive(Clone, Debug)]
 pub struct RelaxSolution {
-    /// The motion, with $v = \dot q$, on the horizon that was found if that was free.
+    /// The motion, with $v = \dot q$, on the optimal horizon if that was free.
     pub curve: Curve,
-    /// The integral of the running cost, $\int |u|^2 dt$ unless it is another, by a quadrature finer than the one that was minimised. What
-    /// a free horizon costs is not in it.
+    /// The integral of the running cost, by default $\int |u|^2 dt$, by a quadrature finer than that of the
+    /// minimisation. The price of a free horizon is not included.
     pub cost: f64,
-    /// The relative gradient norm at the end; see [`Iteration::gradient_norm`].
+    /// The final relative gradient norm; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,
-    /// The smallest eigenvalue of the Hessian relative to the metric of Gauss and Newton: positive at a minimum, one for a
+    /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric: positive at a minimum, one for a
     /// linear problem.
     pub smallest_curvature: f64,
     /// The violation of the worst constraint at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,
-    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes. A
-    /// motion that keeps more than 5e-4 gets more segments, as far as there are any.
+    /// The largest torque of a passive joint between its collocated points, relative to the largest torque. Above 5e-4
+    /// the number of segments is increased as far as possible.
     pub passive_share: f64,
-    /// The number of points of the quadrature of a segment.
+    /// The number of quadrature points per segment.
     pub points: usize,
-    /// The relative difference of the cost by this quadrature and that by the finer one.
+    /// The relative difference between the cost by this quadrature and by the finer one.
     pub quadrature_error: f64,
-    /// True if the gradient norm came below the tolerance, the quadrature agrees, and a horizon was found if it was free.
+    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary or at
+    /// a bound.
     pub converged: bool,
-    /// True if the search did not come to a minimum, but the motion keeps the constraints. If a start keeps them, such as a
-    /// [planned first one](PlannedStarts::First), the motion does: where the search ends outside it is one on the way.
+    /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
+    /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
+    /// an earlier iterate.
     pub kept: bool,
-    /// The reason why it was stopped, if it did not come to its end; the motion is then the best so far.
+    /// The reason of an early stop, if there was one; the motion is then the best so far.
     pub stopped: Option<Stopped>,
-    /// The degrees on the way, where the degree is adaptive.
+    /// The degrees of the refinement, if the degree is adaptive.
     pub adapted: Option<DegreeRefinement>,
     /// The number of unknowns.
     pub unknowns: usize,
-    /// The costs where each start begins, at the lowest degree but for some planned ones, from all starts, ascending.
+    /// The costs of all starts at their first degree, ascending; that is the lowest degree except for some planned
+    /// starts.
     pub start_costs: Vec<f64>,
-    /// The weight of the barriers at the end relative to the cost: so much, relative, the cost is above that with exact complementarity.
+    /// The final weight of the barriers relative to the cost: the relative excess of the cost over that with exact
+    /// complementarity.
     pub complementarity: f64,
-    /// The minima that the starts led to, by cost; empty without starts.
+    /// The minima found from the starts, by cost; empty without starts.
     pub minima: Vec<LocalMinimum>,
-    /// The curves of the first [few](Self::MINIMA_CURVES) of them as the starts left them, before any further degree or horizon.
+    /// The curves of the first [few](Self::MINIMA_CURVES) minima at the end of the multistart, before any further
+    /// degree or horizon.
     pub minima_curves: Vec<Curve>,
     /// The number of the start that led to the motion; `None` without starts.
     pub best_start: Option<usize>,
-    /// Where it began.
+    /// The initial curve of that start.
     pub first_guess: Curve,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
 }
 
 impl RelaxSolution {
-    /// The number of minima whose curves are kept.
+    /// The number of minima whose curves are stored.
     pub const MINIMA_CURVES: usize = 4;
 }

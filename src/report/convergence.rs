@@ -1,4 +1,4 @@
-//! How the search came to the motion.
+//! Plots of the convergence of a search.
 
 use super::data::iterations_of;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
@@ -6,16 +6,16 @@ use crate::error::Result;
 use crate::scenario::{Record, SolveReport};
 use plotters::style::RGBColor;
 
-/// What numbers below it are shown as on a logarithmic axis, such as violations that are zero.
+/// The lower limit of numbers on a logarithmic axis, for example of violations that are zero.
 const LEAST: f64 = 1e-12;
 
-/// Numbers by iteration, under a name.
+/// A named sequence of numbers by iteration.
 struct Series {
     name: &'static str,
     points: Vec<(f64, f64)>,
 }
 
-/// Cost, gradient norm and violation by iteration, or the action of a flow.
+/// Plots of cost, gradient norm and violation by iteration, or of the action of a flow.
 pub(super) fn plots_of_search(outcome: &SolveReport) -> Result<Vec<Plot>> {
     let (mut costs, mut gradients, mut violations) = (Vec::new(), Vec::new(), Vec::new());
     let mut cost_name = "cost";
@@ -73,7 +73,7 @@ pub(super) fn plots_of_search(outcome: &SolveReport) -> Result<Vec<Plot>> {
     Ok(plots)
 }
 
-/// A plot with a logarithmic axis; none without two points.
+/// A plot with a logarithmic axis; `None` with fewer than two points.
 fn logarithmic(title: &str, series: Vec<(Series, RGBColor)>) -> Result<Option<Plot>> {
     let (mut lines, mut legend) = (Vec::new(), Vec::new());
     for (Series { name, points }, colour) in series {

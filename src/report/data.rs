@@ -14,24 +14,24 @@ use crate::relax::LocalMinimum;
 use crate::scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
 use serde::Serialize;
 
-/// The most ghosts beside a motion: its first guess, and other minima.
+/// The largest number of ghosts next to a motion: its first guess, and other minima.
 const MOST_GHOSTS: usize = 3;
 
-/// A motion to be shown.
+/// A motion to be displayed.
 pub struct Motion<'a> {
-    /// What was to be done.
+    /// Its scenario.
     pub scenario: &'a Scenario,
-    /// The motion.
+    /// Its curve.
     pub curve: &'a Curve,
-    /// The reason why it is no success, if it is none.
+    /// The reason of a failure; `None` for a success.
     pub failure: Option<&'a str>,
     told: Told,
-    /// What else came of its solve.
+    /// The report of its solve.
     outcome: Option<&'a SolveReport>,
 }
 
 impl<'a> Motion<'a> {
-    /// That of a solve.
+    /// The motion of a solve.
     #[must_use]
     pub fn of_report(scenario: &'a Scenario, outcome: &'a SolveReport) -> Self {
         let summary = &outcome.summary;
@@ -50,7 +50,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// That of a solve whose summary is in the file at `path`, without what its search found on the way.
+    /// The motion of a solve whose summary is in the file at `path`, without the progress of its search.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -71,7 +71,7 @@ struct JointData {
     /// "rad" or "m".
     unit: &'static str,
     color: String,
-    /// The integral of its squared torque.
+    /// The integral of the squared torque.
     effort: f64,
 }
 
@@ -79,11 +79,11 @@ struct JointData {
 struct MinimumData {
     cost: f64,
     starts: usize,
-    /// The number of its track, where it is shown.
+    /// The index of the track, if it is shown.
     track: Option<usize>,
 }
 
-/// All that a page knows of a motion.
+/// The data of a motion on a page.
 #[derive(Serialize)]
 pub(super) struct MotionData {
     name: String,
@@ -96,7 +96,7 @@ pub(super) struct MotionData {
     made_by: String,
     joints: Vec<JointData>,
     scene: Scene,
-    /// The motion comes first.
+    /// The tracks, that of the motion first.
     tracks: Vec<Track>,
     /// `q`, `v`, `a` and `u` of all joints at the times of the first track.
     values: String,
@@ -185,7 +185,7 @@ impl MotionData {
     }
 }
 
-/// The version that solved it.
+/// The version that solved the motion.
 fn made_by(motion: &Motion<'_>) -> String {
     let provenance = motion.outcome.map(|outcome| &outcome.summary.provenance);
     match provenance {
@@ -208,7 +208,8 @@ fn unit_of(kind: JointKind) -> &'static str {
     }
 }
 
-/// The integral of the squared torque of a joint, by Simpson's rule: each segment has an even number of equal intervals.
+/// The integral of the squared torque of a joint, by Simpson's rule: each segment has an even number of equal
+/// intervals.
 fn effort_of(rows: &[Sample], joint: usize) -> f64 {
     let mut sum = 0.0;
     let mut at = 0;
@@ -226,7 +227,7 @@ fn effort_of(rows: &[Sample], joint: usize) -> f64 {
     sum
 }
 
-/// Positions, velocities, accelerations and torques, beyond the limits of the joints shaded.
+/// Plots of positions, velocities, accelerations and torques, with the region beyond the joint limits shaded.
 fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
     let kinds = || model.joints().iter().map(|j| unit_of(j.kind()));
     let all = |unit: &str| kinds().all(|own| own == unit);
@@ -296,7 +297,7 @@ fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<O
     plot(axes, &[line]).map(Some)
 }
 
-/// The iterations of the start that led to the motion, and of what came after the starts.
+/// The iterations of the start that led to the motion, and those after the starts.
 pub(super) fn iterations_of(outcome: &SolveReport) -> impl Iterator<Item = &Record> {
     let best = outcome.trace.best_start;
     outcome.history.iter().filter(move |record| match record {

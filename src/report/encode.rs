@@ -22,7 +22,7 @@ pub(super) fn of_f32(numbers: impl IntoIterator<Item = f64>) -> String {
     encode(numbers.into_iter().map(|x| (x as f32).to_le_bytes()))
 }
 
-/// Multiples of `unit` as signed 16-bit numbers; what is beyond them becomes the last one.
+/// Encodes multiples of `unit` as signed 16-bit numbers, clamped to their range.
 pub(super) fn of_i16(numbers: impl IntoIterator<Item = f64>, unit: f64) -> String {
     encode(numbers.into_iter().map(|x| {
         // The cast saturates.

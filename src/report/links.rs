@@ -1,4 +1,4 @@
-//! Capsules along the links of a robot that has no shapes, sized so that it looks like one.
+//! Capsules along the links of a robot without shapes.
 
 use super::scene::{Item, Tip};
 use crate::geometry::Shape;
@@ -6,17 +6,17 @@ use crate::model::{JointKind, Model};
 use crate::spatial::Placement;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// The radius of a link relative to the reach of the robot, and to its longest link: the smaller one counts.
+/// The radius of a link relative to the reach of the robot, and to its longest link: the smaller one is used.
 const OF_REACH: f64 = 0.042;
 const OF_LONGEST: f64 = 0.11;
 /// The radius of the ball at a joint relative to that of the links.
 const JOINT: f64 = 1.3;
 /// The radius at the end of the longest chain relative to that at its base.
 const TAPER: f64 = 0.55;
-/// The most points whose paths are drawn.
+/// The largest number of points whose paths are drawn.
 const MOST_TIPS: usize = 4;
 
-/// The point of a body furthest along: where what hangs on it begins, or that of a last link. In the frame of the body.
+/// The end points of a body in its frame: the origins of its children, or the tip of a last link.
 fn ends(model: &Model, body: usize) -> Vec<Vector3<f64>> {
     let children = model.joints().iter().filter(|j| j.parent() == Some(body));
     let ends: Vec<_> = children.map(|j| j.origin().translation).collect();
@@ -26,7 +26,8 @@ fn ends(model: &Model, body: usize) -> Vec<Vector3<f64>> {
     ends
 }
 
-/// The end of a last link, and its name: the frame furthest from the joint, else twice the way to the centre of mass.
+/// The tip of a last link, and its name: the frame furthest from the joint, otherwise twice the vector to the centre of
+/// mass.
 fn tip(model: &Model, body: usize) -> (String, Vector3<f64>) {
     let frames = model.frames().iter().filter(|f| f.body == Some(body));
     let furthest = frames.max_by(|a, b| {
@@ -48,7 +49,7 @@ fn tip(model: &Model, body: usize) -> (String, Vector3<f64>) {
     (name, point)
 }
 
-/// The way along the links from the base to each joint, m.
+/// The distance along the links from the base to each joint, m.
 fn ways(model: &Model) -> Vec<f64> {
     let mut ways: Vec<f64> = Vec::with_capacity(model.dof());
     for joint in model.joints() {
@@ -103,7 +104,7 @@ fn radii(model: &Model) -> Vec<f64> {
         .collect()
 }
 
-/// Links from joint to joint, and a ball at each joint, of the bodies that are asked for.
+/// Links from joint to joint, and a ball at each joint, for the given bodies.
 pub(super) fn capsules_along_links(model: &Model, bodies: &[Option<usize>]) -> Vec<Item> {
     let radii = radii(model);
     let mut shapes = Vec::new();
@@ -132,7 +133,7 @@ pub(super) fn capsules_along_links(model: &Model, bodies: &[Option<usize>]) -> V
     shapes
 }
 
-/// What carries the first joints: links from the base to them, and a plate under it.
+/// The base: links from it to the first joints, and a plate under it.
 pub(super) fn base_shapes(model: &Model) -> Vec<Item> {
     let radius = radii(model).iter().copied().fold(0.0, f64::max);
     let plate = Shape::Cylinder {
@@ -150,7 +151,7 @@ pub(super) fn base_shapes(model: &Model) -> Vec<Item> {
     shapes
 }
 
-/// What a sliding joint slides on, between its limits where it has both.
+/// The rail of a prismatic joint, between its limits if it has both.
 fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
     let joint = &model.joints()[body];
     let [lower, upper] = [joint.limits().lower, joint.limits().upper];
@@ -168,7 +169,7 @@ fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
     Some(Item::new(joint.parent(), &placement, &shape))
 }
 
-/// A rotation that takes the `z` axis to this direction.
+/// A rotation that maps the `z` axis to this direction.
 fn along(direction: &Vector3<f64>) -> Matrix3<f64> {
     // Against the axis any half turn will do.
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
@@ -177,7 +178,7 @@ fn along(direction: &Vector3<f64>) -> Matrix3<f64> {
     turn.to_rotation_matrix().into_inner()
 }
 
-/// A capsule from the origin of a body to `end`; none where that is inside the ball at the joint.
+/// A capsule from the origin of a body to `end`; `None` if that is inside the ball at the joint.
 fn capsule(body: Option<usize>, end: Vector3<f64>, radius: f64) -> Option<Item> {
     let length = end.norm();
     if length < 0.5 * radius {

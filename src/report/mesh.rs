@@ -1,4 +1,4 @@
-//! Meshes made small: corners on a grid that is as fine as the number of triangles allows.
+//! Simplified meshes: corners on a grid that is as fine as the number of triangles allows.
 
 use super::encode::{of_u16, of_u32};
 use crate::geometry::Triangle;
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// The most triangles of a mesh.
+/// The largest number of triangles of a mesh.
 const MOST_TRIANGLES: usize = 6000;
 /// The finest and the coarsest number of cells along the longest edge of a mesh.
 const FINEST: f64 = 65535.0;
@@ -23,7 +23,7 @@ pub(super) struct MeshData {
     triangles: String,
 }
 
-/// The meshes of a robot, each once.
+/// The meshes of a robot, without duplicates.
 #[derive(Default)]
 pub(super) struct Meshes {
     numbers: HashMap<String, usize>,
@@ -31,12 +31,12 @@ pub(super) struct Meshes {
 }
 
 impl Meshes {
-    /// The number of a mesh that is there already.
+    /// The index of a mesh that was added before.
     pub fn find(&self, key: &str) -> Option<usize> {
         self.numbers.get(key).copied()
     }
 
-    /// Adds a mesh and returns its number.
+    /// Adds a mesh and returns its index.
     pub fn add(&mut self, key: String, triangles: &[Triangle]) -> usize {
         let number = self.data.len();
         self.data.push(small(triangles));
@@ -49,7 +49,7 @@ impl Meshes {
     }
 }
 
-/// The mesh with corners in one cell of a grid made one, on the finest grid that leaves few enough triangles.
+/// Merges the corners in each cell of a grid, on the finest grid that leaves few enough triangles.
 fn small(triangles: &[Triangle]) -> MeshData {
     let corners = || triangles.iter().flatten();
     let low = corners().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(p));

@@ -1,7 +1,9 @@
-//! Reports: pages of HTML, each complete in itself. That of a motion shows the robot moving and why it moves so; others have tables and plots.
+//! Reports as self-contained HTML pages. That of a motion shows the moving robot with plots; others have tables and
+//! plots.
 //!
-//! Kinematics, clearances and plots of a motion are computed here; the page, `page/`, holds arrays, a renderer and a clock. The data of a page
-//! are JSON in which `<` is written as an escape, and its script puts names where text belongs, so that no name becomes anything else.
+//! Kinematics, clearances and plots of a motion are computed here; the page, `page/`, holds arrays, a renderer and a
+//! clock. The data of a page are JSON in which `<` is written as an escape, and its script inserts names only as text,
+//! so that a name cannot be interpreted as markup.
 
 mod convergence;
 mod data;
@@ -28,7 +30,7 @@ const STYLE: &str = concat!(
     include_str!("page/style.css"),
     include_str!("page/tables.css")
 );
-/// The script in its parts, each knowing those before it.
+/// The parts of the script, each of which uses only those before it.
 const SCRIPT: [&str; 9] = [
     include_str!("page/elements.js"),
     include_str!("page/numbers.js"),
@@ -41,17 +43,17 @@ const SCRIPT: [&str; 9] = [
     include_str!("page/main.js"),
 ];
 
-/// The page of motions side by side in time, mostly of one.
+/// Builds the page of one or several motions side by side in time.
 ///
 /// # Errors
-/// A curve is for another robot than its scenario, or the shape of the robot cannot be covered.
+/// A curve has another number of joints than its scenario, or the shape of the robot cannot be covered.
 pub fn page(motions: &[Motion<'_>]) -> Result<String> {
     let data: Vec<MotionData> = motions.iter().map(MotionData::new).collect::<Result<_>>()?;
     let names: Vec<&str> = motions.iter().map(|m| m.scenario.name.as_str()).collect();
     filled(&data, &SCRIPT, &escaped(&names.join(" and ")))
 }
 
-/// A page with these data and script, and with a title that is escaped.
+/// Builds a page from these data, this script and a title, which is escaped.
 fn filled(data: &impl Serialize, script: &[&str], title: &str) -> Result<String> {
     let json = serde_json::to_string(data)
         .map_err(|e| crate::error::Error::input("report", "data", e.to_string()))?;
@@ -69,12 +71,12 @@ fn filled(data: &impl Serialize, script: &[&str], title: &str) -> Result<String>
 /// Writes the page of motions to the file at `path`.
 ///
 /// # Errors
-/// As [`page`], or the file cannot be written.
+/// Those of [`page`], or the file cannot be written.
 pub fn write_page(motions: &[Motion<'_>], path: &Path) -> Result<()> {
     write_text(&page(motions)?, path)
 }
 
-/// Text within an element of HTML.
+/// Escapes text for an element of HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

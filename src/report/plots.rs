@@ -1,4 +1,4 @@
-//! Plots as SVG, a curve for each joint. No text of a user is in them.
+//! Plots as SVG with one curve per joint. They contain no text from the user.
 
 use crate::error::Result;
 use plotters::coord::Shift;
@@ -7,18 +7,18 @@ use serde::Serialize;
 use std::error::Error;
 use std::ops::Range;
 
-/// Pixels of the coordinates of the SVG for each of the page, since they are whole numbers.
+/// The number of SVG units per pixel of the page, because plotters draw at integers.
 const FINE: i32 = 4;
 const SIZE: [i32; 2] = [330, 160];
-/// The room for labels on the left and below, and that beyond the ends of the axes.
+/// The space for labels on the left and below, and beyond the ends of the axes.
 const LEFT: i32 = 40;
 const BELOW: i32 = 20;
 const MARGIN: i32 = 8;
 const FONT: i32 = 11;
-/// The colours by which the page knows the parts that it paints itself.
+/// The colours that the page replaces by its own.
 const INK: RGBColor = RGBColor(1, 1, 1);
 const GRID: RGBColor = RGBColor(2, 2, 2);
-/// Blue, orange, green and others that the colour-blind can tell apart.
+/// Blue, orange, green and others that colour-blind readers can distinguish.
 pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -30,26 +30,26 @@ pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(140, 130, 40),
 ];
 
-/// A plot and where its axes are.
+/// A plot and the position of its axes.
 #[derive(Serialize)]
 pub(super) struct Plot {
     pub title: String,
     pub unit: &'static str,
     pub svg: String,
-    /// Left, right, top and bottom of the axes as parts of the width and height.
+    /// Left, right, top and bottom of the axes as fractions of width and height.
     frame: [f64; 4],
     /// The values at both ends of the horizontal axis.
     from: f64,
     to: f64,
-    /// True if that is time, s.
+    /// True if the horizontal axis is time, s.
     time: bool,
-    /// True if it has a curve for each joint.
+    /// True if it has one curve per joint.
     per_joint: bool,
-    /// Names and colours of the curves, where they are not the joints.
+    /// Names and colours of the curves if they are not the joints.
     legend: Vec<[String; 2]>,
 }
 
-/// A curve and what of the plot is out of its bounds.
+/// A curve with its bounds.
 pub(super) struct Line {
     pub points: Vec<(f64, f64)>,
     pub colour: RGBColor,
@@ -80,12 +80,12 @@ pub(super) fn colours(count: usize) -> Vec<RGBColor> {
     (0..count).map(colour).collect()
 }
 
-/// A colour as CSS writes it.
+/// A colour in CSS.
 pub(super) fn css(colour: RGBColor) -> String {
     format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2)
 }
 
-/// The range of a plot: that of the curves, and of bounds that are not far off.
+/// The range of a plot: that of the curves, and of bounds that are near.
 fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     let values = || lines.iter().flat_map(|line| &line.points).map(|p| p.1);
     let low = values().fold(f64::INFINITY, f64::min);
@@ -110,7 +110,7 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     low - pad..high + pad
 }
 
-/// A number at an axis, without the digits of rounding.
+/// Formats a number at an axis, without rounding errors.
 fn label(x: f64) -> String {
     let x = (x * 1e9).round() / 1e9;
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
@@ -119,7 +119,7 @@ fn label(x: f64) -> String {
     format!("{x}")
 }
 
-/// The same for a logarithm: powers of ten alone, unless the axis has hardly any.
+/// Formats a number at a logarithmic axis: only powers of ten, unless the axis has hardly any.
 fn power_label(x: f64, few: bool) -> String {
     let whole = (x - x.round()).abs() < 1e-6;
     match (few, whole) {
@@ -129,7 +129,7 @@ fn power_label(x: f64, few: bool) -> String {
     }
 }
 
-/// The plot of curves, their bounds shaded.
+/// Draws curves with their bounds shaded.
 pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     let across = lines.iter().flat_map(|l| &l.points).map(|p| p.0);
     let across = across.clone().fold(f64::INFINITY, f64::min)..across.fold(1e-9, f64::max);

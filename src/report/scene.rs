@@ -1,4 +1,4 @@
-//! What stands in the picture: the shapes of the links, the obstacles, and the points whose paths are drawn.
+//! The scene: the shapes of the links, the obstacles, and the points whose paths are drawn.
 
 use super::links::{base_shapes, capsules_along_links};
 use super::mesh::{MeshData, Meshes};
@@ -11,7 +11,7 @@ use crate::urdf::{Visual, load_mesh, read_visuals};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// A scene for the page. Lengths in m, in the base frame but for shapes of bodies.
+/// A scene of the page. Lengths in m, in the base frame except for shapes of bodies.
 #[derive(Serialize)]
 pub(super) struct Scene {
     pub shapes: Vec<Item>,
@@ -19,18 +19,18 @@ pub(super) struct Scene {
     pub obstacles: Vec<Item>,
     pub planes: Vec<Plane>,
     pub tips: Vec<Tip>,
-    /// Where the shapes of the robot are from, and what could not be shown.
+    /// The source of the robot's shapes, and the shapes that could not be shown.
     pub notes: Vec<String>,
 }
 
-/// A shape somewhere.
+/// A shape with its pose.
 #[derive(Serialize)]
 pub(super) struct Item {
-    /// The body that carries it, `None` for the base.
+    /// The body; `None` for the base.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<usize>,
     pub kind: &'static str,
-    /// Half lengths along the axes of the shape; of a capsule the last is that of its segment.
+    /// Half lengths along the axes of the shape; for a capsule the last is that of its segment.
     pub size: [f64; 3],
     /// Position, and orientation as a unit quaternion `x y z w`.
     pub pose: [f64; 7],
@@ -38,10 +38,10 @@ pub(super) struct Item {
     pub color: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The number of the mesh, where it is one.
+    /// The index of the mesh, for a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
-    /// True for what stands for a joint.
+    /// True for the symbol of a joint.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub joint: bool,
 }
@@ -98,7 +98,7 @@ pub(super) fn pose(placement: &Placement<f64>) -> [f64; 7] {
     [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
 }
 
-/// The scene of a scenario.
+/// Builds the scene of a scenario.
 pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
     let environment = &scenario.environment;
     let names = environment.obstacle_names();
@@ -137,7 +137,7 @@ pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
     })
 }
 
-/// The shapes of a robot as they are gathered.
+/// The shapes of a robot during their collection.
 struct Robot<'a> {
     scenario: &'a Scenario,
     model: &'a Model,
@@ -157,7 +157,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Of each link what it shows, else its collision shapes; capsules along the links that have neither.
+    /// Collects the visual shapes of each link, otherwise its collision shapes; capsules along links without either.
     fn gather(&mut self) {
         let (visuals, faults) = read_visuals(&self.scenario.source.text);
         self.notes.extend(faults);

@@ -8,12 +8,13 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 
-/// The most rows of a table of a page, and the most points of a plot: more make a browser slow, and the files have them all.
+/// The largest number of rows of a table and of points of a plot: more make a browser slow, and the files have them
+/// all.
 const MOST_ROWS: usize = 5_000;
 const MOST_POINTS: usize = 20_000;
-/// Digits that a page has of a number.
+/// The number of digits of a number on a page.
 const DIGITS: usize = 7;
-/// The largest integer up to which a script knows them all.
+/// The largest integer up to which scripts represent all integers exactly.
 const LARGEST_INTEGER: u64 = 1 << 53;
 
 const SCRIPT: [&str; 4] = [
@@ -23,16 +24,16 @@ const SCRIPT: [&str; 4] = [
     include_str!("page/tables.js"),
 ];
 
-/// A page of tables and plots. All text in it is shown as it is, whatever it contains.
+/// A page of tables and plots. All text is escaped.
 #[derive(Clone, Debug, Serialize)]
 pub struct TablePage {
     /// Its heading.
     pub title: String,
-    /// What it is about.
+    /// Its introduction.
     pub about: String,
-    /// The names and values of the figures beside the heading.
+    /// The names and values of the figures next to the heading.
     pub figures: Vec<[String; 2]>,
-    /// What follows, in this order.
+    /// Its parts, in this order.
     pub parts: Vec<Part>,
 }
 
@@ -62,7 +63,7 @@ pub enum Part {
 pub enum Plot {
     /// Points, and lines through them.
     Scatter(Scatter),
-    /// A bar for each value of something.
+    /// One bar per value of a parameter.
     Bars {
         /// Its heading.
         title: String,
@@ -75,7 +76,7 @@ pub enum Plot {
         title: String,
         /// The SVG.
         svg: String,
-        /// What its circles are, in their order.
+        /// The labels of its circles, in their order.
         circles: Vec<String>,
     },
 }
@@ -89,9 +90,9 @@ pub struct Scatter {
     pub x: String,
     /// The name of the vertical axis with its unit.
     pub y: String,
-    /// The points. Those of which a coordinate is not finite are left out.
+    /// The points. Those with a coordinate that is not finite are left out.
     pub groups: Vec<Group>,
-    /// True to join the points of each group that is no failure by a line.
+    /// True to join the points of each group by a line, failures excepted.
     pub joined: bool,
 }
 
@@ -100,7 +101,7 @@ pub struct Scatter {
 pub struct Group {
     /// Its name.
     pub name: String,
-    /// True if they are drawn as crosses: failures.
+    /// True if they are failures, which are drawn as crosses.
     pub failed: bool,
     color: String,
     /// `x`, `y` and the name of each point.
@@ -108,7 +109,7 @@ pub struct Group {
 }
 
 impl Group {
-    /// Group number `index` of a plot, from 0, which gives its colour.
+    /// The group of index `index` in a plot, from 0, which determines its colour.
     #[must_use]
     pub fn new(name: String, index: usize, failed: bool, points: Vec<(f64, f64, String)>) -> Self {
         let finite = points.into_iter();
@@ -121,21 +122,21 @@ impl Group {
         }
     }
 
-    /// True if it has no points.
+    /// Returns true if it has no points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 }
 
-/// How many of the solves with one value succeed.
+/// The number of successful solves for one value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Bar {
     /// The value.
     pub name: String,
-    /// The number of solves that succeed.
+    /// The number of successful solves.
     pub good: usize,
-    /// The number of all.
+    /// The number of all solves.
     pub all: usize,
 }
 
@@ -143,18 +144,18 @@ pub struct Bar {
 #[derive(Clone, Debug, Serialize)]
 pub struct Table {
     title: String,
-    /// The name of the file that has the rows too.
+    /// The name of the file that contains the rows.
     file: Option<String>,
     columns: Vec<String>,
     rows: Vec<Vec<Value>>,
-    /// The numbers of the rows that are failures.
+    /// The indices of the rows that are failures.
     failed: Vec<usize>,
     /// The number of rows of the file.
     all: usize,
 }
 
 impl Table {
-    /// Of cells as they are. A row that is too short is filled up, what is too long is left out.
+    /// A table of these cells. Short rows are padded, long ones are cut.
     #[must_use]
     pub fn new(title: &str, columns: &[String], rows: &[Vec<String>]) -> Self {
         let cells = |row: &Vec<String>| {
@@ -172,10 +173,11 @@ impl Table {
         }
     }
 
-    /// Of rows that are in `file` too, as comma-separated values, without the columns that are empty. `fails` tells whether a row is a failure.
+    /// A table of rows that are also in `file` as comma-separated values, without empty columns. `fails` returns true
+    /// for a failure.
     ///
     /// # Errors
-    /// The rows are none of comma-separated values.
+    /// The rows cannot be written as comma-separated values.
     pub fn of_rows<T: Serialize>(
         title: &str,
         file: &str,
@@ -194,11 +196,11 @@ impl Table {
         Ok(Self { all, ..table })
     }
 
-    /// Of comma-separated values with a header that are in `file` too, without the columns that are empty. `fails` tells by the number of a
-    /// row, from 0, whether it is a failure.
+    /// A table of comma-separated values with a header that are also in `file`, without empty columns. `fails` returns
+    /// true if the row of an index, from 0, is a failure.
     ///
     /// # Errors
-    /// It is no table of comma-separated values.
+    /// The text is not a table of comma-separated values.
     pub fn of_csv(
         title: &str,
         file: &str,
@@ -227,7 +229,7 @@ impl Table {
     }
 }
 
-/// A cell: a number where it is one, and nothing where it is empty.
+/// A cell: a number if it is one, null if it is empty.
 fn cell(text: &str) -> Value {
     if text.is_empty() {
         return Value::Null;
@@ -250,7 +252,7 @@ fn cell(text: &str) -> Value {
     }
 }
 
-/// Evenly chosen points where there are more than a plot should have.
+/// Evenly selected points if there are more than a plot should have.
 fn thinned(plot: &Scatter) -> Scatter {
     let mut plot = plot.clone();
     let all: usize = plot.groups.iter().map(|group| group.points.len()).sum();
@@ -268,10 +270,10 @@ fn thinned(plot: &Scatter) -> Scatter {
 }
 
 impl TablePage {
-    /// The page as HTML.
+    /// Builds the page as HTML.
     ///
     /// # Errors
-    /// Its data cannot be written as JSON.
+    /// The data cannot be written as JSON.
     pub fn html(&self) -> Result<String> {
         let mut page = self.clone();
         for part in &mut page.parts {
@@ -289,7 +291,7 @@ impl TablePage {
     /// Writes the page to the file at `path`.
     ///
     /// # Errors
-    /// As [`TablePage::html`], or the file cannot be written.
+    /// Those of [`TablePage::html`], or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_text(&self.html()?, path)
     }

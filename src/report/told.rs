@@ -1,4 +1,4 @@
-//! What is told of a solve in words: by its summary, and the commands that repeat it.
+//! The facts of a solve: its summary, and the commands that repeat it.
 
 use crate::error::{Error, Result};
 use crate::input::read_named;
@@ -6,7 +6,7 @@ use crate::scenario::{Method, SolveOptions, Summary, builtin_scenarios, is_gener
 use serde_json::Value;
 use std::path::Path;
 
-/// The keys of a summary that a comparison shows, with what they are.
+/// The keys of a summary that a comparison shows, with their labels.
 const FACTS: [(&str, &str); 12] = [
     ("scenario", "scenario"),
     ("robot", "robot"),
@@ -22,11 +22,11 @@ const FACTS: [(&str, &str); 12] = [
     ("solve_seconds", "solve time, s"),
 ];
 
-/// What a page tells of a motion.
+/// The facts of a motion on a page.
 pub(super) struct Told {
-    /// What it is, and its value.
+    /// Labels and values.
     pub facts: Vec<[String; 2]>,
-    /// The commands that make it again.
+    /// The commands that repeat the solve.
     pub commands: Vec<String>,
     /// The method, and the variant of a flow.
     pub method: String,
@@ -34,7 +34,7 @@ pub(super) struct Told {
     pub least_clearance: Option<f64>,
 }
 
-/// That of the summary in the file at `path`.
+/// The facts in the summary in the file at `path`.
 pub(super) fn told_in(path: &str, options: &SolveOptions) -> Result<Told> {
     let text = read_named(Path::new(path), "summary")?;
     let summary: Value =
@@ -60,7 +60,7 @@ pub(super) fn told_in(path: &str, options: &SolveOptions) -> Result<Told> {
     })
 }
 
-/// The method in words, with the variant of a flow.
+/// The method with the variant of a flow.
 pub(super) fn method(options: &SolveOptions) -> String {
     match (options.method, options.variant) {
         (Method::Relax, _) => "relaxation".to_owned(),
@@ -69,7 +69,7 @@ pub(super) fn method(options: &SolveOptions) -> String {
     }
 }
 
-/// The commands that repeat a solve: from its summary in its folder, and by all options where the scenario is built in.
+/// The commands that repeat a solve: from its summary in its folder, and by all options if the scenario is built in.
 pub(super) fn commands(summary: &Summary) -> Vec<String> {
     let file = match summary.success {
         true => "summary.json",
@@ -98,7 +98,7 @@ pub(super) fn commands(summary: &Summary) -> Vec<String> {
     commands
 }
 
-/// A path as a shell takes it.
+/// Quotes a path for a shell.
 fn quoted(path: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
     if path.chars().all(plain) {

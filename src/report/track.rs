@@ -1,4 +1,4 @@
-//! A motion at many times: where every body is, what every joint does, and what the robot is nearest to.
+//! A motion sampled over time: poses of the bodies, joint values, and the nearest obstacle.
 
 use super::encode::{of_f32, of_i16};
 use super::scene::pose;
@@ -12,7 +12,7 @@ use crate::spatial::Placement;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// Rows per second and the most rows of the motion; of a ghost.
+/// Rows per second and the largest number of rows, of the motion and of a ghost.
 pub(super) const MOTION: [f64; 2] = [120.0, 600.0];
 pub(super) const GHOST: [f64; 2] = [40.0, 200.0];
 
@@ -30,29 +30,29 @@ pub(super) struct Track {
     times: String,
     /// The unit of positions, m; that of quaternions is 1 / 32767.
     unit: f64,
-    /// Three numbers for each body at each time.
+    /// Three numbers per body and time.
     positions: String,
-    /// Four, likewise: `x y z w`.
+    /// Four numbers `x y z w` per body and time.
     turns: String,
 }
 
-/// The distance from what the robot is nearest to over time.
+/// The clearance over time.
 #[derive(Serialize)]
 pub(super) struct Clearance {
-    /// m.
+    /// The clearances, m.
     values: String,
-    /// The names of what is near each other.
+    /// The names of the nearest pairs.
     pairs: Vec<[String; 2]>,
-    /// The number of the pair at each time.
+    /// The index of the pair at each time.
     pair: Vec<usize>,
-    /// The points nearest to each other, six numbers at each time, m.
+    /// The points nearest to each other, six numbers per time, m.
     points: String,
     #[serde(skip)]
     pub distances: Vec<f64>,
 }
 
-/// The curve at equal distances in each segment, both of its ends included, so that jumps from one to the next are there.
-/// Intervals of a segment are even in number.
+/// Samples the curve at equal distances in each segment, both of its ends included, so that jumps between segments are
+/// visible. The number of intervals of a segment is even.
 pub(super) fn rows_of(model: &Model, curve: &Curve, [rate, most]: [f64; 2]) -> Result<Vec<Sample>> {
     let segments = curve.segments();
     let wanted = (rate * curve.horizon()).clamp(40.0, most);
@@ -102,12 +102,12 @@ impl Track {
 }
 
 impl Clearance {
-    /// The least of the rows, m.
+    /// The least clearance, m.
     pub fn least(&self) -> f64 {
         self.distances.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// `None` where there is nothing to keep clear of.
+    /// Computes the clearance at these placements; `None` without obstacles or pairs of links.
     pub fn new(scenario: &Scenario, placements: &[Vec<Placement<f64>>]) -> Result<Option<Self>> {
         let Some(distances) = Distances::new(scenario)? else {
             return Ok(None);

@@ -4,8 +4,8 @@ use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 
 /// A number with `N` tangents over any [`Scalar`]: $x + \sum_i \epsilon_i x_i$ with $\epsilon_i \epsilon_j = 0$.
 ///
-/// It is what `num-dual` offers over floating-point numbers, without asking that the scalar has an order: so it runs over
-/// a prime field and over SIMD lanes as well. Unlike there, `==` compares the tangents too.
+/// It has the functions of `num-dual`'s dual numbers over floating point, but does not require an ordered scalar, so
+/// that it also works over a prime field and SIMD lanes. Unlike there, `==` compares the tangents too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<S, const N: usize> {
     /// The value.
@@ -15,7 +15,7 @@ pub struct Jet<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Jet<S, N> {
-    /// A constant.
+    /// A constant, with zero tangents.
     #[inline]
     #[must_use]
     pub fn constant(re: S) -> Self {
@@ -25,21 +25,21 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
         }
     }
 
-    /// A value and its tangents.
+    /// A number from its value and its tangents.
     #[inline]
     #[must_use]
     pub fn new(re: S, eps: [S; N]) -> Self {
         Self { re, eps }
     }
 
-    /// `self * other`, by the product rule.
+    /// Computes `self * other` by the product rule.
     #[inline]
     fn product(self, other: Self) -> Self {
         let eps = std::array::from_fn(|i| self.eps[i] * other.re + self.re * other.eps[i]);
         Self::new(self.re * other.re, eps)
     }
 
-    /// `self / other`, with one division.
+    /// Computes `self / other` with one division.
     #[inline]
     fn quotient(self, other: Self) -> Self {
         let inverse = S::one() / other.re;
@@ -48,7 +48,7 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
         Self::new(re, eps)
     }
 
-    /// `f(self)` where `f` has the value `re` and the derivative `slope` there.
+    /// Computes `f(self)` from the value `re` and the derivative `slope` of `f`.
     #[inline]
     fn chain(self, re: S, slope: S) -> Self {
         Self::new(re, self.eps.map(|e| e * slope))

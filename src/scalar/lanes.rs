@@ -1,12 +1,12 @@
-//! Several numbers at once.
+//! Several numbers processed at once.
 
 use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 use std::any::Any;
 
-/// `W` numbers that go through the same arithmetic side by side, such as the same joint at `W` times of a motion.
+/// `W` numbers in the same arithmetic, such as the same joint at `W` times of a motion.
 ///
-/// Over `f64` the compiler makes SIMD instructions of it, as wide as it is allowed to (`-C target-cpu`). Each lane has the value,
-/// to the last bit, that the number alone would have; sines and cosines of four `f64` may differ in that bit.
+/// Over `f64` the compiler generates SIMD instructions, as wide as it may (`-C target-cpu`). Each lane has bit for bit
+/// the value of a single number, except that sines and cosines of four `f64` may differ in the last bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);
@@ -21,8 +21,8 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
 }
 
 impl<S: Scalar, const W: usize> Lanes<S, W> {
-    /// Puts the columns from `first` on of a matrix, column by column in `columns`, side by side into `to`, which is as long as one of
-    /// them. The last one is also in the lanes that are left; returns how many there are.
+    /// Copies the columns from `first` on of a column-major matrix into the lanes of `to`, which is as long as a
+    /// column. Unused lanes get the last column; returns the number of used lanes.
     pub(crate) fn gather(columns: &[S], first: usize, to: &mut [Self]) -> usize {
         let size = to.len();
         let count = W.min(columns.len() / size - first);
@@ -36,7 +36,7 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
     }
 }
 
-/// What `op` leaves of the first number in each lane: a loop, as the compiler does not always take `array::map` apart.
+/// Applies `op` to each lane in a loop, because the compiler does not always unroll `array::map`.
 #[inline(always)]
 fn lanewise<S: Scalar, const W: usize>(
     mut a: Lanes<S, W>,
@@ -63,10 +63,10 @@ impl_scalar_operators! {
     }
 }
 
-/// Beyond this angle, in rad, the short way to sines and cosines loses digits.
+/// The angle, in rad, beyond which the fast computation of sines and cosines loses digits.
 const LARGE: f64 = 1e9;
 
-/// Sines and cosines of four `f64` in a sixth of the time that one after the other take.
+/// Sines and cosines of four `f64` in a sixth of the time of four single ones.
 #[inline(always)]
 fn sin_cos_f64x4<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
     let angles: &Lanes<f64, 4> = (&angles as &dyn Any).downcast_ref()?;

@@ -1,13 +1,15 @@
-//! What the rest of the library asks of a number.
+//! The number types of the library.
 //!
-//! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational functions
-//! once a mass matrix is inverted: [`Scalar`] asks for field operations and `sin_cos`. Distances from shapes need a square root and a
-//! choice between two numbers by a sign beside, and no comparison that a program could branch on. The hyperbolic tangent that penalties
-//! need is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and nests of them qualify; so do SIMD lanes, which choose each for
-//! itself, and a prime field, where the root and the sign are formal.
+//! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational
+//! functions once a mass matrix is inverted: [`Scalar`] requires field operations and `sin_cos`. Distances from shapes
+//! also need a square root and a choice between two numbers by a sign, but no comparison on which a program could
+//! branch. The hyperbolic tangent of penalties is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and their
+//! nestings implement it; so do SIMD lanes, which choose independently, and a prime field, where the root and the sign
+//! are formal.
 //!
-//! The constants of a model have a type of their own. [`AlgebraOver<C>`] says that a scalar can be multiplied by a constant of
-//! type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to three times faster.
+//! The constants of a model have a separate type. [`AlgebraOver<C>`] means that a scalar can be multiplied by a
+//! constant of type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to
+//! three times faster.
 
 mod jet;
 mod lanes;
@@ -26,10 +28,10 @@ pub use num_traits::{One, Zero};
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use std::ops::Neg;
 
-/// A number that the generic dynamics compute with.
+/// A number type of the generic dynamics.
 ///
-/// The supertraits are what `nalgebra` needs to store and multiply matrices of it. [`Zero::is_zero`] and `==` look only
-/// at the real part of a dual number, so generic code must not branch on them.
+/// The supertraits are those that `nalgebra` needs for matrices. [`Zero::is_zero`] and `==` of a dual number compare
+/// only the real part, so that generic code must not branch on them.
 pub trait Scalar:
     Copy
     + nalgebra::Scalar
@@ -41,41 +43,41 @@ pub trait Scalar:
     + ClosedMulAssign
     + ClosedDivAssign
 {
-    /// The scalar that stands for a constant.
+    /// Converts a constant.
     fn from_f64(x: f64) -> Self;
 
-    /// Sine and cosine of an angle in radians.
+    /// Computes sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
 
-    /// The square root. At zero its derivatives are not finite, so code that may come there chooses another number by
-    /// [`if_negative`](Self::if_negative).
+    /// Computes the square root. At zero its derivatives are not finite; code that may reach zero selects another
+    /// number by [`if_negative`](Self::if_negative).
     fn sqrt(self) -> Self;
 
-    /// `then` where the real part of the number is negative, `otherwise` where it is zero, positive or not a number. Each lane chooses
-    /// for itself. What is not chosen leaves no trace, whether or not it is finite.
+    /// Selects `then` if the real part of the number is negative, and `otherwise` if it is zero, positive or NaN. Each
+    /// lane selects independently. The other number has no effect, even if it is not finite.
     fn if_negative(self, then: Self, otherwise: Self) -> Self;
 
-    /// Tells whether the number and all its derivatives are known to be zero, so that products with it can be left out. `false` is always
-    /// right, and what it is unless overridden.
+    /// Returns true if the number and all its derivatives are known to be zero, so that products with it can be
+    /// skipped. `false`, the default, is always correct.
     #[inline]
     fn vanishes(&self) -> bool {
         false
     }
 }
 
-/// A scalar with a hyperbolic tangent, which the penalties of constraints are made of. Lagrangians and costs of the control, which
-/// may contain penalties, get it, so the flow in its control form asks for it too. Dynamics and their derivatives, constraints,
-/// and the flow by Algorithm B1 and by Theorems B3 and B4 do without.
+/// A scalar with a hyperbolic tangent, of which the penalties of constraints are made. Lagrangians and costs of the
+/// control, which may contain penalties, require it, and so does the flow in its control form. Dynamics and their
+/// derivatives, constraints, and the flow by Algorithm B1 and by Theorems B3 and B4 do not.
 pub trait Tanh: Scalar {
-    /// Hyperbolic tangent.
+    /// Computes the hyperbolic tangent.
     fn tanh(self) -> Self;
 }
 
 /// A scalar that can be multiplied by the constants `C` of a model.
 pub trait AlgebraOver<C>: Scalar {
-    /// The scalar that stands for the constant `c`.
+    /// Converts the constant `c`.
     fn lift(c: C) -> Self;
 
-    /// The product `c * self`, without promoting `c`.
+    /// Computes the product `c * self` without promoting `c`.
     fn scale(self, c: C) -> Self;
 }

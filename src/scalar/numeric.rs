@@ -4,7 +4,7 @@ use super::{AlgebraOver, Scalar, Tanh};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
 use num_traits::{Float, NumCast, Zero};
 
-/// Rounds a constant to the floating-point type below a dual number; both types there are (`f32`, `f64`) take any `f64`.
+/// Rounds a constant to the floating-point type of a dual number; both existing types (`f32`, `f64`) accept any `f64`.
 fn primitive<F: DualNumFloat>(x: f64) -> F {
     NumCast::from(x).unwrap_or_else(F::nan)
 }
@@ -34,7 +34,7 @@ impl<D: DualNum + Copy> Scalar for D {
         }
     }
 
-    /// `num-dual` tells of the real part alone, so only numbers without derivatives can be known to vanish.
+    /// `num-dual` reports only the real part, so that only numbers without derivatives can be known to vanish.
     #[inline]
     fn vanishes(&self) -> bool {
         D::NDERIV == 0 && self.is_zero()
@@ -67,7 +67,8 @@ impl<D: DualNum + Copy> AlgebraOver<f64> for D {
     }
 }
 
-/// A type whose values may themselves be the constants of a model, as after [`Model::cast`](crate::model::Model::cast).
+/// Implements [`AlgebraOver`] for a type over itself, for models whose constants have this type, as after
+/// [`Model::cast`](crate::model::Model::cast).
 macro_rules! over_itself {
     ($type:ty $(, $parameter:ident $(: $bound:ident)?)* $(; const $n:ident)?) => {
         impl<$($parameter $(: $bound + Copy)?,)* $(const $n: usize)?> AlgebraOver<$type> for $type {

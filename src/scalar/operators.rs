@@ -1,10 +1,11 @@
-//! The operators of a number by a few functions.
+//! A macro for the operators of a number type.
 
-/// Implements the operators of a type of numbers: `+`, `-`, `*`, `/`, the negative, those that assign, zero and one. They are what
-/// [`Scalar`](crate::scalar::Scalar) asks for beside `from_f64`, `sin_cos`, `sqrt` and `if_negative`.
+/// Implements the operators of a number type from a few functions: `+`, `-`, `*`, `/`, negation, the assignment
+/// operators, zero and one. In addition to these, [`Scalar`](crate::scalar::Scalar) requires `from_f64`, `sin_cos`,
+/// `sqrt` and `if_negative`.
 ///
-/// Attributes such as `#[inline]` go to every function. Parameters of the type stand in the brackets, `[]` where there are none.
-/// The [guide](crate::guide::scalar) makes a scalar with it.
+/// Attributes such as `#[inline]` apply to every function. The brackets hold the parameters of the type, `[]` for none.
+/// The [guide](crate::guide::scalar) defines a scalar with it.
 ///
 /// ```
 /// use aghf::impl_scalar_operators;

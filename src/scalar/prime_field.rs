@@ -1,4 +1,4 @@
-//! The field with $2^{61} - 1$ elements, in which an identity is proved rather than measured.
+//! The field with $2^{61} - 1$ elements, over which identities are proved.
 
 use super::{AlgebraOver, One, Scalar, Tanh, impl_scalar_operators};
 use std::fmt;
@@ -6,8 +6,8 @@ use std::fmt;
 /// An element of $GF(p)$ with the Mersenne prime $p = 2^{61} - 1$. Arithmetic is exact and `==` means equal.
 ///
 /// Rigid-body dynamics are rational functions of their inputs once the sine and cosine of an angle are two numbers with
-/// $s^2 + c^2 = 1$. Two different rational functions of degree `d` agree at a random point of the field with probability
-/// at most `d / p` (Schwartz and Zippel), so agreement at one point is a proof up to that.
+/// $s^2 + c^2 = 1$. Two different rational functions of degree `d` agree at a random point of the field with
+/// probability at most `d / p` (Schwartz and Zippel), so agreement at one point is a proof up to that.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct PrimeField(u64);
 
@@ -15,7 +15,7 @@ impl PrimeField {
     /// The number of elements: the prime $2^{61} - 1$.
     pub const ORDER: u64 = (1 << 61) - 1;
 
-    /// The residue of an integer.
+    /// The residue class of an integer.
     #[must_use]
     pub fn new(x: u64) -> Self {
         Self(x % Self::ORDER)
@@ -27,7 +27,7 @@ impl PrimeField {
         self.0
     }
 
-    /// $x^e$.
+    /// Computes $x^e$.
     #[must_use]
     pub fn power(self, mut exponent: u64) -> Self {
         let (mut base, mut result) = (self, Self::one());
@@ -41,7 +41,7 @@ impl PrimeField {
         result
     }
 
-    /// $x^{-1} = x^{p - 2}$ (Fermat); zero for zero, which has none.
+    /// Computes $x^{-1} = x^{p - 2}$ (Fermat); zero, which has no inverse, gives zero.
     #[must_use]
     pub fn inverse(self) -> Self {
         self.power(Self::ORDER - 2)
@@ -79,8 +79,8 @@ impl_scalar_operators! {
 }
 
 impl Scalar for PrimeField {
-    /// Exact: a finite `f64` is an integer times a power of two, and two has an inverse. What is not finite has no image;
-    /// such a constant never reaches a model, and gives zero here.
+    /// Exact: a finite `f64` is an integer times a power of two, and two has an inverse. A number that is not finite
+    /// has no image and gives zero; such a constant never reaches a model.
     fn from_f64(x: f64) -> Self {
         debug_assert!(x.is_finite(), "{x} is no element of a field");
         let bits = x.abs().to_bits();
@@ -106,13 +106,14 @@ impl Scalar for PrimeField {
         ((self + self) * inverse, (Self::one() - square) * inverse)
     }
 
-    /// A formal function, as half of the elements have no root: any value will do that is zero at zero alone, as long as its derivative is
-    /// $1 / (2 \sqrt x)$, which [`Jet`](super::Jet) sees to. $x + x^3$ here, since $x^2 = -1$ has no solution.
+    /// A formal function, because half of the elements have no root: any value is admissible that is zero only at zero,
+    /// if the derivative is $1 / (2 \sqrt x)$, which [`Jet`](super::Jet) provides. Here it is $x + x^3$, because
+    /// $x^2 = -1$ has no solution.
     fn sqrt(self) -> Self {
         self + self * self * self
     }
 
-    /// The residues above half of the order are the negative ones, as $-1, -2, \dots$ are: a random element is as often as not.
+    /// The residues above half of the order count as negative, like $-1, -2, \dots$: about half of all elements.
     #[inline]
     fn if_negative(self, then: Self, otherwise: Self) -> Self {
         if self.0 > Self::ORDER / 2 {
@@ -129,7 +130,8 @@ impl Scalar for PrimeField {
 }
 
 impl Tanh for PrimeField {
-    /// A formal function: any value will do, as long as its derivative is $1 - \tanh^2$, which [`Jet`](super::Jet) sees to.
+    /// A formal function: any value is admissible if the derivative is $1 - \tanh^2$, which [`Jet`](super::Jet)
+    /// provides.
     fn tanh(self) -> Self {
         (self + self) * (Self::one() + self * self).inverse()
     }

@@ -12,7 +12,7 @@ use crate::flow::{
 };
 use std::time::Instant;
 
-/// By the published flow.
+/// Solves by the published flow.
 pub(super) fn solve_by_flow(
     scenario: &Scenario,
     options: &SolveOptions,
@@ -95,7 +95,7 @@ pub(super) fn solve_by_flow(
     report_of(scenario, options, found)
 }
 
-/// By a flow to rest.
+/// Solves by a flow to rest.
 pub(super) fn solve_by_flow_to_rest(
     scenario: &Scenario,
     options: &SolveOptions,

@@ -1,4 +1,4 @@
-//! A curve as it is written to a file.
+//! A curve as written to a file.
 
 use crate::curve::Curve;
 use crate::error::{Error, Result};
@@ -7,29 +7,30 @@ use crate::model::{Joint, Model};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// A curve of `E` segments of degree `p` in a file: its states $[q; v]$ at the nodes, which determine it, and its coefficients.
+/// A curve of `E` segments of degree `p` in a file: its states $[q; v]$ at the nodes, which determine it, and its
+/// coefficients.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurveFile {
-    /// `T`, s.
+    /// The horizon `T`, s.
     pub horizon_s: f64,
-    /// `E`.
+    /// The number of segments `E`.
     pub segments: usize,
-    /// `p`.
+    /// The degree `p` of each segment.
     pub degree: usize,
     /// The names of the `N` joints.
     pub joints: Vec<String>,
     /// The times of the nodes, `p + 1` per segment, s.
     pub nodes_s: Vec<f64>,
-    /// The state at each of them, `2 N` entries, rad or m and rad/s or m/s.
+    /// The state at each node, `2 N` entries, rad or m and rad/s or m/s.
     pub states: Vec<Vec<f64>>,
-    /// The coefficients of Chebyshev polynomials of each segment, of each of the `2 N` entries of the state, see
+    /// The coefficients of Chebyshev polynomials per segment and per entry of the state (`2 N`), see
     /// [`Curve::coefficients`].
     pub coefficients: Vec<Vec<Vec<f64>>>,
 }
 
 impl CurveFile {
-    /// A curve of a robot with these joints.
+    /// The file form of a curve of a robot with these joints.
     pub(super) fn new(curve: &Curve, joints: Vec<String>) -> Self {
         let begins = curve.breakpoints().iter().take(curve.segments());
         let nodes = curve.chebyshev().times();
@@ -50,7 +51,7 @@ impl CurveFile {
     /// The curve through the states. `file` names it in errors.
     ///
     /// # Errors
-    /// The joints are not those of the robot, or the states not those of such a curve.
+    /// The joints are not those of the robot, or the states do not form such a curve.
     pub(super) fn curve(&self, model: &Model, file: &str) -> Result<Curve> {
         let dof = model.dof();
         let refuse = |element: String, condition: String| Error::input(file, element, condition);

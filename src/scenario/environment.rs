@@ -1,4 +1,4 @@
-//! What the robot of a scenario has to keep clear of, and with what shape.
+//! The obstacles around the robot of a scenario, and the shape of the robot.
 
 use super::obstacles::{Named, placed};
 use super::robot_shape::{Body, alone};
@@ -16,8 +16,8 @@ use crate::spatial::Placement;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// The most distances between a ball and an obstacle: each is a row of the constraints, which takes about 10 kB at
-/// degree 16.
+/// The largest number of distances between a ball and an obstacle: each is a row of the constraints, which takes about
+/// 10 kB at degree 16.
 const MOST_DISTANCES: f64 = 5e4;
 
 /// The shape of a robot among obstacles.
@@ -31,20 +31,20 @@ pub struct Environment {
     ignored_pairs: Option<Vec<[String; 2]>>,
 }
 
-/// A ball of the robot in what it has to keep clear of.
+/// An overlap of a ball of the robot with an obstacle or another link.
 pub(super) struct Overlap {
-    /// An obstacle, as in the file: `sphere_obstacles[2]`; or another link.
+    /// The obstacle as in the file, such as `sphere_obstacles[2]`, or the other link.
     pub(super) obstacle: String,
     /// The body that carries the ball.
     pub(super) body: Option<usize>,
-    /// The link of the ball, where it is that of one.
+    /// The link of the ball, if the ball belongs to one.
     pub(super) link: Option<String>,
     /// The depth of the ball in the obstacle, m; negative when it is clear.
     pub(super) depth: f64,
 }
 
 impl Environment {
-    /// That of a scenario; `path` names it in errors. Meshes are looked for from `folder`.
+    /// Builds the environment of a scenario; `path` names the scenario in errors. Meshes are looked for from `folder`.
     pub(super) fn new(
         model: &Model,
         file: &ScenarioFile,
@@ -102,14 +102,14 @@ impl Environment {
         Ok(environment)
     }
 
-    /// The same shape of a robot whose bodies are part of others: of each the one that it is part of, and where it is
-    /// in that.
+    /// Moves the shape to a reduced robot whose bodies contain those of the full one: per body the one that contains
+    /// it, and its placement there.
     pub(super) fn reduced(mut self, bodies: &[(Option<usize>, Placement<f64>)]) -> Self {
         self.body.reduced(bodies);
         self
     }
 
-    /// Tells whether there is nothing to keep clear of.
+    /// Returns true if the robot has no obstacle and no other link to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty()
@@ -118,7 +118,7 @@ impl Environment {
             && self.self_pairs().is_empty()
     }
 
-    /// The balls that stand for the robot, those on its base included.
+    /// The balls that represent the robot, those on its base included.
     ///
     /// # Errors
     /// As [`Capsule::balls`](crate::constraint::Capsule::balls).
@@ -126,8 +126,8 @@ impl Environment {
         self.body.balls()
     }
 
-    /// The pairs of [balls](Self::balls) that keep clear of each other: of different bodies, and of links that may not
-    /// overlap.
+    /// The pairs of [balls](Self::balls) that keep clear of each other: balls of different bodies, on links that may
+    /// not overlap.
     #[must_use]
     pub fn self_pairs(&self) -> Vec<[usize; 2]> {
         match (&self.body, &self.ignored_pairs) {
@@ -136,17 +136,17 @@ impl Environment {
         }
     }
 
-    /// The spheres in the way, in the order of the scenario.
+    /// The sphere obstacles, in the order of the scenario.
     pub fn spheres(&self) -> impl Iterator<Item = &Sphere> {
         self.spheres.iter().map(|named| &named.placed)
     }
 
-    /// The boxes, cylinders and capsules in the way, in this order.
+    /// The box, cylinder and capsule obstacles, in this order.
     pub fn solids(&self) -> impl Iterator<Item = &Solid> {
         self.solids.iter().map(|named| &named.placed)
     }
 
-    /// The half-spaces to stay in.
+    /// The half-spaces that the robot must stay in.
     pub fn half_spaces(&self) -> impl Iterator<Item = &HalfSpace> {
         self.half_spaces.iter().map(|named| &named.placed)
     }
@@ -160,7 +160,7 @@ impl Environment {
         spheres.chain(half_spaces).chain(solids).collect()
     }
 
-    /// The link of one of the [balls](Self::balls); `None` where balls stand for no link.
+    /// The link of one of the [balls](Self::balls); `None` if the balls represent no links.
     #[must_use]
     pub fn link_of_ball(&self, ball: usize) -> Option<&str> {
         match &self.body {
@@ -169,8 +169,8 @@ impl Environment {
         }
     }
 
-    /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count for the
-    /// latter alone: nothing moves them.
+    /// The constraints that keep the robot clear of obstacles and of itself. Balls fixed to the base count only for
+    /// self-collision, because they never move.
     ///
     /// # Errors
     /// As [`balls`](Self::balls).
@@ -209,8 +209,8 @@ impl Environment {
         Ok(constraints)
     }
 
-    /// The deepest overlap of a ball of the constraints and an obstacle, or another such ball, with the bodies at
-    /// `placements`; a negative one is the smallest distance. `None` where there is nothing to keep clear of.
+    /// The deepest overlap between a ball and an obstacle or another ball of the constraints, with the bodies at
+    /// `placements`; a negative one is the smallest distance. `None` without obstacles or pairs of links.
     pub(super) fn deepest(&self, placements: &[Placement<f64>]) -> Result<Option<Overlap>> {
         let balls = self.balls()?;
         let link = |i: usize| self.link_of_ball(i).map(str::to_owned);
@@ -254,12 +254,12 @@ impl Environment {
     }
 
     /// The distance from the robot to the nearest obstacle, or between two of its links that keep clear of each other,
-    /// with its bodies at `placements`, in m; negative when it collides, infinite where there is nothing to keep clear
-    /// of. That from spheres and half-spaces is the exact one of swept links; all others are those of the balls that
-    /// cover the shape.
+    /// with its bodies at `placements`, in m; negative in a collision, infinite without obstacles or pairs of links.
+    /// Distances of swept links from spheres and half-spaces are exact; all others are those of the balls that cover
+    /// the shape.
     ///
     /// # Errors
-    /// The placements are those of another robot.
+    /// `placements` has the wrong length.
     pub fn clearance(&self, placements: &[Placement<f64>]) -> Result<f64> {
         let balls = self.balls()?;
         let exact = match &self.body {
@@ -287,10 +287,10 @@ impl Environment {
         Ok(smallest)
     }
 
-    /// The smallest clearance over configurations, in m; `None` where there is nothing to keep clear of.
+    /// The smallest clearance over configurations, in m; `None` without obstacles.
     ///
     /// # Errors
-    /// A configuration is that of another robot.
+    /// A configuration has the wrong length.
     pub fn smallest_clearance<'q>(
         &self,
         model: &Model,

@@ -1,4 +1,4 @@
-//! What a motion keeps clear of, and which limits it breaks.
+//! The feasibility of a motion: its clearance, and the limits that it violates.
 
 use super::{PASSIVE_TORQUE_SHARE, Scenario};
 use crate::constraint::{Constraint, Constraints, RowKind, RowLabel};
@@ -8,7 +8,7 @@ use crate::motion::{Violation, largest_torques, sample, violations};
 use serde::Serialize;
 use std::fmt;
 
-/// At how many intervals of time a motion is looked at, at least.
+/// The smallest number of time intervals on which a motion is checked.
 const INTERVALS: usize = 2000;
 
 /// The number of violations that a sentence names.
@@ -17,34 +17,35 @@ const NAMED: usize = 3;
 /// A report on whether a motion can be carried out.
 #[derive(Clone, Debug, Serialize)]
 pub struct Feasibility {
-    /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None` without
-    /// obstacles. The rows that keep the robot clear are those of balls that cover the shape, so they are stricter.
+    /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
+    /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
     pub smallest_clearance_m: Option<f64>,
-    /// The violations, however small: of all that the scenario enforces and of all limits of the robot, the worst violation of
-    /// each kind of limit by each joint, and of each distance between a link and an obstacle. What is enforced comes first.
+    /// The violations, however small, of everything that the scenario enforces and of all limits of the robot: the
+    /// worst one per kind of limit and joint, and per pair of a link and an obstacle. Violations of enforced limits
+    /// come first.
     pub limit_violations: Vec<LimitViolation>,
     /// The largest absolute torque of any joint, N m or N.
     pub largest_torque: f64,
-    /// The largest of a passive joint; `None` where there is none.
+    /// The largest absolute torque of a passive joint; `None` without passive joints.
     pub largest_passive_torque: Option<f64>,
 }
 
-/// A limit that is violated.
+/// A violated limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitViolation {
-    /// The joint, where it is a limit of one.
+    /// The joint, for a limit of a joint.
     pub joint: Option<String>,
     /// The kind of the limit.
     pub limit: Limit,
     /// The limit in words.
     pub name: String,
-    /// The amount by which the limit, or the share of it that is enforced, is exceeded at worst; see [`Violation::by`].
+    /// The largest excess over the limit, or over the enforced share of it; see [`Violation::by`].
     pub by: f64,
-    /// The unit of that: rad or m, rad/s or m/s, N m or N.
+    /// The unit of the excess: rad or m, rad/s or m/s, N m or N.
     pub unit: &'static str,
-    /// The time of the worst, s.
+    /// The time of the largest excess, s.
     pub at_s: f64,
-    /// `true` where the scenario enforces it.
+    /// `true` if the scenario enforces the limit.
     pub enforced: bool,
 }
 
@@ -59,7 +60,7 @@ impl fmt::Display for LimitViolation {
     }
 }
 
-/// A time with three significant digits, and three behind the point from 1 s on.
+/// Formats a time with three significant digits, and with three decimals from 1 s on.
 fn time(t: f64) -> String {
     if t == 0.0 || (1.0..1e6).contains(&t) {
         format!("{t:.3}")
@@ -68,7 +69,7 @@ fn time(t: f64) -> String {
     }
 }
 
-/// A positive number with three significant digits.
+/// Formats a positive number with three significant digits.
 fn three_figures(x: f64) -> String {
     if !(1e-3..1e4).contains(&x) {
         return format!("{x:.2e}");
@@ -92,7 +93,7 @@ pub enum Limit {
     Passive,
     /// The distance from an obstacle.
     Clearance,
-    /// Anything else.
+    /// Any other quantity.
     Other,
 }
 
@@ -109,10 +110,10 @@ impl From<RowKind> for Limit {
 }
 
 impl Feasibility {
-    /// That of a motion, by [`violations`] at no fewer than 2001 times.
+    /// Checks a motion by [`violations`] at no fewer than 2001 times.
     ///
     /// # Errors
-    /// The curve is for another robot, or a torque limit is negative.
+    /// The robot of the curve has another number of joints, or a torque limit is negative.
     pub fn of(scenario: &Scenario, curve: &Curve) -> Result<Self> {
         let model = &scenario.model;
         let enforced = scenario.constraints()?;
@@ -143,15 +144,16 @@ impl Feasibility {
         })
     }
 
-    /// Tells whether all that the scenario enforces is kept within `tolerance`, in the unit of each, and the torques of passive joints
-    /// within that or, if it is more, [`PASSIVE_TORQUE_SHARE`] of the largest torque: between the points at which a polynomial keeps
-    /// them at zero it cannot do so exactly.
+    /// Returns true if everything that the scenario enforces is satisfied within `tolerance`, in the unit of each
+    /// quantity. The torques of passive joints may reach `tolerance` or, if that is larger, [`PASSIVE_TORQUE_SHARE`] of
+    /// the largest torque: a polynomial cannot keep them at exactly zero between its points.
     #[must_use]
     pub fn holds(&self, tolerance: f64) -> bool {
         self.beyond(tolerance).next().is_none()
     }
 
-    /// The enforced limits that are violated by more than `tolerance`, in words; `None` where [all is kept](Self::holds).
+    /// The enforced limits that are violated by more than `tolerance`, in words; `None` if [all are
+    /// satisfied](Self::holds).
     #[must_use]
     pub fn reason(&self, tolerance: f64) -> Option<String> {
         let in_words = |violation: &LimitViolation| match violation.limit {
@@ -172,7 +174,7 @@ impl Feasibility {
         (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
     }
 
-    /// The enforced rows that are violated by more than what is allowed of them.
+    /// The violations of enforced rows beyond what is allowed for them.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
         let allowed = move |limit| match limit {
             Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
@@ -183,7 +185,7 @@ impl Feasibility {
     }
 }
 
-/// Adds what is violated of `constraints`: of rows of one kind and joint, or without a joint of one name, the worst.
+/// Adds the violations of `constraints`: the worst per kind of limit and joint, or per name for rows without a joint.
 fn add<K: Constraint>(
     scenario: &Scenario,
     curve: &Curve,

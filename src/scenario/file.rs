@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The parameters of the flow that suit a scenario.
+/// The parameters of the flow for a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FlowParameters {
@@ -31,18 +31,19 @@ pub struct FlowParameters {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// The `s` to which the flow runs.
+    /// The value of `s` at which the flow stops.
     pub s_max: f64,
-    /// The curve to start from.
+    /// The initial curve.
     pub guess: Guess,
     /// Weight of the constraints in (A2).
     pub k_cons: f64,
-    /// Sharpness of their activation in (A3).
+    /// Sharpness of the activation of the constraints in (A3).
     pub c_cons: f64,
 }
 
 impl Default for FlowParameters {
-    /// The paper's best for Kinova, the weights of constraints from the one with obstacles, the rest from the one without.
+    /// The paper's best values for Kinova: the constraint weights of the scenario with obstacles, the rest from the one
+    /// without.
     fn default() -> Self {
         Self {
             p: 9,
@@ -55,26 +56,26 @@ impl Default for FlowParameters {
     }
 }
 
-/// A scenario as it is written in a file. Angles in rad, lengths in m, times in s.
+/// A scenario as written in a file. Angles in rad, lengths in m, times in s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioFile {
-    /// A robot that is built in, or the path of a URDF file, relative to the scenario file.
+    /// The name of a built-in robot, or the path of a URDF file relative to the scenario file.
     pub robot: String,
-    /// The treatment of its mimic joints.
+    /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     pub mimic: Mimic,
-    /// The joints that do not move, with their positions; they are none of the `N` joints of what follows.
+    /// The locked joints with their positions; they are not among the `N` joints of the keys below.
     #[serde(
         default,
         deserialize_with = "numbers_by_name",
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub locked_joints: BTreeMap<String, f64>,
-    /// The joints without a motor, by name: they carry no torque.
+    /// The names of the joints without a motor: their torque is zero.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub passive: Vec<String>,
-    /// `T`.
+    /// The horizon `T`.
     pub horizon_s: f64,
     /// Configuration at the start, `N` entries.
     pub q_start: Vec<f64>,
@@ -84,13 +85,14 @@ pub struct ScenarioFile {
     pub q_goal: Vec<f64>,
     /// Velocity at the end.
     pub v_goal: Vec<f64>,
-    /// Of the relaxation: whether the velocity at the end is whatever costs least; `v_goal` is then no more than the first guess.
+    /// For the relaxation: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
-    /// The cost that is minimised instead of the control effort. The published flow minimises that alone and says so.
+    /// The cost that is minimised instead of the control effort. The published flow always minimises the control
+    /// effort, and reports this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub running_cost: Option<RunningCostWeights>,
-    /// Of the relaxation: between what bounds and at what price the horizon is found; `horizon_s` is then where the search begins.
+    /// For the relaxation: the bounds and the price of a free horizon; the search starts from `horizon_s`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
     /// The spheres to keep clear of.
@@ -108,22 +110,22 @@ pub struct ScenarioFile {
     /// The half-spaces to stay in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub half_spaces: Vec<HalfSpaceObstacle>,
-    /// The parts of the robot that keep clear.
+    /// The parts of the robot that keep clear of obstacles.
     #[serde(default)]
     pub robot_shape: RobotShape,
-    /// Which links keep clear of each other; none unless said.
+    /// The links that keep clear of each other; none by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_collision: Option<SelfCollision>,
-    /// The limits of the joints that are constraints; all unless said.
+    /// The joint limits that act as constraints; all by default.
     #[serde(default)]
     pub enforced_limits: EnforcedLimits,
-    /// Parameters of the flow; the paper's for Kinova where there are none.
+    /// The parameters of the flow; by default the paper's for Kinova.
     #[serde(default)]
     pub flow: FlowParameters,
-    /// The gains of the forward simulation; the paper's for Kinova, 10 and 10, where there are none.
+    /// The gains of the forward simulation; by default the paper's for Kinova, 10 and 10.
     #[serde(default = "kinova_gains")]
     pub feedback: Feedback,
-    /// The final error below which a solve is a success; the paper's 0.05 where there is none.
+    /// The final error below which a solve is a success; by default the paper's 0.05.
     #[serde(default = "paper_threshold")]
     pub success_threshold: f64,
 }
@@ -143,49 +145,50 @@ fn paper_threshold() -> f64 {
 /// A scenario with its robot, checked.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The name: that of the file without its ending.
+    /// The name: the file name without its extension.
     pub name: String,
     /// The contents of the file.
     pub file: ScenarioFile,
-    /// The robot, without the joints that are locked.
+    /// The robot, without the locked joints.
     pub model: Model,
-    /// The notes on loading it.
+    /// The notes from loading the robot.
     pub load_notes: LoadReport,
-    /// The obstacles that it has to keep clear of.
+    /// The obstacles.
     pub environment: Environment,
-    /// The name of the robot if it is built in, or else its absolute path.
+    /// The name of the robot if it is built in, otherwise its absolute path.
     pub robot_place: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
     pub robot_xxh64: String,
-    /// Its text, and where that is from.
+    /// The text of the robot and its origin.
     pub(crate) source: RobotSource,
-    /// What no key names.
+    /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
 }
 
 impl Scenario {
-    /// The scenario that is built in or generated under this name, or else the one in the file at this path.
+    /// Loads the scenario that is built in or generated under this name, otherwise the one in the file at this path.
     ///
     /// # Errors
-    /// Names the file, the key and what is wrong with it.
+    /// Names the file, the key and the fault.
     pub fn load(name_or_path: &str) -> Result<Self> {
         Self::load_for(name_or_path, None, None)
     }
 
-    /// As [`load`](Self::load), for another robot where a family of generated scenarios is for any, or with another choice for mimic
-    /// joints than that of the scenario.
+    /// Loads as [`load`](Self::load) does, with another robot (for families of generated scenarios that accept any) or
+    /// another treatment of mimic joints.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and if a robot is given for a scenario that names its own.
+    /// Those of [`load`](Self::load), and a robot given for a scenario that names its own.
     pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
         let (scenario, _) = Self::load_with_options(name_or_path, robot, mimic)?;
         Ok(scenario)
     }
 
-    /// As [`load_for`](Self::load_for), with the options of the solve where the file is the summary of one, and the defaults elsewhere.
+    /// Loads as [`load_for`](Self::load_for) does, together with the options of the solve if the file is a summary;
+    /// default options otherwise.
     ///
     /// # Errors
-    /// As [`load_for`](Self::load_for), and as [`Solved::load`] for a summary.
+    /// Those of [`load_for`](Self::load_for), and of [`Solved::load`] for a summary.
     pub fn load_with_options(
         name_or_path: &str,
         robot: Option<&str>,
@@ -217,7 +220,7 @@ impl Scenario {
         Ok((Self::new(file, name_or_path, folder)?, options))
     }
 
-    /// A scenario from its text in JSON. `path` and `folder` are those of [`new`](Self::new).
+    /// Parses a scenario from JSON text. `path` and `folder` are as in [`new`](Self::new).
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -225,8 +228,8 @@ impl Scenario {
         Self::new(read_json(text, path)?, path, folder)
     }
 
-    /// A scenario of what a file says, or a program. `path` names it, without its folder and ending, and in errors as it is; the robot
-    /// is looked for in `folder` unless it is built in.
+    /// Builds a scenario from the contents of a file, or from values of a program. Errors name `path`; its file name
+    /// without extension becomes the name of the scenario. The robot is looked for in `folder` unless it is built in.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -310,7 +313,7 @@ impl Scenario {
         })
     }
 
-    /// The problem to solve.
+    /// The trajectory optimisation problem of this scenario.
     ///
     /// # Errors
     /// As [`Problem::new`].
@@ -324,8 +327,8 @@ impl Scenario {
         )
     }
 
-    /// Boundary positions outside the limits of their joints, in words. The paper's Digit scenarios have some, so they are
-    /// told rather than refused.
+    /// The boundary positions outside the limits of their joints, in words. They are reported rather than refused,
+    /// because the paper's Digit scenarios have some.
     #[must_use]
     pub fn outside_limits(&self) -> Vec<String> {
         let mut notes = Vec::new();
@@ -347,7 +350,7 @@ impl Scenario {
     }
 }
 
-/// The robot with these joints locked, and its shape. `path` names the scenario in errors.
+/// Locks these joints in the robot and in its shape. `path` names the scenario in errors.
 fn lock(
     robot: Model,
     environment: Environment,

@@ -1,4 +1,4 @@
-//! Reading JSON, with errors that name the key.
+//! JSON input with errors that name the key.
 
 use crate::error::{Error, Result};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Reads a value from JSON; an error names the key that is wrong. `file` names the text.
+/// Reads a value from JSON; an error names the faulty key. `file` names the text.
 pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
     let refuse = |key: &str, condition: String| Error::input(file, key, condition);
     if text.trim_start().starts_with('<') {
@@ -38,7 +38,7 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
 
 const NO_OBJECT: &str = "it is a list, not an object with keys";
 
-/// The path at which `given` has a list that was read as something else: serde takes one for the values of the keys of an object in order.
+/// The path of a list in `given` that serde read as an object: it accepts one as the values of the keys in order.
 fn list_for_object(given: &Value, read: &Value) -> Option<String> {
     match (given, read) {
         (Value::Object(given), Value::Object(read)) => given.iter().find_map(|(key, given)| {
@@ -56,7 +56,7 @@ fn list_for_object(given: &Value, read: &Value) -> Option<String> {
     }
 }
 
-/// Reads an object of numbers; serde would take the last of a key that is repeated.
+/// Reads an object of numbers and refuses repeated keys, of which serde would silently keep the last.
 pub(super) fn numbers_by_name<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> std::result::Result<BTreeMap<String, f64>, D::Error> {

@@ -1,4 +1,4 @@
-//! The limits of the joints that are constraints.
+//! The joint limits that act as constraints.
 
 use super::{Limit, Scenario};
 use crate::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
@@ -6,38 +6,38 @@ use crate::error::{Error, Result, plain};
 use crate::model::{JointKind, Model};
 use serde::{Deserialize, Serialize};
 
-/// The limits of the joints that are constraints: all that the robot has unless said otherwise. The others are reported when they
-/// are violated.
+/// The joint limits that act as constraints; by default all limits of the robot. Violations of the others are only
+/// reported.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EnforcedLimits {
-    /// Those on positions. A share of a range is about its middle; a range with one end stays as it is.
+    /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
     pub position: Enforced,
-    /// Those on velocities.
+    /// The velocity limits.
     pub velocity: Enforced,
-    /// Those on torques and forces.
+    /// The torque and force limits.
     pub torque: Enforced,
 }
 
-/// The part of one kind of limit that is enforced.
+/// The enforced part of one kind of limit.
 ///
-/// In JSON `true`, `false`, a share, or an object with the keys `share` and `joints`, both optional.
+/// In JSON: `true`, `false`, a share, or an object with the optional keys `share` and `joints`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Written", into = "Written")]
 pub enum Enforced {
-    /// Nothing.
+    /// No limit.
     No,
-    /// Limits of joints.
+    /// The limits of some or all joints, scaled.
     Share {
-        /// The part of a limit that may be used, above 0 and at most 1.
+        /// The usable fraction of a limit, above 0 and at most 1.
         share: f64,
-        /// The names of the joints; all without any.
+        /// The names of the joints; `None` for all.
         joints: Option<Vec<String>>,
     },
 }
 
 impl Default for Enforced {
-    /// All limits as they are.
+    /// All limits, unscaled.
     fn default() -> Self {
         Self::Share {
             share: whole(),
@@ -54,14 +54,15 @@ impl EnforcedLimits {
         torque: Enforced::No,
     };
 
-    /// Tells whether limits of any kind are enforced, should the robot have some.
+    /// Returns true if limits of any kind are enforced, whether or not the robot has such limits.
     #[must_use]
     pub fn any(&self) -> bool {
         *self != Self::NONE
     }
 
-    /// The lower and the upper bound that are enforced on the position, velocity or torque of joint `joint` of `model`, in rad or m,
-    /// rad/s or m/s, N m or N; one of them may be infinite. `None` where nothing is enforced, and for a limit that is not of a joint.
+    /// The enforced lower and upper bound on the position, velocity or torque of joint `joint` of `model`, in rad or m,
+    /// rad/s or m/s, N m or N; one of them may be infinite. `None` if nothing is enforced, or if `limit` is not a limit
+    /// of a joint.
     #[must_use]
     pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
         let joint = model.joints().get(joint)?;
@@ -77,7 +78,7 @@ impl EnforcedLimits {
         (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
     }
 
-    /// The part of a kind of limit that is enforced.
+    /// The enforced part of a kind of limit.
     fn of(&self, limit: Limit) -> Option<&Enforced> {
         match limit {
             Limit::Position => Some(&self.position),
@@ -87,7 +88,7 @@ impl EnforcedLimits {
         }
     }
 
-    /// Refuses shares and names of joints that make no sense for `model`. `path` names the scenario.
+    /// Refuses invalid shares and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
         for limit in Limit::OF_JOINTS {
             let Some(Enforced::Share { share, joints }) = self.of(limit) else {
@@ -109,7 +110,7 @@ impl EnforcedLimits {
     }
 }
 
-/// The part of a range that is this share of it, about its middle.
+/// The central part of a range of relative size `share`.
 fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
     let cut = 0.5 * (1.0 - share) * (upper - lower);
     if cut.is_finite() {
@@ -120,7 +121,7 @@ fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
 }
 
 impl Enforced {
-    /// The share that is enforced for a joint.
+    /// The share enforced for a joint.
     fn share(&self, joint: &str) -> Option<f64> {
         let Self::Share { share, joints } = self else {
             return None;
@@ -131,10 +132,10 @@ impl Enforced {
 }
 
 impl Limit {
-    /// The kinds that are limits of a joint.
+    /// The kinds of limits that belong to a joint.
     pub(super) const OF_JOINTS: [Self; 3] = [Self::Position, Self::Velocity, Self::Torque];
 
-    /// Its name, that of the key of a scenario.
+    /// The name of the limit, which is its key in a scenario.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -146,7 +147,7 @@ impl Limit {
         }
     }
 
-    /// Its unit for a joint of this kind.
+    /// The unit of the limit for a joint of this kind.
     pub(super) fn unit(self, kind: JointKind) -> &'static str {
         let slides = kind == JointKind::Prismatic;
         match self {
@@ -163,7 +164,8 @@ impl Limit {
 }
 
 impl Scenario {
-    /// As [`EnforcedLimits::bound`], of this scenario. The bounds on the torque of a passive joint are zero, whatever is enforced.
+    /// The enforced bounds of this scenario, as [`EnforcedLimits::bound`] defines them. The bounds on the torque of a
+    /// passive joint are always zero.
     #[must_use]
     pub fn bound(&self, limit: Limit, joint: usize) -> Option<[f64; 2]> {
         if limit == Limit::Torque && self.is_passive(joint) {
@@ -172,7 +174,8 @@ impl Scenario {
         (self.file.enforced_limits).bound(&self.model, limit, joint)
     }
 
-    /// Tells whether there are no constraints: no obstacle, no limit that is enforced, no passive joint, none of the user's own.
+    /// Returns true if the scenario has no constraint: no obstacle, no enforced limit, no passive joint and no
+    /// user-defined constraint.
     #[must_use]
     pub fn is_free(&self) -> bool {
         self.environment.is_empty()
@@ -180,16 +183,16 @@ impl Scenario {
             && self.own.constraints.is_empty()
     }
 
-    /// Tells whether any joint has a bound, the torque of a passive one included.
+    /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
     pub(super) fn limits_are_enforced(&self) -> bool {
         let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
         Limit::OF_JOINTS.into_iter().any(bounded)
     }
 
-    /// The constraints on the state: clear of obstacles, within the limits that are enforced, and those of the user's own.
+    /// The constraints on the state: clearance from obstacles, enforced limits, and user-defined constraints.
     ///
     /// # Errors
-    /// As [`Environment::constraints`](super::Environment::constraints).
+    /// Those of [`Environment::constraints`](super::Environment::constraints).
     pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
         let mut constraints = self.environment.constraints()?;
         let bound = |limit, joint| self.bound(limit, joint);
@@ -198,10 +201,10 @@ impl Scenario {
         Ok(constraints)
     }
 
-    /// Everything that a motion has to keep.
+    /// All constraints on a motion.
     ///
     /// # Errors
-    /// As [`state_constraints`](Self::state_constraints).
+    /// Those of [`state_constraints`](Self::state_constraints).
     pub fn constraints(&self) -> Result<Constraints<Vec<AnyConstraint>>> {
         Ok(Constraints {
             state: self.state_constraints()?,
@@ -209,14 +212,14 @@ impl Scenario {
         })
     }
 
-    /// The limits on the control that are enforced, zero for passive joints; no entries where there are none.
+    /// The enforced torque limits, zero for passive joints; empty if there are none.
     #[must_use]
     pub fn torque_limits(&self) -> TorqueLimits {
         let bound = |limit, joint| self.bound(limit, joint);
         limits_of_torque(self.model.dof(), bound)
     }
 
-    /// The limits of the robot that are not enforced, not even a share of them.
+    /// The limits of the robot that are not enforced, not even in part.
     pub(super) fn other_limits(&self) -> Constraints<Vec<AnyConstraint>> {
         let all = EnforcedLimits::default();
         let other = |limit, joint| match self.bound(limit, joint) {
@@ -231,7 +234,7 @@ impl Scenario {
     }
 }
 
-/// The bounds on the positions and velocities of `n` joints as constraints, none without rows.
+/// The bounds on the positions and velocities of `n` joints as constraints, without those that have no rows.
 fn limits_of_state(
     n: usize,
     bound: impl Fn(Limit, usize) -> Option<[f64; 2]>,
@@ -253,7 +256,7 @@ fn limits_of_state(
     constraints
 }
 
-/// The bounds on the torques of `n` joints; no entries where there are none.
+/// The bounds on the torques of `n` joints; empty if there are none.
 fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> TorqueLimits {
     let limits: Vec<Option<f64>> = (0..n)
         .map(|i| bound(Limit::Torque, i).map(|[_, most]| most))
@@ -262,7 +265,7 @@ fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) 
     TorqueLimits(if any { limits } else { Vec::new() })
 }
 
-/// The form in which an [`Enforced`] is written.
+/// The JSON form of an [`Enforced`].
 #[derive(Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -274,7 +277,7 @@ enum Written {
     Part(Part),
 }
 
-/// A part of limits, as an object.
+/// A part of the limits, as an object.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Part {

@@ -1,4 +1,4 @@
-//! What a robot is nearest to.
+//! The nearest obstacle of a robot.
 
 use super::environment::{apart, centre};
 use super::robot_shape::{Body, alone};
@@ -8,18 +8,20 @@ use crate::error::Result;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 
-/// The robot and what it is nearest to.
+/// The closest pair of a part of the robot and an obstacle or another part.
 #[derive(Clone, Debug)]
 pub struct Nearest {
-    /// The distance between the two, m; negative where they overlap.
+    /// The distance of the pair, m; negative in an overlap.
     pub clearance: f64,
-    /// The names of the link, or of its joint where the shape of the robot has no links, and of the obstacle or other link.
+    /// The names of the link (or of its joint if the shape of the robot has no links) and of the obstacle or other
+    /// link.
     pub names: [String; 2],
-    /// A point of each, nearest to the other, in the base frame.
+    /// The closest point of each, in the base frame.
     pub points: [Vector3<f64>; 2],
 }
 
-/// The distances between a robot and what it has to keep clear of, as [`Environment::clearance`] has them, prepared for many configurations.
+/// The distances between a robot and its obstacles, as [`Environment::clearance`] defines them, prepared for many
+/// configurations.
 pub struct Distances<'a> {
     scenario: &'a Scenario,
     /// The exact shape, for spheres and half-spaces.
@@ -28,7 +30,7 @@ pub struct Distances<'a> {
     pairs: Vec<[usize; 2]>,
 }
 
-/// Two that are near each other, by their indices.
+/// A candidate pair, by indices.
 #[derive(Clone, Copy)]
 enum Pair {
     Sphere(usize, usize),
@@ -38,10 +40,10 @@ enum Pair {
 }
 
 impl<'a> Distances<'a> {
-    /// Those of a scenario; `None` where there is nothing to keep clear of.
+    /// Prepares the distances of a scenario; `None` without obstacles or pairs of links.
     ///
     /// # Errors
-    /// As [`Environment::balls`].
+    /// Those of [`Environment::balls`].
     pub fn new(scenario: &'a Scenario) -> Result<Option<Self>> {
         let environment = &scenario.environment;
         if environment.is_empty() {
@@ -59,10 +61,10 @@ impl<'a> Distances<'a> {
         }))
     }
 
-    /// What the robot is nearest to with its bodies at `placements`. Cost: one distance for each pair.
+    /// Finds the closest pair with the bodies at `placements`. Cost: one distance per pair.
     ///
     /// # Errors
-    /// The placements are those of another robot.
+    /// `placements` has the wrong length.
     pub fn nearest(&self, placements: &[Placement<f64>]) -> Result<Nearest> {
         let Environment {
             spheres,
@@ -169,7 +171,7 @@ impl<'a> Distances<'a> {
         })
     }
 
-    /// The name of the link of a ball, or else of the joint that moves the body.
+    /// The name of the link of a ball, or otherwise of the joint that moves the body.
     fn part(&self, ball: Option<usize>, body: Option<usize>) -> String {
         let link = ball.and_then(|i| self.scenario.environment.link_of_ball(i));
         let joint = body.map(|body| self.scenario.model.joints()[body].name());

@@ -1,4 +1,4 @@
-//! The keys of a scenario that say what the relaxation is to find, beside a motion of least effort from state to state.
+//! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
 use super::{Method, Scenario, ScenarioFile, SolveOptions};
 use crate::error::{Error, Result};
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunningCostWeights {
-    /// Of squared torques or forces, one unless said.
+    /// Weights of squared torques or forces, one by default.
     pub torque: PerJoint,
-    /// Of squared velocities, zero unless said.
+    /// Weights of squared velocities, zero by default.
     pub velocity: PerJoint,
-    /// Of squared accelerations, zero unless said.
+    /// Weights of squared accelerations, zero by default.
     pub acceleration: PerJoint,
 }
 
@@ -29,10 +29,10 @@ impl Default for RunningCostWeights {
 }
 
 impl RunningCostWeights {
-    /// The cost of a robot with `dof` joints.
+    /// The running cost for a robot with `dof` joints.
     ///
     /// # Errors
-    /// As [`WeightedSquares::new`].
+    /// Those of [`WeightedSquares::new`].
     pub fn weighted(&self, dof: usize) -> Result<WeightedSquares> {
         let [torque, velocity, acceleration] = [&self.torque, &self.velocity, &self.acceleration]
             .map(|weights| match weights {
@@ -43,28 +43,28 @@ impl RunningCostWeights {
     }
 }
 
-/// A number for each joint.
+/// One number per joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
     expecting = "a number is needed, or a list with one for each joint"
 )]
 pub enum PerJoint {
-    /// The same for all.
+    /// The same number for all joints.
     Same(f64),
-    /// One after the other.
+    /// One number per joint, in their order.
     Each(Vec<f64>),
 }
 
-/// Between what bounds a horizon is found, and what it costs.
+/// The bounds and the price of a free horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HorizonBounds {
-    /// The shortest there may be.
+    /// The shortest horizon, s.
     pub shortest_s: f64,
-    /// The longest.
+    /// The longest horizon, s.
     pub longest_s: f64,
-    /// The price of a second.
+    /// The price per second.
     pub weight: f64,
 }
 
@@ -78,7 +78,7 @@ impl From<HorizonBounds> for FreeHorizon {
     }
 }
 
-/// Refuses keys of this file that make no sense for a robot with `dof` joints. `path` names the scenario.
+/// Refuses keys of this file that are invalid for a robot with `dof` joints. `path` names the scenario.
 pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Result<()> {
     let named = |error: Error, key: &dyn Fn(&str) -> String| match error {
         Error::Input {
@@ -105,7 +105,7 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// The keys of this scenario that a method does not look at, in words.
+    /// The keys of this scenario that the method ignores, in words.
     pub(super) fn notes(&self, options: &SolveOptions) -> Vec<String> {
         let mut notes = Vec::new();
         let published = options.method == Method::Flow && !options.flows_to_rest();
@@ -116,7 +116,8 @@ impl Scenario {
         notes
     }
 
-    /// Refuses what a flow cannot be asked for: what only the relaxation knows, and passive joints unless it goes to rest.
+    /// Refuses keys that a flow does not support: those of the relaxation alone, and passive joints unless the flow
+    /// goes to rest.
     pub(super) fn check_for_flow(&self, to_rest: bool) -> Result<()> {
         let file = &self.file;
         let keys = [

@@ -1,4 +1,4 @@
-//! The obstacles of a scenario file, and the shape of the robot among them.
+//! The obstacles of a scenario file, and the shape of the robot.
 
 use crate::constraint::{HalfSpace, Sphere};
 use crate::error::{Error, Result, plain};
@@ -8,34 +8,35 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The largest length, m: far beyond any robot. Squares of distances must not overflow, nor swallow its own size.
+/// The largest length, m: far beyond any robot. Squared distances must neither overflow nor lose the size of the
+/// obstacle to rounding.
 pub(super) const LARGEST_LENGTH: f64 = 1e6;
 
-/// The largest difference from one of the length of an orientation.
+/// The largest deviation of the norm of an orientation from one.
 const NOT_UNIT: f64 = 1e-3;
 
 /// A sphere to keep clear of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereObstacle {
-    /// Its centre in the base frame, m.
+    /// Centre in the base frame, m.
     pub center_m: [f64; 3],
-    /// Its radius, m.
+    /// Radius, m.
     pub radius_m: f64,
-    /// Its name in reports.
+    /// Name in reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
 
-/// A half-space to stay in, such as what is above a floor.
+/// A half-space to stay in, such as the space above a floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalfSpaceObstacle {
-    /// A vector in the base frame, of any length, pointing to where the robot may be.
+    /// A vector in the base frame, of any length, pointing into the free half-space.
     pub normal: [f64; 3],
     /// The position of the boundary along the unit normal, m.
     pub offset_m: f64,
-    /// Its name in reports.
+    /// Name in reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
@@ -44,14 +45,14 @@ pub struct HalfSpaceObstacle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoxObstacle {
-    /// Its centre in the base frame, m.
+    /// Centre in the base frame, m.
     pub center_m: [f64; 3],
-    /// Its lengths along its own axes, m.
+    /// Edge lengths along its own axes, m.
     pub size_m: [f64; 3],
-    /// The unit quaternion that turns the axes of the base into its own; both are the same where there is none.
+    /// The unit quaternion that rotates the axes of the base into its own; the identity by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
-    /// Its name in reports.
+    /// Name in reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
@@ -60,16 +61,16 @@ pub struct BoxObstacle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderObstacle {
-    /// Its centre in the base frame, m.
+    /// Centre in the base frame, m.
     pub center_m: [f64; 3],
-    /// Its radius, m.
+    /// Radius, m.
     pub radius_m: f64,
-    /// Its length along its own `z` axis, m.
+    /// Length along its own `z` axis, m.
     pub length_m: f64,
-    /// The unit quaternion that turns the axes of the base into its own; both are the same where there is none.
+    /// The unit quaternion that rotates the axes of the base into its own; the identity by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
-    /// Its name in reports.
+    /// Name in reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
@@ -80,9 +81,9 @@ pub struct CylinderObstacle {
 pub struct CapsuleObstacle {
     /// The ends of the segment in the base frame, m.
     pub ends_m: [[f64; 3]; 2],
-    /// The radius, m.
+    /// Radius, m.
     pub radius_m: f64,
-    /// Its name in reports.
+    /// Name in reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
@@ -96,9 +97,9 @@ pub enum RobotShape {
     JointFrames,
     /// The whole arm: capsules along all links.
     SweptLinks {
-        /// Their radius, m.
+        /// Radius of the capsules, m.
         radius_m: f64,
-        /// The largest distance between the balls that cover them, m.
+        /// Largest distance between the balls that cover the capsules, m.
         #[serde(default = "default_spacing")]
         spacing_m: f64,
     },
@@ -118,9 +119,9 @@ fn default_spacing() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SelfCollision {
-    /// Pairs of links.
+    /// A list of pairs of links.
     IgnoredPairs(Vec<[String; 2]>),
-    /// The path of a file with such pairs, as [`IgnoredPairs`](super::IgnoredPairs) writes it, relative to the
+    /// The path of a file with such pairs, as written by [`IgnoredPairs`](super::IgnoredPairs), relative to the
     /// scenario.
     IgnoredPairsFile(String),
 }
@@ -128,33 +129,33 @@ pub enum SelfCollision {
 /// The fault of an obstacle, in words.
 type Checked<T> = std::result::Result<T, String>;
 
-/// An obstacle as it is in space.
+/// An obstacle of a scenario file.
 pub(super) trait Obstacle {
-    /// The key of a scenario.
+    /// The key in a scenario.
     const KEY: &'static str;
-    /// The solid that it is.
+    /// The type of the solid.
     type Placed;
 
-    /// The name it was given.
+    /// The given name.
     fn name(&self) -> Option<&String>;
 
-    /// The solid that it is, unless it makes no sense.
+    /// The solid in space, or the fault of the entry.
     fn placed(&self) -> Checked<Self::Placed>;
 }
 
-/// An obstacle in space, and where it is in the file.
+/// An obstacle in space with its place in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Named<T> {
-    /// Its key and number, such as `sphere_obstacles[2]`.
+    /// Key and number, such as `sphere_obstacles[2]`.
     pub key: String,
-    /// The name it was given.
+    /// The given name.
     pub name: Option<String>,
-    /// The solid that it is.
+    /// The solid in space.
     pub placed: T,
 }
 
 impl<T> Named<T> {
-    /// The name it was given, or else its key and number.
+    /// The given name, or otherwise key and number.
     pub fn name(&self) -> &str {
         self.name.as_ref().unwrap_or(&self.key)
     }
@@ -326,7 +327,7 @@ fn placement(center: [f64; 3], orientation: Option<[f64; 4]>) -> Checked<Placeme
     Ok(Placement::new(rotation, Vector3::from(center)))
 }
 
-/// The rotation of a quaternion `x y z w` that is one but for rounding.
+/// The rotation of a quaternion `x y z w` of norm one up to rounding.
 pub(super) fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Checked<UnitQuaternion<f64>> {
     let quaternion = Quaternion::new(w, x, y, z);
     let length = quaternion.norm();

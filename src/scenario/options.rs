@@ -1,4 +1,4 @@
-//! How a scenario is to be solved.
+//! The options of a solve.
 
 use super::Scenario;
 use crate::error::{Error, Result};
@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 crate::names::named_enum! {
-/// A method of solving a scenario.
+/// A method for solving a scenario.
 pub enum Method("method") {
-    /// Straight to least control effort, where the flow would come to rest, by Newton's method.
+    /// Direct minimisation of the control effort by Newton's method, to the limit of the flow.
     Relax = "relax",
     /// The Affine Geometric Heat Flow as published (Algorithm B3).
     Flow = "flow",
@@ -23,87 +23,90 @@ pub enum Method("method") {
 }
 
 crate::names::named_enum! {
-/// A variant of the flow; all go down the action of a Lagrangian.
+/// A variant of the flow; all minimise the action of a Lagrangian.
 pub enum FlowVariant("variant") {
-    /// As published: collocated, the penalty `k`, constraints as penalties, integrated to `s_max`.
+    /// The published flow: collocated, the penalty `k`, constraints as penalties, integrated to `s_max`.
     Published = "published",
-    /// To rest by an implicit scheme whose steps grow without bound; what the penalties leave of slip and constraints stays.
+    /// Flow to rest by an implicit scheme with growing steps, with the slip and the violations that penalties leave.
     Rest = "rest",
-    /// To rest, with duals that take over what large penalties would have to do (the idea of EL-AGHF).
+    /// Flow to rest with duals, which replace large penalties (the idea of EL-AGHF).
     Duals = "duals",
-    /// The same in two phases: the first looks for a motion within the constraints, the second for one of least cost (that of BLAZE).
+    /// Flow with duals in two phases: first to a motion within the constraints, then to least cost (the idea of BLAZE).
     TwoPhases = "two-phases",
 }
 }
 
-/// The choice of a method, and values that override the parameters of a scenario or the defaults of the method.
+/// The method, and values that override the parameters of a scenario or the defaults of the method.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolveOptions {
     /// The method.
     pub method: Method,
-    /// Of the flow: the variant.
+    /// For the flow: the variant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<FlowVariant>,
     /// Degree of the polynomial, or of each segment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<usize>,
-    /// Of the relaxation: of how many polynomials the motion is made.
+    /// For the relaxation: the number of polynomial segments of the motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<usize>,
-    /// Of the relaxation: by how much the effort may change, relative, from one degree to the next; the degree grows until then.
+    /// For the relaxation: the relative change of the effort between two degrees at which the degree stops growing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree_tolerance: Option<f64>,
-    /// Of the flow: absolute and relative tolerance of the integrator. Of the relaxation: the relative gradient norm at the end.
+    /// For the flow: absolute and relative tolerance of the integrator. For the relaxation: the relative gradient norm
+    /// at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-    /// Of the relaxation: how many starts there are.
+    /// For the relaxation: the number of starts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub num_starts: Option<usize>,
-    /// Of the relaxation: the number of threads that work on starts; all cores where there is none. The result is the same with any.
+    /// For the relaxation: the number of threads for the starts; all cores by default. The result does not depend on
+    /// it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
-    /// Of the flow: how the Jacobian is computed.
+    /// For the flow: the method of computing the Jacobian.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jacobian: Option<JacobianKind>,
-    /// Of the flow: what integrates it.
+    /// For the flow: the integrator.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrator: Option<IntegratorKind>,
-    /// Of the flow: penalty of (11).
+    /// For the flow: the penalty `k` of (11).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k: Option<f64>,
-    /// Of the flow: how far it runs.
+    /// For the flow: the value of `s` at which it stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub s_max: Option<f64>,
-    /// Of the flow: the curve to start from.
+    /// For the flow: the initial curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guess: Option<Guess>,
-    /// Of the flow: weight of the constraints in (A2).
+    /// For the flow: the weight of the constraints in (A2).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k_cons: Option<f64>,
-    /// Of the flow: sharpness of their activation in (A3).
+    /// For the flow: the sharpness of the activation in (A3).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub c_cons: Option<f64>,
-    /// Of the relaxation: the number from which its starts are drawn.
+    /// For the relaxation: the seed of its random starts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Of the relaxation: the starts for which ways around obstacles are planned.
+    /// For the relaxation: the starts that follow planned paths around obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planned_starts: Option<PlannedStarts>,
-    /// The wall time after which a flow stops, as a failure, and a relaxation with the best motion so far; until then it tries starts.
+    /// The limit on wall time: a flow then fails, and a relaxation, which tries starts until then, returns its best
+    /// motion.
     #[serde(
         rename = "time_limit_s",
         with = "seconds",
         skip_serializing_if = "Option::is_none"
     )]
     pub time_limit: Option<Duration>,
-    /// The request that stops either likewise when it is raised.
+    /// The handle by which another thread stops the solve in the same way.
     #[serde(skip)]
     pub interrupt: Interrupt,
 }
 
 impl SolveOptions {
-    /// The settings of the flow for `scenario`: these options, and the scenario's parameters where there are none.
+    /// The settings of the flow for `scenario`: these options, completed by the parameters of the scenario.
     #[must_use]
     pub fn flow_settings(&self, scenario: &Scenario) -> FlowSettings {
         let parameters = scenario.file.flow;
@@ -120,7 +123,7 @@ impl SolveOptions {
         }
     }
 
-    /// The settings of a flow of `scenario` to rest, likewise.
+    /// The settings of a flow to rest for `scenario`, completed in the same way.
     #[must_use]
     pub fn rest_settings(&self, scenario: &Scenario) -> RestSettings {
         let default = RestSettings::default();
@@ -154,11 +157,12 @@ impl SolveOptions {
         }
     }
 
-    /// The Lagrangian of a flow of `scenario` to rest but for the constraints: its running cost. That of the torque of a passive joint vanishes in the
-    /// end, and until then keeps it small between the points at which it is an equality.
+    /// The Lagrangian of a flow of `scenario` to rest without its constraints, that is its running cost. The torque
+    /// cost of a passive joint tends to zero during the flow, and keeps the torque small between the points at which it
+    /// is an equality.
     ///
     /// # Errors
-    /// Weights of the running cost are out of range.
+    /// A weight of the running cost is out of range.
     pub fn lagrangian<'m>(&self, scenario: &'m Scenario) -> Result<AnalyticLagrangian<'m>> {
         let k = self.k.unwrap_or(scenario.file.flow.k);
         let mut lagrangian = AnalyticLagrangian::new(&scenario.model, k);
@@ -172,7 +176,7 @@ impl SolveOptions {
         Ok(lagrangian)
     }
 
-    /// The penalty of the constraints of `scenario` in the flow, likewise.
+    /// The constraint penalty of the flow of `scenario`, completed in the same way.
     #[must_use]
     pub fn penalty(&self, scenario: &Scenario) -> Penalty {
         Penalty {
@@ -181,7 +185,7 @@ impl SolveOptions {
         }
     }
 
-    /// The settings of the relaxation for `scenario`: these options, and its defaults where there are none.
+    /// The settings of the relaxation for `scenario`: these options, completed by its defaults.
     #[must_use]
     pub fn relax_settings(&self, scenario: &Scenario) -> RelaxSettings {
         let mut default = if scenario.is_free() {
@@ -214,10 +218,11 @@ impl SolveOptions {
         }
     }
 
-    /// The longest time limit, s: of the next year no answer is expected.
+    /// The longest time limit, one year, s.
     pub const LONGEST_TIME_LIMIT: Duration = Duration::from_secs(31_536_000);
 
-    /// The same with what is not given said: repeated with these, a solve of `scenario` is the same whatever the defaults become.
+    /// The same options with all defaults filled in: a solve of `scenario` that is repeated with them does not depend
+    /// on later defaults.
     #[must_use]
     pub fn in_full(&self, scenario: &Scenario) -> Self {
         let common = Self {
@@ -273,13 +278,13 @@ impl SolveOptions {
         }
     }
 
-    /// Tells whether the variant of the flow is one that goes to rest.
+    /// Returns true if the variant of the flow goes to rest.
     #[must_use]
     pub fn flows_to_rest(&self) -> bool {
         self.variant.unwrap_or_default() != FlowVariant::Published
     }
 
-    /// Refuses options that the method does not have, and a time limit that is none.
+    /// Refuses options that the method does not have, and an invalid time limit.
     pub(super) fn check(&self) -> Result<()> {
         let longest = Self::LONGEST_TIME_LIMIT;
         if let Some(limit) = self.time_limit.filter(|limit| *limit > longest) {
@@ -336,9 +341,9 @@ impl SolveOptions {
     }
 }
 
-/// The degree and the number of segments of motions with passive joints, unless given.
+/// The default degree and number of segments of motions with passive joints.
 const PASSIVE_BASIS: (usize, usize) = (8, 8);
-/// The number of guesses at them, whose minima are many.
+/// The default number of guesses for motions with passive joints, which have many local minima.
 const PASSIVE_GUESSES: usize = 40;
 
 /// A duration as a number of seconds.
@@ -357,12 +362,13 @@ mod seconds {
     }
 }
 
-/// The number of starts for a robot with `dof` joints: as many as take about the same time as 16 for an arm of 7, and at least 4.
+/// The default number of starts for a robot with `dof` joints: at least 4, and otherwise as many as take about the time
+/// of 16 for an arm of 7.
 fn starts_of(dof: usize) -> usize {
     (112 / dof.max(1)).clamp(4, RelaxSettings::default().num_starts)
 }
 
-/// The number of cores, as far as threads can be had.
+/// The number of cores on which threads can run.
 fn all_cores() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     cores.min(RelaxSettings::MOST_THREADS)

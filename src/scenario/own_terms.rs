@@ -1,4 +1,4 @@
-//! Constraints and a running cost of one's own, which no key of a scenario can name.
+//! User-defined constraints and running costs, which no key of a scenario can express.
 
 use super::Scenario;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// A running cost of any type.
 pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 
-/// Constraints and a running cost of one's own.
+/// User-defined constraints and a user-defined running cost.
 #[derive(Clone, Default)]
 pub(super) struct OwnTerms {
     pub constraints: Vec<AnyConstraint>,
@@ -31,7 +31,7 @@ impl Debug for OwnTerms {
 }
 
 impl Scenario {
-    /// Adds a constraint on the state to those that the keys ask for. It is enforced and judged as they are.
+    /// Adds a constraint on the state to those of the keys. It is enforced and judged in the same way.
     pub fn add_constraint(
         &mut self,
         constraint: impl Constraint + Clone + Debug + Send + Sync + 'static,
@@ -40,12 +40,12 @@ impl Scenario {
         self.own.constraints.push(constraint);
     }
 
-    /// Minimises this cost in place of the scenario's. Only the relaxation can.
+    /// Replaces the running cost of the scenario. Only the relaxation supports this.
     pub fn set_running_cost(&mut self, cost: SharedCost) {
         self.own.running_cost = Some(cost);
     }
 
-    /// Refuses an end that breaks a constraint of the user's own.
+    /// Refuses a boundary state that violates a user-defined constraint.
     pub(super) fn check_own_constraints(&self, key: &str, q: &[f64], v: &[f64]) -> Result<()> {
         let (own, model) = (&self.own.constraints, &self.model);
         let (mut g, mut scales) = (vec![0.0; own.dim()], vec![1.0; own.dim()]);
@@ -65,12 +65,12 @@ impl Scenario {
         Ok(())
     }
 
-    /// Tells whether something else than the control effort is minimised.
+    /// Returns true if the objective is not the control effort.
     pub(super) fn has_running_cost(&self) -> bool {
         self.own.running_cost.is_some() || self.file.running_cost.is_some()
     }
 
-    /// The cost that is minimised, but for the price of time.
+    /// The running cost that is minimised, without the price of time.
     pub(super) fn running_cost(&self) -> Result<ScenarioCost<'_>> {
         let model = &self.model;
         Ok(match (&self.own.running_cost, &self.file.running_cost) {
@@ -91,11 +91,11 @@ impl Scenario {
 pub(super) enum ScenarioCost<'m> {
     /// Weighted squares.
     Squares(Box<ControlEffort<'m, f64, f64>>),
-    /// One of the user's own.
+    /// A user-defined cost.
     Own(Box<CostThroughDynamics<'m, SharedCost>>),
 }
 
-/// Does the same with either.
+/// Applies the same expression to either variant.
 macro_rules! either {
     ($of:expr, $it:ident => $what:expr) => {
         match $of {

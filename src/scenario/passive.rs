@@ -1,4 +1,4 @@
-//! The joints without a motor, and the effort that a motion asks of them all the same.
+//! The joints without a motor, and the residual torque of a motion at these joints.
 
 use super::{Scenario, ScenarioFile};
 use crate::curve::Curve;
@@ -11,12 +11,12 @@ const KEY: &str = "passive";
 
 /// The largest torque of a passive joint in a success, relative to the largest torque of the motion.
 ///
-/// A polynomial keeps the equality $u_i = 0$ at as many times as it has free coefficients, and between them but for a defect that a higher
-/// degree and more segments make smaller. With this one the forward simulation, in which passive joints have no torque at all, stays
-/// near the motion.
+/// A polynomial satisfies the equality $u_i = 0$ at as many times as it has free coefficients; the residual between
+/// these times decreases with the degree and the number of segments. With this value the forward simulation, in which
+/// passive joints have no torque at all, stays near the motion.
 pub const PASSIVE_TORQUE_SHARE: f64 = 1e-3;
 
-/// Refuses names of passive joints that make no sense for `model`, the robot without its locked joints. `path` names the scenario.
+/// Refuses invalid names of passive joints for `model`, the robot without its locked joints. `path` names the scenario.
 pub(super) fn check_passive(file: &ScenarioFile, model: &Model, path: &str) -> Result<()> {
     let refuse = |key: String, condition: String| Err(Error::input(path, key, condition));
     for (i, name) in file.passive.iter().enumerate() {
@@ -41,7 +41,7 @@ pub(super) fn check_passive(file: &ScenarioFile, model: &Model, path: &str) -> R
 }
 
 impl Scenario {
-    /// The indices of the joints without a motor, ascending: nothing but the motion of the others moves them. Cost O(N^2).
+    /// The indices of the joints without a motor, ascending. Cost O(N^2).
     #[must_use]
     pub fn passive(&self) -> Vec<usize> {
         (0..self.model.dof())
@@ -49,17 +49,18 @@ impl Scenario {
             .collect()
     }
 
-    /// Tells whether joint `joint` has no motor.
+    /// Returns true if joint `joint` has no motor.
     pub(super) fn is_passive(&self, joint: usize) -> bool {
         let joint = self.model.joints().get(joint);
         joint.is_some_and(|joint| self.file.passive.iter().any(|name| name == joint.name()))
     }
 }
 
-/// The part that the torques of these joints have in $\int |u|^2 dt$, by the trapezoidal rule on `intervals` intervals.
+/// The contribution of the torques of these joints to $\int |u|^2 dt$, by the trapezoidal rule on `intervals`
+/// intervals.
 ///
 /// # Errors
-/// The curve is for another robot.
+/// The robot of the curve has another number of joints.
 pub(super) fn effort_of_joints(
     model: &Model,
     curve: &Curve,

@@ -1,4 +1,4 @@
-//! Checks of a scenario before any search, for what no motion can do.
+//! Checks, before any search, for conditions that no motion can meet.
 
 use super::environment::Overlap;
 use super::{HorizonBounds, Limit, Scenario};
@@ -8,14 +8,15 @@ use crate::model::Model;
 use crate::relax::RelaxSettings;
 use crate::spatial::Placement;
 
-/// The largest violation of a constraint that is accepted, in its own unit: as in the search.
+/// The largest accepted violation of a constraint, in its own unit, as in the search.
 const TOLERANCE: f64 = RelaxSettings::FEASIBLE;
 
-/// The joint that takes longest from `start` to `goal`, each with `N` entries, at the velocity limits of `model`, and how long it takes, s:
-/// the least horizon of any motion between them within these limits. `None` where nothing that is limited moves. Cost O(N).
+/// The joint that takes longest from `start` to `goal`, `N` entries each, at the velocity limits of `model`, and its
+/// duration, s: the shortest horizon of any motion between them within these limits. `None` if no joint with a velocity
+/// limit moves. Cost O(N).
 ///
 /// # Errors
-/// A length is not `N`.
+/// A slice does not have `N` entries.
 pub fn least_horizon(model: &Model, start: &[f64], goal: &[f64]) -> Result<Option<(usize, f64)>> {
     check_length("start", model.dof(), start.len())?;
     check_length("goal", model.dof(), goal.len())?;
@@ -23,7 +24,7 @@ pub fn least_horizon(model: &Model, start: &[f64], goal: &[f64]) -> Result<Optio
     Ok(slowest(start, goal, speed))
 }
 
-/// The joint that takes longest at these speeds, and how long.
+/// The joint that takes longest at these speeds, and its duration.
 pub(super) fn slowest(
     start: &[f64],
     goal: &[f64],
@@ -39,17 +40,17 @@ pub(super) fn slowest(
     moving.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// One end of a motion.
+/// One boundary state of a motion.
 struct End<'a> {
     /// The keys of its position and of its velocity.
     keys: [&'static str; 2],
     q: &'a [f64],
-    /// `None` where it is free.
+    /// The velocity; `None` if it is free.
     v: Option<&'a [f64]>,
 }
 
 impl Scenario {
-    /// As [`least_horizon`], at the velocity limits that are enforced.
+    /// The shortest horizon at the enforced velocity limits, as [`least_horizon`] computes it.
     #[must_use]
     pub fn least_horizon(&self) -> Option<(usize, f64)> {
         let speed = |i| {
@@ -59,10 +60,10 @@ impl Scenario {
         slowest(&self.file.q_start, &self.file.q_goal, speed)
     }
 
-    /// Refuses a scenario that has no solution for a reason that is seen without a search: an end beyond a limit, in collision or
-    /// against a constraint of the user's own, a horizon in which a joint cannot cover its way; and an end at rest that the torques cannot hold, a passive joint by none. Only constraints of the
-    /// scenario count, each within the tolerance of the search, [`RelaxSettings::FEASIBLE`]; a final velocity that is free is not looked
-    /// at.
+    /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
+    /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
+    /// at rest that the torques cannot hold. Only constraints of the scenario count, each within the tolerance of the
+    /// search, [`RelaxSettings::FEASIBLE`]; a free final velocity is not checked.
     ///
     /// # Errors
     /// Names the key, the joint or the obstacle, the value and the limit.
@@ -98,7 +99,7 @@ impl Scenario {
         Ok(())
     }
 
-    /// Refuses an entry of `x` that is beyond the limit of its joint.
+    /// Refuses an entry of `x` beyond the limit of its joint.
     fn check_bounds(&self, limit: Limit, key: &str, x: &[f64]) -> Result<()> {
         for (i, (joint, x)) in self.model.joints().iter().zip(x).enumerate() {
             let Some([lower, upper]) = self.bound(limit, i) else {
@@ -116,7 +117,7 @@ impl Scenario {
         Ok(())
     }
 
-    /// Refuses a horizon in which a joint cannot cover its way.
+    /// Refuses a horizon that is too short for a joint.
     fn check_horizon(&self) -> Result<()> {
         let file = &self.file;
         let (key, horizon) = match file.free_horizon {
@@ -141,7 +142,7 @@ impl Scenario {
         self.refuse(key, condition)
     }
 
-    /// Refuses an end at which a ball of the robot is in an obstacle.
+    /// Refuses a boundary state at which a ball of the robot overlaps an obstacle.
     fn check_clear(&self, end: &End<'_>) -> Result<()> {
         let mut placements = vec![Placement::identity(); self.model.dof()];
         forward_kinematics(&self.model, end.q, &mut placements)?;
@@ -174,7 +175,7 @@ impl Scenario {
         self.refuse(end.keys[0], condition)
     }
 
-    /// Refuses an end at which the torques cannot hold the robot at rest.
+    /// Refuses a boundary state at rest that the torques cannot hold.
     fn check_rest(&self, end: &End<'_>) -> Result<()> {
         let n = self.model.dof();
         let (zeros, mut torques) = (vec![0.0; n], vec![0.0; n]);
@@ -206,7 +207,7 @@ impl Scenario {
     }
 }
 
-/// A positive number with three digits, rounded by `round`.
+/// Formats a positive number with three digits, rounded by `round`.
 fn short(x: f64, round: fn(f64) -> f64) -> String {
     if !(1e-3..1e6).contains(&x) {
         return format!("{x:e}");

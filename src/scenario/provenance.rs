@@ -1,4 +1,4 @@
-//! All that a solve depended on, so that it can be repeated.
+//! All inputs of a solve, so that it can be repeated.
 
 use super::json::read_json;
 use super::{CurveFile, Scenario, ScenarioFile, SolveOptions};
@@ -12,24 +12,25 @@ use std::path::Path;
 /// The key of a summary that scenarios do not have.
 const KEY: &str = "provenance";
 
-/// All that a solve depended on.
+/// All inputs of a solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// The version of this library.
     pub version: String,
-    /// The commit that it was built from, with `-modified` if files had changed since; empty if it was not built from a repository.
+    /// The commit of the build, with `-modified` if files had changed since; empty if the build was not in a
+    /// repository.
     pub commit: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
     pub robot_xxh64: String,
-    /// The options, those that were not given included.
+    /// The options, defaults filled in.
     pub options: SolveOptions,
     /// The scenario. Its robot is built in, or at an absolute path.
     pub scenario: ScenarioFile,
 }
 
 impl Provenance {
-    /// That of a solve with these options.
+    /// The provenance of a solve with these options.
     pub(super) fn new(scenario: &Scenario, options: &SolveOptions) -> Self {
         let mut file = scenario.file.clone();
         file.robot.clone_from(&scenario.robot_place);
@@ -52,20 +53,20 @@ impl Provenance {
     }
 }
 
-/// A solve as its `summary.json` has it.
+/// A solve as stored in its `summary.json`.
 #[derive(Clone, Debug)]
 pub struct Solved {
-    /// The scenario as it was solved.
+    /// The scenario.
     pub scenario: Scenario,
-    /// The options with which it was solved.
+    /// The options.
     pub options: SolveOptions,
     /// The motion.
     pub curve: Curve,
-    /// The reason why the solve was no success, if it was none.
+    /// The reason of a failure; `None` for a success.
     pub failure: Option<String>,
 }
 
-/// The part of a summary from which a solve is repeated.
+/// The part of a summary that is needed to repeat a solve.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     scenario: String,
@@ -75,10 +76,10 @@ struct Kept {
 }
 
 impl Solved {
-    /// The solve in a file that [`write_report`](crate::output::write_report) wrote.
+    /// Loads a solve from a file that [`write_report`](crate::output::write_report) wrote.
     ///
     /// # Errors
-    /// Names the file, the key and what is wrong with it: among others if the file of the robot is not what it was.
+    /// Names the file, the key and the fault, among others a change of the robot's file since the solve.
     pub fn load(path: &str) -> Result<Self> {
         let text = read_named(Path::new(path), "scenario")?;
         if !is_summary(&text) {
@@ -88,7 +89,7 @@ impl Solved {
         Self::parse(&text, path, None)
     }
 
-    /// The solve of a summary with this text, or with another choice for mimic joints; `path` names it in errors.
+    /// Parses the summary of a solve, with another treatment of mimic joints if given; `path` names it in errors.
     pub(super) fn parse(text: &str, path: &str, mimic: Option<Mimic>) -> Result<Self> {
         let Kept {
             scenario: name,
@@ -128,7 +129,7 @@ impl Solved {
     }
 }
 
-/// Tells whether a text is the summary of a solve and no scenario.
+/// Returns true if a text is the summary of a solve and not a scenario.
 pub(super) fn is_summary(text: &str) -> bool {
     let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
     value.is_some_and(|value| value.get(KEY).is_some())

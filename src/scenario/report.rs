@@ -1,4 +1,4 @@
-//! Solving a scenario and testing whether that was a success.
+//! Solving a scenario and testing the result.
 
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
@@ -12,55 +12,56 @@ use crate::motion::{Feedback, Stopped, replay_error, simulate};
 use crate::relax::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
-/// By how much what is enforced may be violated after the flow, in its own unit: penalties give way a little.
+/// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact.
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
-/// The number of intervals on which the effort of passive joints is looked at.
+/// The number of intervals on which the effort of passive joints is integrated.
 const INTERVALS: usize = 2000;
 
 /// The progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Record {
-    /// Of the published flow.
+    /// Progress of the published flow.
     Flow(FlowRecord),
-    /// Of a flow to rest.
+    /// Progress of a flow to rest.
     Rest(RestRecord),
-    /// Of the relaxation.
+    /// Progress of the relaxation.
     Relax(Iteration),
 }
 
 /// The result of a solve.
 #[derive(Clone, Debug)]
 pub struct SolveReport {
-    /// In numbers.
+    /// The result in numbers.
     pub summary: Summary,
     /// The curve; the last good one if the solve failed.
     pub curve: Curve,
-    /// The progress on the way.
+    /// The progress of the method.
     pub history: Vec<Record>,
-    /// True if the method came to its end.
+    /// True if the method terminated normally.
     pub completed: bool,
-    /// The reason why it was stopped, if it was.
+    /// The reason of an early stop, if there was one.
     pub stopped: Option<Stopped>,
-    /// The curves on the way.
+    /// The initial and intermediate curves.
     pub trace: Trace,
 }
 
-/// Where a search began, and what else it found.
+/// The curves at which a search began, and its other minima.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// The curve that led to the motion; `None` for a flow to rest.
+    /// The initial curve of the motion; `None` for a flow to rest.
     pub first_guess: Option<Curve>,
-    /// Of the relaxation: the curves of the first few [minima](RelaxSolution::minima), that of the motion included.
+    /// For the relaxation: the curves of the first few [minima](RelaxSolution::minima), that of the motion included.
     pub minima: Vec<Curve>,
-    /// Of the relaxation: the number of the start that led to the motion.
+    /// For the relaxation: the number of the start that led to the motion.
     pub best_start: Option<usize>,
 }
 
-/// Solves `scenario` and tests the result by forward simulation. `observe` is called as the solve proceeds.
+/// Solves `scenario` and tests the result by forward simulation. `observe` is called with the progress.
 ///
 /// # Errors
-/// Bad input, such as a scenario that [has no solution for a plain reason](Scenario::check_feasible). A solve that fails is an outcome whose summary says so.
+/// Invalid input, such as a scenario that [has no solution for an obvious reason](Scenario::check_feasible). A failed
+/// solve is not an error: its summary gives the reason.
 pub fn solve(
     scenario: &Scenario,
     options: &SolveOptions,
@@ -155,7 +156,7 @@ fn solve_by_relaxation(
     report_of(scenario, options, found)
 }
 
-/// Why a relaxation did not find a minimum, if it did not.
+/// The reason why a relaxation found no minimum, if it found none.
 fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<String> {
     let RelaxSolution {
         converged,
@@ -214,13 +215,13 @@ pub(super) struct Solution {
     pub details: Details,
     pub solve_seconds: f64,
     pub failure: Option<String>,
-    /// What is to be known of it though it is no failure.
+    /// A remark that is not a failure.
     pub note: Option<String>,
     pub stopped: Option<Stopped>,
     pub trace: Trace,
 }
 
-/// The measures of a curve, whatever found it.
+/// The report of a curve, independent of the method.
 pub(super) fn report_of(
     scenario: &Scenario,
     options: &SolveOptions,

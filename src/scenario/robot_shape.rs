@@ -1,4 +1,4 @@
-//! The balls that stand for a robot.
+//! The balls that represent a robot.
 
 use super::RobotShape;
 use super::obstacles::LARGEST_LENGTH;
@@ -11,7 +11,7 @@ use crate::urdf::load_mesh;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// The most balls that cover a robot: among one sphere the search takes 130 MB at degree 16 then.
+/// The largest number of balls that cover a robot: with one sphere obstacle the search then takes 130 MB at degree 16.
 const MOST_BALLS: f64 = 1e4;
 
 /// A ball of a link.
@@ -24,9 +24,8 @@ pub struct LinkBall {
 }
 
 impl LinkBall {
-    /// The balls of a robot by the shapes of its links: spheres as they are, others
-    /// [covered](crate::geometry::Shape::cover) with this spacing, m. Meshes are looked for from `folder`, that of the
-    /// URDF, and covered by [`cover_triangles`].
+    /// Covers the shapes of the links by balls: spheres as they are, others [covered](crate::geometry::Shape::cover)
+    /// with this spacing, m. Meshes are looked for from `folder`, that of the URDF, and covered by [`cover_triangles`].
     ///
     /// # Errors
     /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
@@ -70,7 +69,7 @@ fn cover(collision: &Collision, folder: &Path, spacing: f64) -> Result<Cover> {
     }
 }
 
-/// The part of the robot that keeps clear.
+/// The part of the robot that keeps clear of obstacles.
 #[derive(Clone, Debug)]
 pub(super) enum Body {
     /// Capsules, and the distance between the balls that cover them.
@@ -85,7 +84,8 @@ pub(super) enum Body {
 }
 
 impl Body {
-    /// That of a scenario; `path` names it in errors. Meshes are looked for from `folder`.
+    /// Builds the shape of a scenario's robot; `path` names the scenario in errors. Meshes are looked for from
+    /// `folder`.
     pub fn new(model: &Model, shape: RobotShape, folder: &Path, path: &str) -> Result<Self> {
         let bounded = |x: &[f64]| x.iter().all(|x| x.abs() <= LARGEST_LENGTH);
         let refuse = |condition: String| Err(Error::input(path, "robot_shape", condition));
@@ -135,7 +135,7 @@ impl Body {
         Ok(body)
     }
 
-    /// The number of balls, those that capsules share counted several times.
+    /// The number of balls; those shared by several capsules count several times.
     pub fn count(&self) -> f64 {
         match self {
             Self::Capsules { capsules, spacing } => {
@@ -145,8 +145,8 @@ impl Body {
         }
     }
 
-    /// The same in a robot whose bodies are part of others: of each the one that it is part of, and where it is in
-    /// that.
+    /// Moves the shape to a reduced robot whose bodies contain those of the full one: per body the one that contains
+    /// it, and its placement there.
     pub fn reduced(&mut self, bodies: &[(Option<usize>, Placement<f64>)]) {
         let within = |body: &mut Option<usize>, points: &mut [&mut Vector3<f64>]| {
             if let Some((reduced, placement)) = body.map(|b| bodies[b]) {
@@ -170,10 +170,10 @@ impl Body {
         }
     }
 
-    /// The balls, those of capsules without double ones.
+    /// The balls; those shared by several capsules appear once.
     ///
     /// # Errors
-    /// As [`Capsule::balls`].
+    /// Those of [`Capsule::balls`].
     pub fn balls(&self) -> Result<Vec<CollisionSphere>> {
         let (capsules, spacing) = match self {
             Self::Balls(balls) => return Ok(balls.iter().map(|b| b.ball).collect()),

@@ -1,4 +1,4 @@
-//! Which links of a robot keep clear of each other.
+//! The links of a robot that keep clear of each other.
 
 use super::environment::apart;
 use super::json::read_json;
@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The number of random configurations at which links are looked at.
+/// The number of random configurations at which links are tested.
 const CONFIGURATIONS: usize = 10_000;
 
-/// The seed of these.
+/// The seed of the random configurations.
 const SEED: u64 = 0;
 
 /// Half of the range from which the position of a joint without limits is drawn, rad or m.
@@ -40,12 +40,12 @@ pub struct IgnoredPairs {
 pub struct IgnoredPair {
     /// Their names.
     pub links: [String; 2],
-    /// The reason why they may, in words.
+    /// The reason in words.
     pub reason: String,
 }
 
 impl IgnoredPairs {
-    /// The pairs that an SRDF disables, with the reasons that it gives.
+    /// The pairs that an SRDF disables, with its reasons.
     #[must_use]
     pub fn of_srdf(model: &Model, srdf: &Srdf) -> Self {
         let pair = |DisabledPair { links, reason }: &DisabledPair| IgnoredPair {
@@ -61,12 +61,12 @@ impl IgnoredPairs {
         }
     }
 
-    /// Neighbours, links with nothing between them but one joint that moves, and links that overlap at each of 10 000
-    /// random configurations within the limits of the joints, the same in every run. Pairs of one body are none: they
-    /// never move against each other.
+    /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that overlap at
+    /// each of 10 000 random configurations within the joint limits, the same in every run. Pairs on one body are not
+    /// listed, because they never move against each other.
     ///
     /// # Errors
-    /// A ball is of another robot.
+    /// A ball belongs to a body that the robot does not have.
     pub fn by_sampling(model: &Model, balls: &[LinkBall]) -> Result<Self> {
         let mut pairs: BTreeMap<[&str; 2], Vec<[usize; 2]>> = BTreeMap::new();
         for [i, j] in self_pairs(balls, &[]) {
@@ -121,7 +121,7 @@ impl IgnoredPairs {
         })
     }
 
-    /// The file as [`parse`](Self::parse) reads it: readable JSON with a line for each pair.
+    /// Writes the file that [`parse`](Self::parse) reads: readable JSON with one line per pair.
     #[must_use]
     pub fn to_json(&self) -> String {
         // Strings are written without failure.
@@ -136,17 +136,17 @@ impl IgnoredPairs {
         format!("{{\n  \"robot\": {robot},\n  \"ignored_pairs\": [\n{lines}\n  ]\n}}\n")
     }
 
-    /// The pairs in a text as [`to_json`](Self::to_json) writes it; `file` names it in errors.
+    /// Parses a text written by [`to_json`](Self::to_json); `file` names it in errors.
     ///
     /// # Errors
-    /// Names the file, the key and what is wrong with it. Links are looked at where the pairs are used.
+    /// Names the file, the key and the fault. The link names are checked when the pairs are used.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         read_json(text, file)
     }
 }
 
-/// The same with the pairs of a file in its place, so that it depends on no other file. `folder` is that of the
-/// scenario.
+/// Replaces the path of a file by the pairs in it, so that the scenario depends on no other file. `folder` is that of
+/// the scenario.
 pub(super) fn in_full(given: SelfCollision, folder: &Path) -> Result<SelfCollision> {
     let SelfCollision::IgnoredPairsFile(name) = given else {
         return Ok(given);
@@ -170,8 +170,7 @@ pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> R
     Ok(())
 }
 
-/// The pairs of balls of different bodies and of links that are in none of the `ignored` pairs, those of two bodies
-/// together.
+/// The pairs of balls on different bodies whose links are in none of the `ignored` pairs, sorted by pairs of bodies.
 pub(super) fn self_pairs(balls: &[LinkBall], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
     let same = |pair: &[String; 2], a: &String, b: &String| {
         (&pair[0] == a && &pair[1] == b) || (&pair[0] == b && &pair[1] == a)
@@ -190,7 +189,7 @@ pub(super) fn self_pairs(balls: &[LinkBall], ignored: &[[String; 2]]) -> Vec<[us
     pairs
 }
 
-/// Positions within the limits of the joints.
+/// Random positions within the limits of the joints.
 fn random_configuration(model: &Model, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let joints = model.joints().iter();
     let draw = joints.map(|joint| {

@@ -1,4 +1,4 @@
-//! How the momentum of a moving body changes: the matrix `B` of the derivative algorithms.
+//! The Coriolis matrix of a body, `B` of the derivative algorithms.
 
 use super::{Force, Inertia, Motion, apply, apply_transpose, cross, dot, matrix};
 use crate::scalar::Scalar;
@@ -11,19 +11,19 @@ use std::ops::{Add, AddAssign};
 ///
 /// where $f \bar\times^* m = m \times^* f$ (Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body
 /// dynamics using spatial vector algebra", 2022). For a particle of mass $\mu$ at $r$ with velocity $\dot r$ the
-/// definition reduces to $B m = (r \times f, f)$ with $f = \mu\\, m_\omega \times \dot r$. So `B` reads only the
-/// angular part of its argument and twelve numbers hold it. It satisfies $\dot I = B + B^T$ and $B v = v \times^* I v$,
-/// and it adds up over bodies.
+/// definition reduces to $B m = (r \times f, f)$ with $f = \mu\\, m_\omega \times \dot r$. Therefore `B` depends only
+/// on the angular part of its argument and twelve numbers represent it. It satisfies $\dot I = B + B^T$ and
+/// $B v = v \times^* I v$, and it adds up over bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coriolis<S: Scalar> {
-    /// The block that maps an angular motion to a moment: $-\sum \mu\\, [r]\_\times [\dot r]\_\times$.
+    /// The block that maps an angular motion to a moment: $-\sum \mu\\, r_\times \dot r_\times$.
     moment: Matrix3<S>,
     /// The linear momentum $\sum \mu\\, \dot r$.
     momentum: Vector3<S>,
 }
 
 impl<S: Scalar> Coriolis<S> {
-    /// `B` of a body with inertia `inertia` and velocity `v`, both about the same origin.
+    /// Computes `B` of a body with inertia `inertia` and velocity `v`, both about the same origin.
     #[inline(always)]
     #[must_use]
     pub fn new(inertia: &Inertia<S>, v: &Motion<S>) -> Self {
@@ -50,7 +50,7 @@ impl<S: Scalar> Coriolis<S> {
         }
     }
 
-    /// $B m$.
+    /// Computes $B m$.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
@@ -60,7 +60,7 @@ impl<S: Scalar> Coriolis<S> {
         )
     }
 
-    /// $B^T m$, a couple: the force it stands for has this moment and no linear part.
+    /// Computes $B^T m$, a couple: a force with this moment and no linear part.
     #[inline(always)]
     #[must_use]
     pub fn apply_transpose(&self, m: &Motion<S>) -> Vector3<S> {

@@ -1,4 +1,4 @@
-//! The spatial inertia of a rigid body, or of several that move as one.
+//! The spatial inertia of a rigid body, or of several that move together.
 
 use super::{
     Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, symmetric,
@@ -7,19 +7,19 @@ use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
 
-/// Ten numbers that say how a body resists acceleration (2.63 in Featherstone's book), about the origin.
+/// A spatial inertia about the origin, ten numbers (2.63 in Featherstone's book).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia<S: Scalar> {
     /// Mass, kg.
     pub mass: S,
-    /// $h = m c$: mass times the centre of mass, kg m.
+    /// First moment $h = m c$: mass times the centre of mass, kg m.
     pub first_moment: Vector3<S>,
-    /// $\bar I$: rotational inertia about the origin (not the centre of mass), kg m^2, symmetric.
+    /// Rotational inertia $\bar I$ about the origin (not the centre of mass), kg m^2, symmetric.
     pub rotational: Matrix3<S>,
 }
 
 impl<S: Scalar> Inertia<S> {
-    /// No mass at all.
+    /// Zero inertia.
     #[must_use]
     pub fn zero() -> Self {
         Self {
@@ -29,7 +29,7 @@ impl<S: Scalar> Inertia<S> {
         }
     }
 
-    /// From the mass, the centre of mass `com` and the rotational inertia about `com`.
+    /// Builds the inertia from the mass, the centre of mass `com` and the rotational inertia about `com`.
     #[must_use]
     pub fn from_com(mass: S, com: Vector3<S>, rotational: Matrix3<S>) -> Self {
         let c = cross_matrix(&com);
@@ -40,7 +40,7 @@ impl<S: Scalar> Inertia<S> {
         }
     }
 
-    /// The momentum of a body with this inertia and velocity `m`: $I m$.
+    /// Computes the momentum $I m$ of a body with this inertia and velocity `m`.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
@@ -51,7 +51,7 @@ impl<S: Scalar> Inertia<S> {
         )
     }
 
-    /// The inertia of a body given in the frame B, in the coordinates of A, where `placement` is that of B in A (2.66).
+    /// Transforms the inertia of a body from frame B to frame A, where `placement` is that of B in A (2.66).
     #[must_use]
     #[inline(always)]
     pub fn placed<T: AlgebraOver<S>>(&self, placement: &Placement<T>) -> Inertia<T> {

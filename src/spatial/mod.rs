@@ -1,7 +1,7 @@
 //! Featherstone's spatial vectors (*Rigid Body Dynamics Algorithms*, 2008, chapter 2), angular part first.
 //!
-//! Motions and forces live in different spaces and have different types, so that `motion x force` cannot be mistaken for
-//! `motion x motion`. All are written at one origin; [`Placement`] moves them between frames.
+//! Motions and forces are in different spaces and have different types, so that `motion x force` cannot be confused
+//! with `motion x motion`. All are expressed at one origin; [`Placement`] moves them between frames.
 
 mod articulated;
 mod coriolis;

@@ -1,4 +1,4 @@
-//! Where one frame is in another.
+//! The placement of one frame in another.
 
 use super::{Motion, apply, apply_to_constant, cross, matrix, multiply};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -9,9 +9,9 @@ use nalgebra::{Matrix3, Vector3};
 /// In Featherstone's notation this is ${}^A X_B$ with $R = E^T$.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement<S: Scalar> {
-    /// `R`: the axes of B in the coordinates of A.
+    /// Rotation `R`: the axes of B in the coordinates of A.
     pub rotation: Matrix3<S>,
-    /// `p`: the origin of B in the coordinates of A, in m.
+    /// Translation `p`: the origin of B in the coordinates of A, in m.
     pub translation: Vector3<S>,
 }
 
@@ -25,13 +25,13 @@ impl<S: Scalar> Placement<S> {
         }
     }
 
-    /// Both frames coincide.
+    /// The placement of coincident frames.
     #[must_use]
     pub fn identity() -> Self {
         Self::new(Matrix3::identity(), Vector3::zeros())
     }
 
-    /// With `self` the placement of B in A and `inner` that of C in B: the placement of C in A.
+    /// Computes the placement of C in A from `self`, that of B in A, and `inner`, that of C in B.
     #[inline]
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {
@@ -41,7 +41,7 @@ impl<S: Scalar> Placement<S> {
         )
     }
 
-    /// As [`compose`](Self::compose), for an `inner` that does not move.
+    /// Computes [`compose`](Self::compose) for a constant `inner`.
     #[must_use]
     pub fn compose_constant<C: Scalar>(&self, inner: &Placement<C>) -> Self
     where
@@ -55,7 +55,7 @@ impl<S: Scalar> Placement<S> {
         )
     }
 
-    /// A motion given in B, in the coordinates of A (2.24 in the book).
+    /// Transforms a motion from B to A (2.24 in the book).
     #[must_use]
     pub fn act(&self, m: &Motion<S>) -> Motion<S> {
         let angular = apply(&self.rotation, &m.angular);

@@ -1,10 +1,10 @@
-//! Products of vectors and 3 by 3 matrices, written out: on numbers that are not floating-point `nalgebra` calls its routines for any
-//! size, which the compiler does not take apart.
+//! Products of vectors and 3 by 3 matrices, written out: for other scalars than floating point, `nalgebra` calls its
+//! routines for any size, which the compiler does not unroll.
 
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// $a \times b$.
+/// Computes $a \times b$.
 #[inline(always)]
 pub(crate) fn cross<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Vector3<S> {
     Vector3::new(
@@ -14,13 +14,13 @@ pub(crate) fn cross<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Vector3<S> {
     )
 }
 
-/// $a \cdot b$.
+/// Computes $a \cdot b$.
 #[inline(always)]
 pub(crate) fn dot<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> S {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// $a b^T$.
+/// Computes $a b^T$.
 #[inline(always)]
 pub(crate) fn outer<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Matrix3<S> {
     matrix(|i, j| a[i] * b[j])
@@ -42,27 +42,27 @@ pub(crate) fn symmetric<S: Scalar>(f: impl Fn(usize, usize) -> S) -> Matrix3<S> 
     Matrix3::new(a, b, c, b, d, e, c, e, f(2, 2))
 }
 
-/// $M x$.
+/// Computes $M x$.
 #[inline(always)]
 pub(crate) fn apply<S: Scalar>(m: &Matrix3<S>, x: &Vector3<S>) -> Vector3<S> {
     let row = |i| m[(i, 0)] * x.x + m[(i, 1)] * x.y + m[(i, 2)] * x.z;
     Vector3::new(row(0), row(1), row(2))
 }
 
-/// $M^T x$.
+/// Computes $M^T x$.
 #[inline(always)]
 pub(crate) fn apply_transpose<S: Scalar>(m: &Matrix3<S>, x: &Vector3<S>) -> Vector3<S> {
     let row = |i| m[(0, i)] * x.x + m[(1, i)] * x.y + m[(2, i)] * x.z;
     Vector3::new(row(0), row(1), row(2))
 }
 
-/// $A B$.
+/// Computes $A B$.
 #[inline(always)]
 pub(crate) fn multiply<S: Scalar>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> {
     matrix(|i, j| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)])
 }
 
-/// $M x$ for constants `M`, which are not promoted.
+/// Computes $M x$ for constants `M`, which are not promoted.
 #[inline(always)]
 pub(crate) fn apply_constant<C: Copy, S: AlgebraOver<C>>(
     m: &Matrix3<C>,
@@ -72,7 +72,7 @@ pub(crate) fn apply_constant<C: Copy, S: AlgebraOver<C>>(
     Vector3::new(row(0), row(1), row(2))
 }
 
-/// $M^T x$ for constants `M`, which are not promoted.
+/// Computes $M^T x$ for constants `M`, which are not promoted.
 #[inline(always)]
 pub(crate) fn apply_constant_transpose<C: Copy, S: AlgebraOver<C>>(
     m: &Matrix3<C>,
@@ -82,7 +82,7 @@ pub(crate) fn apply_constant_transpose<C: Copy, S: AlgebraOver<C>>(
     Vector3::new(row(0), row(1), row(2))
 }
 
-/// $M x$ for constants `x`, which are not promoted.
+/// Computes $M x$ for constants `x`, which are not promoted.
 #[inline(always)]
 pub(crate) fn apply_to_constant<C: Copy, S: AlgebraOver<C>>(
     m: &Matrix3<S>,

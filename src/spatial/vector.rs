@@ -23,7 +23,7 @@ pub struct Force<S: Scalar> {
     pub linear: Vector3<S>,
 }
 
-/// What motions and forces have in common: they are vector spaces.
+/// Implements the vector space operations of motions and forces.
 macro_rules! vector_space {
     ($name:ident) => {
         impl<S: Scalar> $name<S> {
@@ -101,7 +101,7 @@ impl<S: Scalar> Force<S> {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// $v \times m$: how fast `m` changes when it is carried along with velocity `self` (2.31 in the book).
+    /// Computes $v \times m$, the rate of change of `m` when it moves with velocity `self` (2.31 in the book).
     #[inline(always)]
     #[must_use]
     pub fn cross(&self, m: &Self) -> Self {
@@ -111,7 +111,7 @@ impl<S: Scalar> Motion<S> {
         )
     }
 
-    /// $v \times^* f$: how fast `f` changes when it is carried along with velocity `self` (2.32 in the book).
+    /// Computes $v \times^* f$, the rate of change of `f` when it moves with velocity `self` (2.32 in the book).
     #[inline(always)]
     #[must_use]
     pub fn cross_force(&self, f: &Force<S>) -> Force<S> {
@@ -121,7 +121,7 @@ impl<S: Scalar> Motion<S> {
         )
     }
 
-    /// $m \cdot f$, a power or a generalised force.
+    /// Computes $m \cdot f$, a power or a generalised force.
     #[inline(always)]
     #[must_use]
     pub fn dot(&self, f: &Force<S>) -> S {

@@ -1,17 +1,17 @@
-//! The robots in `robots/`, built into the library.
+//! The built-in robots, from `robots/`.
 
 use super::parse_urdf;
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// Names and URDF texts of the robots that are built in.
+/// Names and URDF texts of the built-in robots.
 macro_rules! robots {
     ($($name:literal),*) => {
         [$(($name, include_str!(concat!("../../robots/", $name, "/", $name, ".urdf")))),*]
     };
 }
 
-/// The robots, in the order in which they are listed.
+/// The robots, in the order of the listing.
 const ROBOTS: [(&str, &str); 15] = robots!(
     "pendulum_1",
     "pendulum_2",
@@ -30,15 +30,15 @@ const ROBOTS: [(&str, &str); 15] = robots!(
     "panda"
 );
 
-/// The names of the robots that are built in.
+/// The names of the built-in robots.
 pub fn builtin_robots() -> impl Iterator<Item = &'static str> {
     ROBOTS.iter().map(|(name, _)| *name)
 }
 
-/// The built-in robot of this name; [`load_robot`](super::load_robot) has the notes on it as well.
+/// The built-in robot of this name; [`load_robot`](super::load_robot) returns its notes too.
 ///
 /// # Errors
-/// None is called so; the message lists those that there are.
+/// There is no such robot; the message lists the names.
 pub fn builtin_robot(name: &str) -> Result<Model> {
     let text = builtin_robot_text(name).ok_or_else(|| {
         let all: Vec<_> = builtin_robots().collect();

@@ -1,12 +1,12 @@
-//! The elements of a URDF that are read, and what is wrong with them, said in their own words.
+//! The URDF elements that are read, with messages for their faults.
 //!
-//! Visual elements, materials, sensors and plugins are passed over, so none of them can make a file fail.
+//! Visual elements, materials, sensors and plugins are ignored, so that none of them can make a file fail.
 
 use super::shapes::{CollisionElement, read_collisions};
 use crate::error::{Error, Result};
 use roxmltree::{Document, Error as XmlError, Node};
 
-/// A robot as its file describes it.
+/// A robot as described in its file.
 #[derive(Debug)]
 pub(super) struct Robot {
     pub name: String,
@@ -14,7 +14,7 @@ pub(super) struct Robot {
     pub joints: Vec<Joint>,
 }
 
-/// A link; one without an inertial element has zeros.
+/// A link; zeros without an inertial element.
 #[derive(Debug)]
 pub(super) struct Link {
     pub name: String,
@@ -23,7 +23,7 @@ pub(super) struct Link {
     pub mass: f64,
     /// `ixx ixy ixz iyy iyz izz` about the centre of mass.
     pub inertia: [f64; 6],
-    /// Its shapes.
+    /// The collision elements.
     pub collisions: Vec<CollisionElement>,
 }
 
@@ -36,11 +36,11 @@ pub(super) struct Joint {
     pub parent: String,
     pub child: String,
     pub axis: [f64; 3],
-    /// `None` without a limit element, or with one of zeros.
+    /// `None` without a limit element, or if all its entries are zero.
     pub limit: Option<Limit>,
-    /// The joint that it is to follow.
+    /// The joint that a mimic joint follows.
     pub mimics: Option<String>,
-    /// The names of damping and friction as far as it has them.
+    /// The names of those of damping and friction that are not zero.
     pub losses: Vec<&'static str>,
 }
 
@@ -56,7 +56,7 @@ pub(super) enum JointType {
     Spherical,
 }
 
-/// A translation, and turns about the fixed axes x, y, z in this order.
+/// A translation, and rotations about the fixed axes x, y, z in this order.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pose {
     pub xyz: [f64; 3],
@@ -72,10 +72,10 @@ pub(super) struct Limit {
     pub effort: f64,
 }
 
-/// Reads the `robot` element that `text` holds.
+/// Reads the `robot` element in `text`.
 ///
 /// # Errors
-/// The text is no such element, or an attribute that the dynamics need is missing or no number where it has to be one. The error names
+/// The text is not such an element, or an attribute that the dynamics need is missing or not a number. The error names
 /// `file` and the link or joint.
 pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
     let refuse = |condition: String| {
@@ -127,7 +127,7 @@ pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
     Ok(robot)
 }
 
-/// Tells whether this is a command to the macro processor that writes many URDFs.
+/// Returns true for a command of xacro, the macro processor for URDFs.
 fn is_xacro(node: &Node<'_, '_>) -> bool {
     (node.tag_name().namespace()).is_some_and(|namespace| namespace.contains("xacro"))
 }
@@ -216,7 +216,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
     Ok(read)
 }
 
-/// The origin of an element, which need not be there, nor have both parts.
+/// Reads the optional origin of an element, both parts of which are optional.
 pub(super) fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
     let mut pose = Pose::default();
     if let Some(origin) = child(node, "origin")? {
@@ -246,7 +246,7 @@ pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
     numbers(node, attribute).map(|[number]| number)
 }
 
-/// The `COUNT` numbers, and nothing else, that an attribute holds.
+/// Reads exactly `COUNT` numbers from an attribute.
 pub(super) fn numbers<const COUNT: usize>(
     node: Node<'_, '_>,
     attribute: &str,

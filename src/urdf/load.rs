@@ -11,18 +11,18 @@ use crate::model::Model;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// The built-in robot of this name, or else the one in the URDF file at this path, `-` for the standard input.
+/// Loads the built-in robot of this name, otherwise the one in the URDF file at this path, `-` for the standard input.
 ///
 /// # Errors
-/// Names the file, the element and what is wrong with it.
+/// Names the file, the element and the fault.
 pub fn load_robot(name_or_path: &str) -> Result<(Model, LoadReport)> {
     load_robot_with(name_or_path, Path::new(""), UrdfOptions::default())
 }
 
-/// As [`load_robot`], with paths relative to `folder` and a URDF file read as `options` say.
+/// Loads as [`load_robot`] does, with paths relative to `folder` and with options for a URDF file.
 ///
 /// # Errors
-/// As [`load_robot`].
+/// Those of [`load_robot`].
 pub fn load_robot_with(
     name_or_path: &str,
     folder: &Path,
@@ -31,11 +31,11 @@ pub fn load_robot_with(
     RobotSource::find(name_or_path, folder)?.parse(options)
 }
 
-/// The text of a robot, and where it is from.
+/// The text of a robot and its origin.
 #[derive(Clone, Debug)]
 pub(crate) struct RobotSource {
     pub text: Cow<'static, str>,
-    /// The name of a robot that is built in, or else the path of its file.
+    /// The name of a built-in robot, otherwise the path of its file.
     place: Place,
 }
 
@@ -46,7 +46,7 @@ enum Place {
 }
 
 impl RobotSource {
-    /// That of the robot that is built in under this name, or else of the file at this path below `folder`.
+    /// Finds the built-in robot of this name, otherwise the file at this path relative to `folder`.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -64,10 +64,10 @@ impl RobotSource {
         })
     }
 
-    /// The robot, as `options` say.
+    /// Parses the robot with these options.
     ///
     /// # Errors
-    /// As [`load_robot`].
+    /// Those of [`load_robot`].
     pub fn parse(&self, options: UrdfOptions) -> Result<(Model, LoadReport)> {
         let name = match &self.place {
             Place::BuiltIn(name) => name.clone(),
@@ -76,7 +76,8 @@ impl RobotSource {
         parse_urdf_with(&self.text, &name, options)
     }
 
-    /// The folder of its file, from which it names meshes; the current one for the standard input and for what is built in, which names none.
+    /// The folder of the file, to which mesh paths are relative; the current one for the standard input and for
+    /// built-in robots, which have no meshes.
     #[cfg(feature = "output")]
     pub fn folder(&self) -> &Path {
         match &self.place {
@@ -85,10 +86,10 @@ impl RobotSource {
         }
     }
 
-    /// The name of a robot that is built in, or else the absolute path of its file.
+    /// The name of a built-in robot, otherwise the absolute path of its file.
     ///
     /// # Errors
-    /// There is no current folder.
+    /// The current folder does not exist.
     #[cfg(feature = "output")]
     pub fn absolute(&self) -> Result<String> {
         let path = match &self.place {

@@ -1,4 +1,4 @@
-//! The triangles of the meshes that a URDF names.
+//! The triangles of the meshes in a URDF.
 
 use crate::error::{Error, Result};
 use crate::geometry::Triangle;
@@ -8,11 +8,11 @@ use nalgebra::Vector3;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The triangles of the mesh that a URDF in `folder` names `file`, their axes stretched by `scale`, in m. STL, binary
-/// or not, and OBJ can be read; a coordinate has about seven digits there.
+/// Loads the triangles of the mesh that a URDF in `folder` calls `file`, with its axes scaled by `scale`, in m. The
+/// formats are STL, binary or text, and OBJ; coordinates have about seven digits.
 ///
 /// # Errors
-/// There is no such file, it has another format, or no triangles, or numbers that are not finite.
+/// The file does not exist, has another format or no triangles, or contains numbers that are not finite.
 pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<Triangle>> {
     let refuse = |condition: &str| Err(Error::input(file, "mesh", condition));
     let extension = Path::new(file).extension().unwrap_or_default();
@@ -51,7 +51,7 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
     Ok(triangles)
 }
 
-/// The triangles of all meshes of a file; `None` where one has no corner of that number.
+/// The triangles of all meshes of a file; `None` if an index of a corner is out of range.
 fn triangles(scene: &Scene, scale: &Vector3<f64>) -> Option<Vec<Triangle>> {
     let mut all = Vec::new();
     for mesh in &scene.meshes {
@@ -67,8 +67,8 @@ fn triangles(scene: &Scene, scale: &Vector3<f64>) -> Option<Vec<Triangle>> {
     Some(all)
 }
 
-/// The path of the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above
-/// it, or `PATH` in one that is called `NAME`; any other name is that of a path from `folder`.
+/// Finds the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above it,
+/// or `PATH` in a folder called `NAME`; any other name is a path relative to `folder`.
 fn find(file: &str, folder: &Path) -> Option<PathBuf> {
     if let Some(in_package) = file.strip_prefix("package://") {
         let folder = std::path::absolute(folder).ok()?;

@@ -1,4 +1,4 @@
-//! Robots from URDF: reading, checking and writing, and those that are built in.
+//! Robots from URDF: reading, checking and writing, and the built-in robots.
 
 mod builtin;
 mod elements;

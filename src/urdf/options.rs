@@ -1,15 +1,15 @@
-//! How to read a robot, and what is told of it.
+//! Options and notes of reading a robot.
 
 use std::fmt;
 
-/// The number of elements that a summary of notes names.
+/// The number of elements named in a summary of notes.
 const NAMED: usize = 3;
 
 crate::names::named_enum! {
-/// The treatment of a joint that is to follow another one (a `mimic` element: $q_i = m\\, q_j + c$).
+/// The treatment of a mimic joint, which follows another one (a `mimic` element: $q_i = m\\, q_j + c$).
 ///
-/// Such a joint is not natural here: joint `i` moves body `i` and is degree of freedom `i`, with a force of its own, in
-/// every algorithm of this library.
+/// Such a joint does not fit the model: in every algorithm of this library joint `i` moves body `i` and is degree of
+/// freedom `i`, with an independent force.
 pub enum Mimic("mimic") {
     /// Refuse the robot.
     Refuse = "refuse",
@@ -25,67 +25,68 @@ pub struct UrdfOptions {
     pub mimic: Mimic,
 }
 
-/// A note on something that was accepted on loading but is worth knowing.
+/// A note on something that was accepted during loading but may matter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadNote {
-    /// The link has no inertial element, or one of zeros, and counts as massless.
+    /// The link has no inertial element, or an inertia of zero, and counts as massless.
     Massless {
         /// The link.
         link: String,
     },
-    /// No body can have this inertia; the dynamics are computed with it all the same.
+    /// The inertia is physically impossible; the dynamics use it nevertheless.
     ImpossibleInertia {
         /// The link.
         link: String,
         /// The reason why it is impossible.
         condition: String,
     },
-    /// The link hangs on a fixed joint and became part of the body before it; its frame is kept.
+    /// The link is on a fixed joint and was merged into the body before it; its frame is kept.
     Merged {
         /// The link.
         link: String,
         /// The fixed joint.
         joint: String,
-        /// The moving joint whose body it is part of now; `None` is the base.
+        /// The moving joint of the body that contains it; `None` is the base.
         into: Option<String>,
     },
-    /// The joint has no limit element, or one of zeros, and counts as unlimited.
+    /// The joint has no limit element, or only zeros in it, and counts as unlimited.
     Unlimited {
         /// The joint.
         joint: String,
     },
-    /// The velocity or effort limit of the joint is zero, which exporters write where it is unknown, and counts as infinite.
+    /// The velocity or effort limit of the joint is zero, which exporters write for an unknown limit, and counts as
+    /// infinite.
     ZeroLimit {
         /// The joint.
         joint: String,
         /// The attribute of the limit element, `velocity` or `effort`.
         attribute: &'static str,
     },
-    /// The joint has damping or friction, which the dynamics here have not.
+    /// The joint has damping or friction, which the dynamics do not model.
     LeftOut {
         /// The joint.
         joint: String,
         /// The attribute of the dynamics element, `damping` or `friction`.
         attribute: &'static str,
     },
-    /// The joint is to follow another one, but moves by itself here, as [`Mimic::Independent`] asks for.
+    /// The mimic joint moves independently, as requested by [`Mimic::Independent`].
     Independent {
         /// The joint.
         joint: String,
-        /// The joint that it is to follow.
+        /// The joint that it should follow.
         mimics: String,
     },
 }
 
 impl LoadNote {
-    /// Tells whether motions or torques may be others than those of the robot that is meant. Links without mass and those that were merged
-    /// move as they should.
+    /// Returns true if motions or torques may differ from those of the real robot. Links without mass and merged links
+    /// move correctly.
     #[must_use]
     pub fn bears_on_motion(&self) -> bool {
         !matches!(self, Self::Massless { .. } | Self::Merged { .. })
     }
 
-    /// The element that it is about, in words.
+    /// The kind and the name of the element concerned.
     fn element(&self) -> (&'static str, &str) {
         match self {
             Self::Massless { link }
@@ -98,7 +99,7 @@ impl LoadNote {
         }
     }
 
-    /// The sentence that is said of several elements at once.
+    /// The sentence for several notes of this kind.
     fn kind(&self) -> String {
         match self {
             Self::Massless { .. } => "massless".to_owned(),
@@ -138,7 +139,7 @@ impl fmt::Display for LoadNote {
     }
 }
 
-/// The notes of a report that [bear on motions](LoadNote::bears_on_motion), in words, those of one kind in one line.
+/// The notes of a report that [affect motions](LoadNote::bears_on_motion), in words, with one line per kind.
 #[must_use]
 pub fn summarised(report: &[LoadNote]) -> Vec<String> {
     let mut kinds: Vec<(String, Vec<&LoadNote>)> = Vec::new();
@@ -165,5 +166,5 @@ pub fn summarised(report: &[LoadNote]) -> Vec<String> {
     kinds.into_iter().map(in_words).collect()
 }
 
-/// The notes on what was accepted on loading but is worth knowing, in the order in which the tree is walked.
+/// The notes on what was accepted during loading, in the order in which the tree is visited.
 pub type LoadReport = Vec<LoadNote>;

@@ -1,4 +1,4 @@
-//! Reading a robot from a URDF file.
+//! Reading of robots from URDF files.
 
 use super::elements::{self, JointType, Pose, read_robot};
 use super::tree::Visit;
@@ -13,15 +13,15 @@ use std::path::Path;
 /// Reads the robot in the URDF file at `path`. See [`parse_urdf`].
 ///
 /// # Errors
-/// The file cannot be read, or as [`parse_urdf`].
+/// The file cannot be read, or those of [`parse_urdf`].
 pub fn load_urdf(path: &Path) -> Result<(Model, LoadReport)> {
     load_urdf_with(path, UrdfOptions::default())
 }
 
-/// Reads the robot in the URDF file at `path` as `options` say. See [`parse_urdf`].
+/// Reads the robot in the URDF file at `path` with options. See [`parse_urdf`].
 ///
 /// # Errors
-/// The file cannot be read, or as [`parse_urdf`].
+/// The file cannot be read, or those of [`parse_urdf`].
 pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadReport)> {
     let text = read_text(path)?;
     parse_urdf_with(&text, &path.display().to_string(), options)
@@ -29,22 +29,23 @@ pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadR
 
 /// Reads a robot from the text of a URDF file; `file` names it in errors.
 ///
-/// Fixed joints are merged into the body before them. A velocity or effort limit of zero, and a limit element of zeros, stand for no
-/// limit, with a note. Collision elements become [`Model::collisions`]; files of meshes are not read. Visual elements, materials,
-/// transmissions and whatever else is not about dynamics or shapes are not looked at.
+/// Fixed joints are merged into the body before them. A velocity or effort limit of zero, and a limit element of zeros,
+/// mean no limit, with a note. Collision elements become [`Model::collisions`]; files of meshes are not read. Visual
+/// elements, materials, transmissions and all other elements without dynamics or collision shapes are ignored.
 ///
 /// # Errors
-/// Says which element is wrong and why: text that is no URDF, negative or non-finite numbers, zero axes, repeated names,
-/// several roots, loops, unknown links, floating, planar, spherical and mimic joints, joints that move nothing that
-/// has inertia about them, and collision elements without a shape, with an unknown one or a size that is not positive.
+/// Names the faulty element and the reason: text that is not a URDF; negative or non-finite numbers; zero axes;
+/// repeated names; several roots; loops; unknown links; floating, planar, spherical and mimic joints; joints whose
+/// subtree has no inertia about them; and collision elements without a shape, with an unknown one or with a size that
+/// is not positive.
 pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
     parse_urdf_with(text, file, UrdfOptions::default())
 }
 
-/// Reads a robot from the text of a URDF file as `options` say. See [`parse_urdf`].
+/// Reads a robot from the text of a URDF file with options. See [`parse_urdf`].
 ///
 /// # Errors
-/// As [`parse_urdf`].
+/// Those of [`parse_urdf`].
 pub fn parse_urdf_with(
     text: &str,
     file: &str,
@@ -90,7 +91,7 @@ impl Loader<'_> {
         Error::input(self.file, element, condition)
     }
 
-    /// Adds a link and the joint that carries it. Parents are visited before children, so their frame is known.
+    /// Adds a link and the joint that carries it. Parents are visited before children, so that their frame is known.
     fn visit(&mut self, visit: &Visit<'_>) -> Result<()> {
         let link = visit.link;
         let inertia = self.inertia(link)?;
@@ -186,7 +187,7 @@ impl Loader<'_> {
         Ok(Inertia::from_com(mass, origin.translation, turned))
     }
 
-    /// A pose; roll, pitch and yaw turn about the fixed axes x, y, z in this order.
+    /// Converts a pose; roll, pitch and yaw rotate about the fixed axes x, y, z in this order.
     fn pose(&self, pose: &Pose, element: String) -> Result<Placement<f64>> {
         if pose
             .xyz
@@ -204,7 +205,7 @@ impl Loader<'_> {
         ))
     }
 
-    /// What the joint does; `None` for a fixed one.
+    /// The kind of a joint; `None` for a fixed one.
     fn kind(&mut self, joint: &elements::Joint) -> Result<Option<JointKind>> {
         if let Some(mimics) = &joint.mimics {
             match self.options.mimic {
@@ -238,7 +239,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The axis, made a unit vector.
+    /// The normalised axis.
     fn axis(&self, joint: &elements::Joint) -> Result<Vector3<f64>> {
         let axis = Vector3::from(joint.axis);
         let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
@@ -319,17 +320,17 @@ impl Loader<'_> {
     }
 }
 
-/// Tells whether products of finite numbers stayed finite.
+/// Returns true if products of finite numbers stayed finite.
 fn is_finite(inertia: &Inertia<f64>) -> bool {
     let numbers = inertia.first_moment.iter().chain(&inertia.rotational);
     numbers.chain([&inertia.mass]).all(|x| x.is_finite())
 }
 
-/// The square of 1e-8 m: moments that are smaller than a mass times this are those of a point, and what rounding leaves where they were
-/// moved from a frame some tenths of a metre away.
+/// The square of 1e-8 m: moments smaller than a mass times this are those of a point mass, or rounding errors of a
+/// change of frame by some tenths of a metre.
 const POINT: f64 = 1e-16;
 
-/// Why no body can have this inertia about its centre of mass, if none can.
+/// The reason why an inertia about the centre of mass is physically impossible, if it is.
 fn impossible(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
     if mass == 0.0 {
         return Some("it has rotational inertia but no mass".to_owned());

@@ -1,4 +1,4 @@
-//! Whether the mass matrix of a robot is regular.
+//! Regularity of the mass matrix of a robot.
 
 use crate::dynamics::{Data, crba, forward_kinematics};
 use crate::error::{Error, Result};
@@ -8,14 +8,14 @@ use crate::spatial::Placement;
 use nalgebra::DMatrix;
 
 impl Model<f64> {
-    /// Checks that the mass matrix is regular: that no joint moves a subtree without inertia about it, and that no two
+    /// Checks that the mass matrix is regular: that every joint moves a subtree with inertia about it, and that no two
     /// joints move the same bodies in the same way.
     ///
-    /// The mass matrix is looked at in one generic configuration: where it is singular there, it is everywhere, or nearly
-    /// so. `file` names the model in the error. Cost O(N^3).
+    /// The mass matrix is tested in one generic configuration: if it is singular there, it is singular everywhere, or
+    /// nearly so. `file` names the model in the error. Cost O(N^3).
     ///
     /// # Errors
-    /// Names the first such joint.
+    /// Names the first faulty joint.
     pub fn check_regular(&self, file: &str) -> Result<()> {
         let n = self.dof();
         let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
@@ -37,8 +37,8 @@ impl Model<f64> {
         Ok(())
     }
 
-    /// Per joint, the mass of its subtree if it is prismatic, else the trace of the rotational inertia of its subtree about the base
-    /// frame's origin.
+    /// Per joint, the mass of its subtree if it is prismatic, otherwise the trace of the rotational inertia of its
+    /// subtree about the origin of the base frame.
     fn subtree_inertias(&self, q: &[f64]) -> Result<Vec<f64>> {
         let n = self.dof();
         let mut placements = vec![Placement::identity(); n];
@@ -62,7 +62,7 @@ impl Model<f64> {
         Ok(self.joints().iter().zip(sums).map(total).collect())
     }
 
-    /// Checks that `own` is not zero beside `total`.
+    /// Checks that `own` is not negligible relative to `total`.
     fn check_pivot(
         &self,
         i: usize,

@@ -10,13 +10,13 @@ use roxmltree::Node;
 /// A collision element of a link.
 #[derive(Debug)]
 pub(super) struct CollisionElement {
-    /// The element in words: its name, or its place among those of the link.
+    /// The element in messages: its name, or its position among those of the link.
     pub name: String,
     pub origin: Pose,
     pub shape: CollisionShape,
 }
 
-/// The collision elements of a link, in their order. What is wrong names the element by its name, or by its place, from
+/// Reads the collision elements of a link, in their order. An error gives the name of the element, or its position from
 /// 1 on.
 pub(super) fn read_collisions(link: Node<'_, '_>) -> Read<Vec<CollisionElement>> {
     let found = link.children().filter(|c| c.has_tag_name("collision"));

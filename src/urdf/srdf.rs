@@ -1,4 +1,4 @@
-//! What an SRDF says of the links of a robot.
+//! Collision data from an SRDF.
 
 use super::elements::{Read, number, numbers};
 use crate::error::{Error, Result, plain};
@@ -10,40 +10,40 @@ use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
 use std::path::Path;
 
-/// The parts of an SRDF, the description beside a URDF that MoveIt reads, that are about collisions.
+/// The collision parts of an SRDF, MoveIt's companion of a URDF.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
-    /// The pairs of links that are not checked against each other.
+    /// The pairs of links that are not checked for collisions.
     pub disabled: Vec<DisabledPair>,
-    /// Links with the spheres that stand for their shapes, each in the frame of its link; none for a link that nothing
-    /// can touch.
+    /// Links with the spheres that represent their shapes, each in the frame of its link; an empty list for a link
+    /// without a collision shape.
     pub spheres: Vec<(String, Vec<Ball>)>,
 }
 
-/// Two links that are not checked against each other.
+/// Two links that are not checked for collisions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisabledPair {
     /// Their names.
     pub links: [String; 2],
-    /// The reason, such as `Adjacent`; empty where there is none.
+    /// The reason, such as `Adjacent`; empty without one.
     pub reason: String,
 }
 
 impl Srdf {
-    /// The SRDF in the file at `path`, for the robot `model`.
+    /// Loads the SRDF in the file at `path` for the robot `model`.
     ///
     /// # Errors
-    /// The file cannot be read, or as [`parse`](Self::parse).
+    /// The file cannot be read, or those of [`parse`](Self::parse).
     pub fn load(path: &Path, model: &Model) -> Result<Self> {
         Self::parse(&read_text(path)?, &path.display().to_string(), model)
     }
 
-    /// The SRDF that `text` holds, for the robot `model`; `file` names it in errors. Groups, states and end effectors
-    /// are not looked at.
+    /// Parses the SRDF in `text` for the robot `model`; `file` names it in errors. Groups, states and end effectors are
+    /// ignored.
     ///
     /// # Errors
-    /// Names the file and the element: text that is no SRDF, a link that is missing or that the robot does not have, a number that is none, a
-    /// negative radius, two lists of spheres for one link.
+    /// Names the file and the element: text that is not an SRDF, a link that is missing or unknown to the robot, an
+    /// invalid number, a negative radius, or two lists of spheres for one link.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
         let refuse = |condition: String| {
             let condition = format!("not a valid SRDF: {condition}");
@@ -89,10 +89,10 @@ impl Srdf {
         Ok(srdf)
     }
 
-    /// The model with the spheres of this SRDF in place of the shapes of the links that have some.
+    /// Replaces the shapes of those links of the model for which this SRDF has spheres.
     ///
     /// # Errors
-    /// The model is another one, without such a link.
+    /// The model has no link of such a name.
     pub fn with_spheres(&self, model: Model) -> Result<Model> {
         let own = |collision: &&Collision| self.spheres.iter().all(|(l, _)| *l != collision.link);
         let mut collisions: Vec<_> = model.collisions().iter().filter(own).cloned().collect();
@@ -108,7 +108,7 @@ impl Srdf {
     }
 }
 
-/// The link that an attribute names.
+/// The link named by an attribute.
 fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
     let name = node.attribute(attribute);
     let name = name.ok_or_else(|| format!("it has no {attribute}"))?;
@@ -118,7 +118,7 @@ fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
     Ok(name.to_owned())
 }
 
-/// The spheres of a link. One of radius zero says that there are none.
+/// The spheres of a link. A single sphere of radius zero means none.
 fn spheres(node: Node<'_, '_>) -> Read<Vec<Ball>> {
     let mut balls = Vec::new();
     for sphere in node.children().filter(|c| c.has_tag_name("sphere")) {

@@ -1,21 +1,21 @@
-//! The order in which the links of a URDF are visited, and what makes them no tree.
+//! The order in which the links of a URDF are visited, with checks that they form a tree.
 
 use super::elements::{Joint, Link, Robot};
 use crate::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A link on the walk from the root to the leaves.
+/// A link in the order from the root to the leaves.
 pub(super) struct Visit<'a> {
     /// The link.
     pub link: &'a Link,
     /// The joint that carries it; `None` for the root.
     pub joint: Option<&'a Joint>,
-    /// The place of the parent link in the walk; zero for the root.
+    /// The position of the parent link in the order; zero for the root.
     pub parent: usize,
 }
 
-/// Visits the links depth first from the root, the children of a link in the order of their joints' names, as Pinocchio
-/// does.
+/// Visits the links depth first from the root, the children of a link in the order of their joints' names, like
+/// Pinocchio.
 pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
     let refuse = |element: String, condition: &str| Err(Error::input(file, element, condition));
     let mut links = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! The `<visual>` elements of a URDF: what a robot looks like.
+//! The `<visual>` elements of a URDF.
 
 use super::elements::{Read, numbers, read_origin};
 use super::shapes::read_geometry;
@@ -7,7 +7,7 @@ use crate::spatial::Placement;
 use nalgebra::{Rotation3, Vector3};
 use roxmltree::{Document, Node};
 
-/// A shape that a link shows.
+/// A visual shape of a link.
 #[derive(Clone, Debug)]
 pub(crate) struct Visual {
     /// The name of the link.
@@ -16,12 +16,12 @@ pub(crate) struct Visual {
     pub placement: Placement<f64>,
     /// The shape.
     pub shape: CollisionShape,
-    /// Red, green and blue from 0 to 1, where a material has them.
+    /// Red, green and blue from 0 to 1, if a material gives them.
     pub color: Option<[f64; 3]>,
 }
 
-/// The visual elements of all links in the text of a URDF, in their order, and in words what is wrong with those left out: no motion depends
-/// on any.
+/// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of those left
+/// out in words: no motion depends on any.
 pub(crate) fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
     let Ok(document) = Document::parse(text) else {
@@ -56,7 +56,7 @@ fn read_visual(robot: Node<'_, '_>, link: &str, visual: Node<'_, '_>) -> Read<Vi
     })
 }
 
-/// The colour of the material, its own or that of the robot's material of this name.
+/// The colour of the material, its own or that of the robot's material of the same name.
 fn color(robot: Node<'_, '_>, visual: Node<'_, '_>) -> Read<Option<[f64; 3]>> {
     let material = |node: Node<'_, '_>| node.has_tag_name("material");
     let Some(own) = visual.children().find(|node| material(*node)) else {

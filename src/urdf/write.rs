@@ -1,4 +1,4 @@
-//! Writing a model as a URDF file.
+//! Writing of models as URDF files.
 
 use super::parse_urdf;
 use super::write_shapes::write_collision;
@@ -9,13 +9,14 @@ use nalgebra::{Matrix3, Vector3};
 use quick_xml::Writer;
 use std::io;
 
-/// The part of the size of a number by which what is read back may differ, for the poses and inertias that are converted.
+/// The relative rounding error allowed when poses and inertias that were converted are read back.
 const ROUNDING: f64 = 1e-9;
 
 /// A shape and its placement in the frame of its link.
 type PlacedShape<'a> = (Placement<f64>, &'a CollisionShape);
 
-/// What URDFs say where there are no limits: other readers want the element of joints that are not continuous.
+/// The limits that a URDF has for an unlimited joint: other readers require the element for joints that are not
+/// continuous.
 const PLACEHOLDER: Limits = Limits {
     lower: 0.0,
     upper: 0.0,
@@ -26,20 +27,20 @@ const PLACEHOLDER: Limits = Limits {
 pub(super) type Xml = Writer<Vec<u8>>;
 
 impl Model<f64> {
-    /// The model as the text of a URDF file, which [`parse_urdf`] reads as the same model.
+    /// Writes the model as the text of a URDF file, which [`parse_urdf`] reads as the same model.
     ///
-    /// Every frame is written as a link, on the joint that carried it, so the names of links and joints and the order of
-    /// the joints are those of the file that was read, and so are its shapes. The inertia of a body is written in the link of its joint; links on
-    /// fixed joints are massless, and so is what is fixed to the base, whose mass the model does not know. Numbers are
-    /// the shortest that read back to the same bits. A velocity or effort without limit, and no limits at all, are written as
-    /// zeros, which [`parse_urdf`] reads as none. A model made in code gets a link `base`; its joints come back in the order in
-    /// which the tree is walked.
+    /// Every frame is written as a link, on the joint that carried it, so that the names of links and joints, the order
+    /// of the joints and the shapes are those of the original file. The inertia of a body is written in the link of its
+    /// joint; links on fixed joints are massless, and so is the base, whose mass the model does not store. Numbers are
+    /// the shortest that read back to the same bits. Missing velocity or effort limits, and missing limits altogether,
+    /// are written as zeros, which [`parse_urdf`] reads as no limit. A model made in code gets a link `base`; its
+    /// joints are read back in the order in which the tree is visited.
     ///
     /// # Errors
-    /// The model has what no URDF can say: another gravity than $(0, 0, -9.81)$, limits on the position of a continuous
-    /// joint, limits of velocity or effort of zero (these are read as none), a joint held at zero by its limits of position
-    /// alone, a first moment without mass, a rotation that is none; or what [`parse_urdf`] refuses. The text is read back to
-    /// see.
+    /// The model has a property that a URDF cannot express: another gravity than $(0, 0, -9.81)$, limits on the
+    /// position of a continuous joint, limits of velocity or effort of zero (which mean none), a joint held at zero by
+    /// its position limits alone, a first moment without mass, or an invalid rotation; or [`parse_urdf`] refuses it.
+    /// The text is read back as a check.
     pub fn to_urdf(&self) -> Result<String> {
         let fail = |what: String| Error::input(self.name(), "robot", what);
         let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -102,7 +103,7 @@ impl Model<f64> {
             .collect()
     }
 
-    /// What of this model is not in `read`, and of which element.
+    /// The first difference between this model and `read`, with its element.
     fn difference(&self, read: &Self) -> Option<(String, &'static str)> {
         if self.gravity() != read.gravity() {
             return Some(("robot".to_owned(), "its gravity"));
@@ -148,7 +149,7 @@ impl Model<f64> {
     }
 }
 
-/// Tells whether two matrices are the same but for rounding.
+/// Returns true if two matrices are equal up to rounding.
 fn close<R: nalgebra::Dim, C: nalgebra::Dim, T: nalgebra::RawStorage<f64, R, C>>(
     a: &nalgebra::Matrix<f64, R, C, T>,
     b: &nalgebra::Matrix<f64, R, C, T>,
@@ -157,7 +158,7 @@ fn close<R: nalgebra::Dim, C: nalgebra::Dim, T: nalgebra::RawStorage<f64, R, C>>
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= bound)
 }
 
-/// Where `p` is in `frame`, both given in one body.
+/// The placement of `p` relative to `frame`, both given in one body.
 fn relative(p: &Placement<f64>, frame: &Frame<f64>) -> Placement<f64> {
     let Placement {
         rotation,
@@ -219,7 +220,7 @@ fn write_inertial(xml: &mut Xml, inertia: &Inertia<f64>) -> io::Result<()> {
     Ok(())
 }
 
-/// A joint of this name and kind, between two links; `moving` has what only joints that move have.
+/// Writes a joint of this name and kind between two links; `moving` has the data of moving joints.
 fn write_joint(
     xml: &mut Xml,
     (name, kind): (&str, &str),
@@ -267,21 +268,22 @@ pub(super) fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) ->
     Ok(())
 }
 
-/// A limit of velocity or effort as a URDF says it: zero where there is none, since other readers refuse an infinite one.
+/// A limit of velocity or effort in the form of a URDF: zero without a limit, because other readers refuse an infinite
+/// one.
 fn or_zero(limit: f64) -> f64 {
     if limit == f64::INFINITY { 0.0 } else { limit }
 }
 
-/// Numbers as they are read back to the same bits, zeros without a sign.
+/// Formats numbers so that they read back to the same bits, zeros without a sign.
 pub(super) fn numbers<'a>(x: impl IntoIterator<Item = &'a f64>) -> String {
     let words: Vec<_> = x.into_iter().map(|x| format!("{:?}", x + 0.0)).collect();
     words.join(" ")
 }
 
-/// The angles about the fixed axes x, y, z, in this order, that make a rotation.
+/// The angles of a rotation about the fixed axes x, y, z, in this order.
 ///
-/// Near a pitch of a quarter turn only the sum or the difference of the other two angles can be told. So roll is read off
-/// what is left of the rotation once yaw is undone: whatever error yaw has there, roll makes up for.
+/// Near a pitch of a quarter turn only the sum or the difference of the other two angles is determined. Roll is
+/// therefore computed from the rotation with yaw removed, and compensates for any error of yaw there.
 pub(super) fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let yaw = r.m21.atan2(r.m11);
     let (sin, cos) = yaw.sin_cos();

@@ -1,4 +1,4 @@
-//! Writing the shapes of links.
+//! Writing of the shapes of links.
 
 use super::write::{Xml, empty, numbers, roll_pitch_yaw};
 use crate::geometry::Shape;

@@ -1,43 +1,47 @@
-//! How every derivative, every formula and the dynamics below them are checked.
+//! Verification of every derivative, every formula and the underlying dynamics.
 //!
-//! Three kinds of witnesses check this library, and no claim rests on one of them alone. None of them uses the formulas that it is a
-//! witness of: each differentiates, or computes in another way, what the fast code has in closed form.
+//! Three kinds of witnesses check this library, and no claim rests on one of them alone. No witness uses the formulas
+//! that it checks: each computes by differentiation, or by another method, what the fast code has in closed form.
 //!
 //! # Dual numbers: [`duals`]
 //!
-//! The code of the dynamics is generic in its numbers. Run over the dual numbers of `num-dual` it gives derivatives by automatic
-//! differentiation, and [`check_all`] compares every analytic derivative with these at random states of any robot.
+//! The code of the dynamics is generic in its number type. Over the dual numbers of `num-dual` it gives derivatives by
+//! automatic differentiation, and [`check_all`] compares every analytic derivative with these at random states of any
+//! robot.
 //!
-//! - **Sees** a wrong term, sign, index or transpose in any analytic derivative, in the code that is used, in double precision
-//!   with its fast paths, on the user's own robot with its own conditioning. It compares to rounding: the bounds are about 1e-9,
-//!   larger where an ill-conditioned mass matrix is divided by.
-//! - **Does not see** what happens at states that were not drawn; a term that is smaller than its bound beside the others; and
-//!   anything that is wrong in the plain dynamics, since their derivatives are then wrong in the same way.
+//! - **Sees** a wrong term, sign, index or transpose in any analytic derivative, in the code that is used, in double
+//!   precision with its fast paths, on the user's own robot with its conditioning. The bounds are those of rounding:
+//!   about 1e-9, larger for divisions by an ill-conditioned mass matrix.
+//! - **Does not see** errors at states that were not drawn; a term that is smaller than its bound relative to the
+//!   others; and errors in the plain dynamics, because their derivatives are then wrong in the same way.
 //!
 //! # A prime field: [`field`]
 //!
-//! The same generic code runs over the integers modulo $2^{61} - 1$, where there is no rounding. [`prove`] evaluates both sides of
-//! every numbered equation at random robots and states and compares them with `==`. A false identity passes three random instances with a
-//! probability below $2 \cdot 10^{-40}$. The pages in `proofs/` state the equations, and a test ties pages, code and identities together.
+//! The same generic code runs over the integers modulo $2^{61} - 1$, where there is no rounding. [`prove`] evaluates
+//! both sides of every numbered equation at random robots and states and compares them with `==`. A false identity
+//! passes three random instances with a probability below $2 \cdot 10^{-40}$. The pages in `proofs/` state the
+//! equations, and a test ties pages, code and identities together.
 //!
 //! - **Sees** every error in a formula, however small the term, for trees of joints with all kinds of branching.
-//! - **Does not see** what distances are, whose roots and signs are formal there, but that their derivatives are those of their values;
-//!   rounding, overflow and cancellation; code that only `f64` takes, namely products of large matrices by `faer`
-//!   ([`linalg`](crate::linalg)) and sines of four numbers at once by `wide` ([`Lanes`](crate::scalar::Lanes)), which the property
-//!   tests `the_fast_paths_agree_with_the_generic_code` hold to the generic code; inequalities, comparisons and anything that is about
-//!   order, such as whether a search ends or what it ends at; and a law that is wrong consistently.
+//! - **Does not see** the values of distances, because roots and signs are formal over the field, only that their
+//!   derivatives match; rounding, overflow and cancellation; code that only `f64` uses, namely products of large
+//!   matrices by `faer` ([`linalg`](crate::linalg)) and sines of four numbers at once by `wide`
+//!   ([`Lanes`](crate::scalar::Lanes)), which the property tests `the_fast_paths_agree_with_the_generic_code` compare
+//!   with the generic code; inequalities, comparisons and everything else about order, such as the termination and the
+//!   result of a search; and a law that is consistently wrong.
 //!
 //! # Pinocchio and Parry: `tests/oracle`
 //!
-//! The dynamics, their first and second derivatives, Jacobians of frames, constraints, $\Omega$ and its Jacobians are compared with
-//! Pinocchio on random robots and on the URDF files of two public collections, distances of balls from obstacles with Parry.
+//! The dynamics, their first and second derivatives, Jacobians of frames, constraints, $\Omega$ and its Jacobians are
+//! compared with Pinocchio on random robots and on the URDF files of two public collections, distances of balls from
+//! obstacles with Parry.
 //!
-//! - **Sees** what the other two cannot, because both are consistent with themselves: gravity with the wrong sign, a frame convention,
-//!   a URDF that is misread.
-//! - **Does not see** what Pinocchio has no function for, beyond what can be made of its functions by differences, and runs only where
-//!   Pinocchio is installed: it is a test of the library and no part of it.
+//! - **Sees** errors that the other two cannot see, because both are consistent with themselves: gravity with the wrong
+//!   sign, a frame convention, a URDF that is misread.
+//! - **Does not see** quantities for which Pinocchio has no function, except by differences of its functions, and runs
+//!   only where Pinocchio is installed: it is a test of the library and not part of it.
 //!
-//! # Which claim is checked by what
+//! # Claims and their witnesses
 //!
 //! | claim | witness | where |
 //! | --- | --- | --- |
@@ -53,21 +57,23 @@
 //! | distances from boxes, cylinders, capsules and balls | Parry | oracle |
 //! | their derivatives, and those of clearances | field, duals | [`check_constraints`](duals::check_constraints), [`prove`] |
 //!
-//! On the command line `aghf check ROBOT` is [`check_all`] and `aghf prove` is [`prove`]; `tests/run --test oracle` runs the oracle.
-//! What both built-in witnesses hold the library against is written once, in [`reference`](mod@reference), over any number.
+//! On the command line `aghf check ROBOT` is [`check_all`] and `aghf prove` is [`prove`]; `tests/run --test oracle`
+//! runs the oracle. The reference formulas of both built-in witnesses are written once, generic in the number type, in
+//! [`reference`](mod@reference).
 //!
-//! # Checking an object of one's own
+//! # Checking a user-defined object
 //!
-//! Each page of the [guide](crate::guide) takes its own example through one of these:
+//! Each page of the [guide](crate::guide) checks its own example by one of these:
 //!
-//! - a robot: [`check_all`] on its model, or `aghf check robot.urdf`; a new [joint](crate::guide::joint) likewise;
+//! - a robot: [`check_all`] on its model, or `aghf check robot.urdf`; in the same way for a new
+//!   [joint](crate::guide::joint);
 //! - a [Jacobian](crate::guide::jacobian): [`check_jacobian`](duals::check_jacobian);
 //! - a [constraint](crate::guide::constraint): [`check_constraint`](duals::check_constraint);
 //! - a [running cost](crate::guide::running_cost): [`check_running_cost`](duals::check_running_cost);
-//! - a [Lagrangian, metric or drift](crate::guide::lagrangian): [`check_flow`](duals::check_flow) against a right-hand side and its
-//!   Jacobian, [`prove_identities`](field::prove_identities);
-//! - any other function: [`reference::jacobian`] and [`reference::gradient`] differentiate it by dual numbers, over `f64` or over
-//!   the field.
+//! - a [Lagrangian, metric or drift](crate::guide::lagrangian): [`check_flow`](duals::check_flow) against a right-hand
+//!   side and its Jacobian, [`prove_identities`](field::prove_identities);
+//! - any other function: [`reference::jacobian`] and [`reference::gradient`] differentiate it by dual numbers, over
+//!   `f64` or over the field.
 //!
 //! ```
 //! use aghf::urdf::builtin_robot;

@@ -1,7 +1,8 @@
-//! A benchmark of planning problems: each is solved and judged, family by family.
+//! A benchmark of planning problems, each solved and judged, by family.
 //!
-//! [`problems`] finds what there is in a folder, scenarios or scenes and requests of MoveIt; [`run`] solves them one by one on one core and writes
-//! a line for each, so that a run that was interrupted goes on where it was; [`families`] sums up.
+//! [`problems()`] finds the problems in a folder, scenarios or MoveIt's scenes and requests; [`run()`] solves them one
+//! by one on one core and writes one line per problem, so that an interrupted run is resumed; [`families`] summarises
+//! the results.
 
 mod problems;
 mod run;

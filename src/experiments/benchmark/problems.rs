@@ -12,9 +12,9 @@ const SPACING: f64 = 0.05;
 /// A problem of a benchmark.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The family that it belongs to.
+    /// Its family.
     pub family: String,
-    /// Its name, which no other has.
+    /// Its unique name.
     pub name: String,
     files: Files,
 }
@@ -27,10 +27,10 @@ enum Files {
 }
 
 impl Problem {
-    /// Reads it.
+    /// Loads the scenario of the problem.
     ///
     /// # Errors
-    /// Names the file and what is wrong with it.
+    /// Names the file and the fault.
     pub fn load(&self) -> Result<Scenario> {
         match &self.files {
             Files::Scenario(path) => Scenario::load(&path.display().to_string()),
@@ -39,14 +39,14 @@ impl Problem {
     }
 }
 
-/// The problems in `folder`, by family and name.
+/// Finds the problems in `folder`, by family and name.
 ///
-/// Either it has scenarios, `FAMILY_NUMBER.json`; or, itself or in `problems`, a folder for each family, `FAMILY` or `FAMILY_ROBOT`, with the
-/// scenes and requests of MoveIt, `sceneNUMBER.yaml` and `requestNUMBER.yaml`, and beside them the SRDF `ROBOT.srdf`. `robot` is built in
-/// or the path of a URDF file; scenarios name their own.
+/// The folder contains scenarios, `FAMILY_NUMBER.json`; or, directly or in `problems`, one folder per family, `FAMILY`
+/// or `FAMILY_ROBOT`, with MoveIt's scenes and requests, `sceneNUMBER.yaml` and `requestNUMBER.yaml`, and next to them
+/// the SRDF `ROBOT.srdf`. `robot` is a built-in name or the path of a URDF file; scenarios name their robot.
 ///
 /// # Errors
-/// The folder cannot be read, has neither, or a request is missing.
+/// The folder cannot be read, contains neither, or a request is missing.
 pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
     let mut found = Vec::new();
     for path in entries(folder)? {
@@ -87,7 +87,7 @@ pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
     Ok(found)
 }
 
-/// The problems of a family in the files of MoveIt.
+/// The problems of a family in MoveIt's files.
 fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
     let name = folder
         .file_name()

@@ -11,26 +11,27 @@ use std::fs::OpenOptions;
 use std::path::Path;
 use std::time::Instant;
 
-/// The distance from its minimum that a motion may have, as a [tolerance](RelaxSettings::tolerance): that it keeps what is asked of it does not depend on it.
+/// The accepted distance of a motion from its minimum, as a [tolerance](RelaxSettings::tolerance); its feasibility does
+/// not depend on it.
 const TOLERANCE: f64 = 0.7;
-/// The most iterations from a start.
+/// The largest number of iterations per start.
 const ITERATIONS: usize = 120;
-/// The longest interval of the table that is judged, s, and the part of one before the end of a segment at which there is a row as well:
-/// accelerations may jump there.
+/// The longest interval of the judged table, s, and the fraction of one before the end of a segment at which there is
+/// an additional row: accelerations may jump there.
 const INTERVAL: f64 = 1e-3;
 const BEFORE: f64 = 1e-4;
 
-/// The end of a problem.
+/// The outcome of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// A motion was found, and the judge finds it valid.
+    /// A motion was found, and the judge accepts it.
     Valid,
-    /// A motion was found that the judge does not find valid.
+    /// A motion was found, but the judge does not accept it.
     Invalid,
     /// No motion was found.
     Unsolved,
-    /// It is known to have no solution.
+    /// The problem is known to be infeasible.
     Impossible,
 }
 
@@ -41,23 +42,23 @@ pub struct Row {
     pub family: String,
     /// The problem.
     pub problem: String,
-    /// The end.
+    /// The outcome.
     pub end: End,
     /// True if the motion is a minimum to within the tolerance.
     pub minimum: bool,
-    /// The time for it on one core, from the scenario in memory to the motion, s.
+    /// The time on one core, from the scenario in memory to the motion, s.
     pub solve_seconds: f64,
     /// The control effort of the motion, N^2 m^2 s.
     pub control_effort: f64,
-    /// Its duration, s.
+    /// The duration of the motion, s.
     pub duration_s: f64,
-    /// Its least clearance from obstacles and of the robot from itself as the judge proved it, m.
+    /// The least clearance from obstacles and between links, as proved by the judge, m.
     pub least_clearance_m: Option<f64>,
-    /// The reason why it is not valid.
+    /// The reason why the motion is not valid.
     pub reason: String,
 }
 
-/// The settings of the relaxation: a planned first start, with as much time as it needs, and no more than a rough minimum.
+/// The settings of the relaxation: a planned first start, on a horizon as long as it needs, and a loose tolerance.
 #[must_use]
 pub fn settings_of(scenario: &Scenario) -> RelaxSettings {
     RelaxSettings {
@@ -69,8 +70,8 @@ pub fn settings_of(scenario: &Scenario) -> RelaxSettings {
     }
 }
 
-/// Solves and judges the problems that have no line in the file at `path` yet, and adds theirs; returns all lines, in the order of the
-/// problems. `observe` is called after each.
+/// Solves and judges the problems that have no line in the file at `path` yet, and appends their lines; returns all
+/// lines, in the order of the problems. `observe` is called after each.
 ///
 /// # Errors
 /// A problem cannot be read, or the file cannot be read or written.

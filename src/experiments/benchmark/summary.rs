@@ -1,17 +1,17 @@
-//! The results of a benchmark, summed up.
+//! The summary of a benchmark.
 
 use super::{End, Row};
 
-/// The rows of a family in numbers.
+/// The results of a family in numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Its name.
     pub name: String,
     /// The number of problems.
     pub problems: usize,
-    /// The number of problems whose motion is valid.
+    /// The number of problems with a valid motion.
     pub valid: usize,
-    /// The number of problems that are known to have no solution.
+    /// The number of problems that are known to be infeasible.
     pub impossible: usize,
     /// The number of valid motions that are minima.
     pub minima: usize,
@@ -21,11 +21,11 @@ pub struct Family {
     pub effort: f64,
     /// The median duration, s.
     pub duration: f64,
-    /// The least clearance of all, m.
+    /// The least clearance, m.
     pub clearance: Option<f64>,
 }
 
-/// The families of the rows, in the order in which they come, and all together.
+/// Summarises the rows of each family, in the order of their first rows, and of all together.
 #[must_use]
 pub fn families(rows: &[Row]) -> Vec<Family> {
     let mut names: Vec<&str> = Vec::new();
@@ -66,14 +66,14 @@ fn family<'r>(name: &str, rows: impl Iterator<Item = &'r Row>) -> Family {
     }
 }
 
-/// The least of ascending values that at least this share of them is not above; not a number if there is none.
+/// The least of ascending values that is at or above this fraction of them; NaN if there is none.
 fn percentile(sorted: &[f64], share: f64) -> f64 {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     let found = sorted.get(rank.saturating_sub(1));
     found.copied().unwrap_or(f64::NAN)
 }
 
-/// The families as a table in Markdown.
+/// Formats the families as a table in Markdown.
 #[must_use]
 pub fn table(families: &[Family]) -> String {
     let mut text = String::from(

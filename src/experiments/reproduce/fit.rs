@@ -1,9 +1,9 @@
-//! Polynomials and powers through measured points.
+//! Polynomials and power laws fitted to measured points.
 
 use nalgebra::{DMatrix, DVector};
 
-/// The coefficients, constant term first, of the polynomial of `degree` that is nearest to the points `(x, y)` in the sense of
-/// least squares. `None` if the points do not determine it: too few different `x`.
+/// Fits a polynomial of `degree` to the points `(x, y)` by least squares; the constant term comes first. `None` if
+/// there are too few different `x`.
 #[must_use]
 pub fn polynomial(points: &[(f64, f64)], degree: usize) -> Option<Vec<f64>> {
     // In units of the largest x the powers have comparable sizes.
@@ -24,14 +24,14 @@ pub fn polynomial(points: &[(f64, f64)], degree: usize) -> Option<Vec<f64>> {
     Some(coefficients.map(|(j, c)| c / unit.powi(j as i32)).collect())
 }
 
-/// The polynomial with these coefficients at `x`.
+/// Evaluates the polynomial with these coefficients at `x`.
 #[must_use]
 pub fn value(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// A factor `c` and an exponent `e`: the power $c\\, x^e$ that is nearest to the points in the logarithms.
-/// `None` if a point is not positive or all have the same `x`.
+/// Fits the power law $c\\, x^e$ to the points by least squares in the logarithms; returns `c` and `e`. `None` if a
+/// point is not positive or all have the same `x`.
 #[must_use]
 pub fn power_law(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     if points.iter().any(|(x, y)| !(*x > 0.0 && *y > 0.0)) {

@@ -1,6 +1,6 @@
-//! Lists, polynomials and numbers in words.
+//! The format of lists, polynomials and numbers in text.
 
-/// Words in the order in which they first appear, each once.
+/// Joins words without repetitions, in the order of their first occurrence.
 pub(super) fn distinct(words: impl Iterator<Item = String>, between: &str) -> String {
     let mut seen: Vec<String> = Vec::new();
     for word in words {
@@ -11,7 +11,7 @@ pub(super) fn distinct(words: impl Iterator<Item = String>, between: &str) -> St
     seen.join(between)
 }
 
-/// A polynomial in `N` in the usual notation.
+/// Formats a polynomial in `N` in the usual notation.
 pub(super) fn in_words(coefficients: &[f64]) -> String {
     let mut words = String::new();
     for (power, c) in coefficients.iter().enumerate() {
@@ -31,7 +31,7 @@ pub(super) fn in_words(coefficients: &[f64]) -> String {
     words
 }
 
-/// A number with so many significant figures, in the shorter of the usual notations.
+/// Formats a number with `count` significant figures, in the shorter of the usual notations.
 pub(super) fn figures(x: f64, count: usize) -> String {
     let scientific = format!("{x:.*e}", count - 1);
     let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse().ok());

@@ -1,4 +1,4 @@
-//! The report.
+//! The report in Markdown.
 
 use super::format::{distinct, figures, in_words};
 use super::timing::{BATCH_SECONDS, BATCHES};
@@ -36,11 +36,11 @@ impl Table {
     }
 }
 
-/// What is told of the searches beside their table.
+/// The text next to the table of the searches.
 pub(super) const SEARCHED: &str = "Each scenario of a system was solved with every set of the grid. Best: the fastest set among those that succeed in most \
     scenarios, while other solves ran, and the one of least effort among them.\n";
 
-/// The whole report. What the supplement does not tell has an empty cell.
+/// Builds the report. Values that the supplement does not give are empty cells.
 pub(super) fn report(reproduction: &Reproduction) -> String {
     let mut parts = vec!["# The paper's experiments, run anew\n".to_owned()];
     if !reproduction.searches.is_empty() {
@@ -60,7 +60,7 @@ pub(super) fn report(reproduction: &Reproduction) -> String {
     parts.join("\n")
 }
 
-/// One row for each system that has a grid.
+/// One row per system that has a grid.
 pub(super) fn searches(searches: &[Search]) -> Table {
     let mut table = Table::new(&[
         "system",
@@ -97,7 +97,7 @@ pub(super) fn searches(searches: &[Search]) -> Table {
     table
 }
 
-/// One row for each system and each of its best sets.
+/// One row per system and set.
 pub(super) fn solves(systems: &[SystemResult]) -> Table {
     let mut table = Table::new(&[
         "system",
@@ -181,7 +181,7 @@ pub(super) fn solve_settings(reproduction: &Reproduction) -> String {
     )
 }
 
-/// Means and deviations by the number of joints.
+/// Means and standard deviations by the number of joints.
 pub(super) fn times(series: &[Series]) -> Table {
     let robots = series.first().map_or(&[][..], |s| &s.points);
     let header: Vec<String> = robots.iter().map(|(_, n, _)| format!("N = {n}")).collect();
@@ -254,7 +254,7 @@ pub(super) fn time_settings(reproduction: &Reproduction) -> String {
     )
 }
 
-/// What this ran on.
+/// The machine and the build.
 pub(super) fn machine(seconds: f64) -> String {
     let profile = if cfg!(debug_assertions) {
         "a development build, not for comparison"
@@ -275,7 +275,7 @@ pub(super) fn machine(seconds: f64) -> String {
     )
 }
 
-/// The name of the processor, where the system tells it the way Linux does.
+/// The name of the processor, if the system provides it like Linux.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
@@ -287,7 +287,7 @@ fn set(p: usize, k: f64, s_max: f64, constraints: Option<(f64, f64)>) -> String 
     format!("{p}, {k:e}, {s_max}{}", constraints.unwrap_or_default())
 }
 
-/// The largest error, or that a simulation stopped.
+/// The largest error, or a remark that a simulation stopped.
 fn worst(results: &[ScenarioResult], error: fn(&ScenarioResult) -> Option<f64>) -> String {
     let errors: Option<Vec<f64>> = results.iter().map(error).collect();
     errors.map_or_else(

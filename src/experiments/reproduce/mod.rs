@@ -1,5 +1,6 @@
-//! The experiments of the paper's supplement, run anew: the grid searches of Tables IX to XIII, the solves of section C with the
-//! best sets, and the times of Figures 4 and 5. And the variants of the flow on the same scenarios.
+//! Reproduction of the experiments of the paper's supplement: the grid searches of Tables IX to XIII, the solves of
+//! section C with the best sets, and the times of Figures 4 and 5; and a comparison of the variants of the flow on the
+//! same scenarios.
 
 pub mod fit;
 mod format;
@@ -25,21 +26,21 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The amount that is measured.
+/// The extent of the experiments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// The number of times that every solve is timed.
+    /// The number of timed runs per solve.
     pub repetitions: usize,
-    /// At how many random configurations the right-hand side and its Jacobian are timed.
+    /// The number of random configurations at which the right-hand side and its Jacobian are timed.
     pub configurations: usize,
     /// The seed of the configurations.
     pub seed: u64,
-    /// Only systems and robots whose names begin with this; all where it is empty.
+    /// The prefix of the names of systems and robots; empty for all.
     pub only: String,
-    /// Sweeps that are built in, or paths of TOML files: a system's best sets are looked for in the first that has all its
-    /// scenarios.
+    /// Built-in sweeps, or paths of TOML files: the best sets of a system are searched in the first one that has all
+    /// its scenarios.
     pub grids: Vec<String>,
-    /// The folder in which each sweep has its folder of results.
+    /// The folder with one folder of results per sweep.
     pub sweeps: PathBuf,
 }
 
@@ -52,13 +53,13 @@ pub const GRIDS: [&str; 5] = [
     "table_13_digit_obstacles",
 ];
 
-/// The most repetitions: all solves of `--quick` once take about two seconds, so often six hours.
+/// The largest number of repetitions: all solves of `--quick` once take about two seconds, this many six hours.
 const MOST_REPETITIONS: usize = 10_000;
-/// The most configurations: the states of Digit at so many are 100 MB.
+/// The largest number of configurations: this many states of Digit take 100 MB.
 const MOST_CONFIGURATIONS: usize = 100_000;
 
 impl Settings {
-    /// The paper's grids, and as many configurations as the paper has.
+    /// The paper's grids and its number of configurations.
     #[must_use]
     pub fn full() -> Self {
         Self {
@@ -71,7 +72,7 @@ impl Settings {
         }
     }
 
-    /// Nothing is searched: the paper's best sets and our own, in about a minute.
+    /// No search: the paper's best sets and our own, in about a minute.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -82,13 +83,13 @@ impl Settings {
         }
     }
 
-    /// Whether a system or robot of this name is to be run.
+    /// Returns true if a system or robot of this name is selected.
     fn chooses(&self, name: &str) -> bool {
         name.starts_with(&self.only)
     }
 
     /// # Errors
-    /// A count is out of range, or nothing is to be measured.
+    /// A count is out of range, or nothing is selected.
     fn check(&self) -> Result<()> {
         check_count("repetitions", self.repetitions, 1..=MOST_REPETITIONS)?;
         check_count(
@@ -108,23 +109,23 @@ impl Settings {
 /// The results of the experiments.
 #[derive(Clone, Debug)]
 pub struct Reproduction {
-    /// The settings they were run with.
+    /// The settings.
     pub settings: Settings,
-    /// The grid searches, for each system that has one.
+    /// The grid searches, one per system with a grid.
     pub searches: Vec<Search>,
     /// The solves.
     pub systems: Vec<SystemResult>,
-    /// The times at a node; one series for each of [`Quantity::ALL`].
+    /// The times at a node; one series per entry of [`Quantity::ALL`].
     pub series: Vec<Series>,
-    /// The wall time of everything, s.
+    /// The total wall time, s.
     pub seconds: f64,
 }
 
-/// Runs the experiments: grids on all cores, going on where they were interrupted, and all that is timed one after the other on one
-/// core. `progress` hears what is next.
+/// Runs the experiments: grids on all cores, resumed if they were interrupted, and all timed solves one after the other
+/// on one core. `progress` is called with the next step.
 ///
 /// # Errors
-/// Nothing is to be measured, or a sweep cannot be loaded, or its results cannot be read or written.
+/// Nothing is selected, a sweep cannot be loaded, or its results cannot be read or written.
 pub fn reproduce(
     settings: &Settings,
     progress: &mut (dyn FnMut(&str) + Send),
@@ -143,7 +144,7 @@ pub fn reproduce(
 }
 
 impl Reproduction {
-    /// The names of the files that are written.
+    /// The names of the output files.
     pub const FILES: [&'static str; 7] = [
         "report.md",
         "report.html",
@@ -154,7 +155,7 @@ impl Reproduction {
         "figure_5.svg",
     ];
 
-    /// Whether a robot of Figures 4 and 5 was among those chosen.
+    /// Returns true if a robot of Figures 4 and 5 was selected.
     fn has_times(&self) -> bool {
         self.series.iter().any(|s| !s.points.is_empty())
     }
@@ -165,8 +166,8 @@ impl Reproduction {
         markdown::report(self)
     }
 
-    /// Writes `report.md`, its page `report.html`, `solves.csv`, `scaling.csv`, `fits.csv` and, where there are times, `figure_4.svg` and `figure_5.svg`
-    /// into `folder`, which is made if need be, and returns where they are.
+    /// Writes `report.md`, its page `report.html`, `solves.csv`, `scaling.csv`, `fits.csv` and, if there are times,
+    /// `figure_4.svg` and `figure_5.svg` into `folder`, which is created if necessary, and returns their paths.
     ///
     /// # Errors
     /// A file cannot be written.

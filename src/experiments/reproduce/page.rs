@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::report::{Part, Plot, Table, TablePage};
 use std::io;
 
-/// The page of a reproduction: the tables of its report, Figures 4 and 5, and the rows of its files.
+/// Builds the page of a reproduction: the tables of its report, Figures 4 and 5, and the rows of its files.
 pub(super) fn reproduction(of: &Reproduction) -> Result<TablePage> {
     let [_, _, solves, scaling, fits, ..] = Reproduction::FILES;
     let mut parts = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn reproduction(of: &Reproduction) -> Result<TablePage> {
     })
 }
 
-/// The page of a comparison of variants: its table, the action on the way, and the rows of its file.
+/// Builds the page of a comparison of variants: its table, the action during the flows, and the rows of its file.
 pub(super) fn comparison(of: &Comparison) -> Result<TablePage> {
     let [_, results, picture, _] = Comparison::FILES;
     let svg = plot::actions(&of.settings.drawn, &of.paths).map_err(|e| Error::io(picture, e))?;
@@ -105,7 +105,7 @@ pub(super) fn comparison(of: &Comparison) -> Result<TablePage> {
     })
 }
 
-/// A figure, each of whose circles is the mean of a robot.
+/// A figure in which each circle is the mean of a robot.
 fn figure(number: usize, series: &[Series]) -> Result<Plot> {
     let svg = plot::figure(number, series);
     let svg = svg.map_err(|e| Error::io(format!("figure_{number}.svg"), e))?;

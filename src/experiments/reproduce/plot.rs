@@ -1,4 +1,4 @@
-//! Figures 4 and 5 and the ways of the variants as pictures.
+//! Pictures of Figures 4 and 5 and of the actions of the variants.
 
 use super::{ActionPath, Quantity, Series, fit};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
@@ -8,17 +8,17 @@ use std::io;
 use std::ops::Range;
 
 const SIZE: (u32, u32) = (720, 480);
-/// Blue, orange, green and pink that the colour-blind can tell apart.
+/// Blue, orange, green and pink that colour-blind readers can distinguish.
 const COLOURS: [RGBColor; 4] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
 ];
-/// How many points draw a curve.
+/// The number of points of a curve.
 const CURVE: usize = 40;
 
-/// The picture of one figure: means, standard deviations and polynomials of its quantities over `N`, both axes logarithmic.
+/// Draws one figure: means, standard deviations and polynomials of its quantities over `N`, both axes logarithmic.
 pub(super) fn figure(number: usize, series: &[Series]) -> io::Result<String> {
     draw(number, series).map_err(|e| io::Error::other(e.to_string()))
 }
@@ -89,7 +89,8 @@ fn draw(number: usize, series: &[Series]) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
-/// The picture of the action against `s`, one line for each flow, both axes logarithmic: points where either is not positive are left out.
+/// Draws the action against `s`, one line per flow, both axes logarithmic; points with a coordinate that is not
+/// positive are left out.
 pub(super) fn actions(scenario: &str, paths: &[ActionPath]) -> io::Result<String> {
     draw_actions(scenario, paths).map_err(|e| io::Error::other(e.to_string()))
 }
@@ -137,7 +138,7 @@ fn draw_actions(scenario: &str, paths: &[ActionPath]) -> Result<String, Box<dyn 
     Ok(text)
 }
 
-/// The names of the series in a frame.
+/// Draws the names of the series in a frame.
 fn draw_legend<'a, X: Ranged, Y: Ranged>(
     chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
     position: SeriesLabelPosition,
@@ -153,7 +154,7 @@ fn draw_legend<'a, X: Ranged, Y: Ranged>(
     Ok(())
 }
 
-/// The mark of a series before its name.
+/// The mark of a series next to its name.
 fn dash((x, y): (i32, i32), colour: RGBColor) -> PathElement<(i32, i32)> {
     PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
 }
@@ -163,19 +164,19 @@ fn legend(quantity: Quantity, power: Option<(f64, f64)>) -> String {
     format!("{}{power}", quantity.name())
 }
 
-/// The range of positive numbers, with room by a factor on both sides.
+/// The range of positive numbers, extended by a factor on both sides.
 fn range(numbers: impl Iterator<Item = f64> + Clone, room: f64) -> Range<f64> {
     let low = numbers.clone().fold(f64::INFINITY, f64::min);
     let high = numbers.fold(0.0, f64::max);
     low / room..high * room
 }
 
-/// The most decades of which 1, 2 and 5 are marked.
+/// The largest number of decades with marks at 1, 2 and 5.
 const FEW_DECADES: i32 = 4;
-/// About the most powers of ten that are marked where there are more.
+/// The approximate number of marked powers of ten beyond that.
 const POWERS: i32 = 10;
 
-/// A logarithmic axis that marks 1, 2 and 5 of every decade, or powers of ten where there are many.
+/// A logarithmic axis with marks at 1, 2 and 5 of every decade, or at powers of ten if there are many decades.
 #[derive(Clone)]
 struct Logarithmic(Range<f64>);
 

@@ -14,14 +14,14 @@ pub struct Search {
     pub system: System,
     /// The name of the sweep.
     pub sweep: String,
-    /// The number of sets of parameters that each scenario was solved with.
+    /// The number of sets of parameters per scenario.
     pub sets: usize,
-    /// The number of these sets that succeeded in all scenarios.
+    /// The number of sets that succeeded in all scenarios.
     pub succeeding: usize,
-    /// The wall time of all solves together, s, whichever run they are from.
+    /// The total wall time of all solves, s, from all runs.
     pub solve_seconds: f64,
-    /// The fastest set among those that succeed in most scenarios, and the one of least effort; `None` where no set
-    /// succeeds in any.
+    /// The fastest of the sets that succeed in most scenarios, and the one of least effort; `None` if no set succeeds
+    /// in any.
     pub best: Option<[BestSet; 2]>,
 }
 
@@ -30,14 +30,14 @@ pub struct Search {
 pub struct BestSet {
     /// The parameters.
     pub point: FlowPoint,
-    /// The part of the solves with them that succeeded.
+    /// The fraction of its solves that succeeded.
     pub success_rate: f64,
-    /// Mean wall time of those, s.
+    /// The mean wall time of its solves, s.
     pub solve_seconds: Option<f64>,
 }
 
 impl BestSet {
-    /// `None` for a set of another method.
+    /// The best set of a ranking entry; `None` for a set of another method.
     fn new(ranked: &Ranked) -> Option<Self> {
         Some(Self {
             point: *ranked.parameters.flow()?,
@@ -47,8 +47,8 @@ impl BestSet {
     }
 }
 
-/// Solves the scenarios of `system` with the grid of the first sweep that has them all, on all cores, unless that was done
-/// before; `None` where there is no such sweep. `progress` hears how far it is.
+/// Solves the scenarios of `system` with the grid of the first sweep that has them all, on all cores, unless that was
+/// done before; `None` without such a sweep. `progress` is called with the state.
 pub(super) fn search(
     system: System,
     sweeps: &[Sweep],

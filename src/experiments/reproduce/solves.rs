@@ -10,10 +10,10 @@ use crate::scenario::{
     Feasibility, FlowParameters, Limit, Method, Scenario, ScenarioFile, SolveOptions, solve,
 };
 
-/// The origin of the parameters that a scenario was solved with.
+/// The origin of a set of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// The best set that the supplement prints.
+    /// The best set printed in the supplement.
     Paper,
     /// Our own choice, in the scenario.
     Own,
@@ -24,7 +24,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// In a word or two.
+    /// The origin in one or two words.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -41,37 +41,37 @@ impl Origin {
 pub struct ScenarioResult {
     /// The name of the scenario.
     pub scenario: String,
-    /// The scenario with the parameters that were used.
+    /// The scenario with the parameters of the solve.
     pub file: ScenarioFile,
     /// The tolerance of the integrator.
     pub tolerance: f64,
     /// [`Summary::success`](crate::scenario::Summary::success).
     pub success: bool,
-    /// The reason why the flow did not come to its end, if it did not.
+    /// The reason of a failed flow; `None` if it completed.
     pub failure: Option<String>,
-    /// The median wall time of the flow, s; that of the only run where it does not succeed.
+    /// The median wall time of the flow, s; that of the only run without success.
     pub solve_seconds: f64,
     /// $\int |u|^2 dt$.
     pub effort: f64,
     /// The action.
     pub action: f64,
-    /// The final error of the simulation without feedback; `None` where it stopped early.
+    /// The final error of the simulation without feedback; `None` if it stopped early.
     pub open_loop_error: Option<f64>,
-    /// The same with feedback.
+    /// The final error of the simulation with feedback; `None` if it stopped early.
     pub feedback_error: Option<f64>,
-    /// The clearance of the motion from obstacles and the limits that it breaks.
+    /// The clearance of the motion and the limits that it violates.
     pub feasibility: Feasibility,
 }
 
 impl ScenarioResult {
-    /// Whether `k_cons` and `c_cons` were of use.
+    /// Returns true if `k_cons` and `c_cons` had an effect.
     pub(super) fn constrained(&self) -> bool {
         let file = &self.file;
         !(file.sphere_obstacles.is_empty() && file.half_spaces.is_empty())
             || file.enforced_limits.any()
     }
 
-    /// How many joints break a limit of this kind.
+    /// The number of joints that violate a limit of this kind.
     pub(super) fn joints_beyond(&self, limit: Limit) -> usize {
         let violations = self.feasibility.limit_violations.iter();
         violations.filter(|v| v.limit == limit).count()
@@ -83,9 +83,9 @@ impl ScenarioResult {
 pub struct SystemResult {
     /// The system.
     pub system: System,
-    /// The origins of these sets: several where they agree.
+    /// The origins of the sets: several if these are equal.
     pub origins: Vec<Origin>,
-    /// One for each scenario, at least one.
+    /// One result per scenario, at least one.
     pub results: Vec<ScenarioResult>,
 }
 
@@ -97,8 +97,8 @@ impl SystemResult {
     }
 }
 
-/// Searches the grids and then solves the scenarios of all systems that the settings choose, one after the other, with each
-/// of their best sets.
+/// Searches the grids and then solves the scenarios of all selected systems, one after the other, with each of their
+/// best sets.
 pub(super) fn solves(
     settings: &Settings,
     progress: &mut (dyn FnMut(&str) + Send),
@@ -132,11 +132,11 @@ pub(super) fn solves(
     Ok((searches, all))
 }
 
-/// Where sets come from, and one for each scenario of a system.
+/// The origins of sets, and one set per scenario of a system.
 type BestSets = (Vec<Origin>, Vec<FlowParameters>);
 
-/// The best sets of a system, one for each scenario: the paper's, and those of the grid search or, where there was none,
-/// our own. Equal ones are there once.
+/// The best sets of a system, one per scenario: the paper's, and those of the grid search or, without one, our own.
+/// Equal ones are merged.
 fn best_sets(system: System, scenarios: &[Scenario], search: Option<&Search>) -> Vec<BestSets> {
     let mut all: Vec<BestSets> = Vec::new();
     let mut add = |origin, set: &dyn Fn(FlowParameters) -> FlowParameters| {
@@ -164,7 +164,7 @@ fn best_sets(system: System, scenarios: &[Scenario], search: Option<&Search>) ->
     all
 }
 
-/// A set of a grid, and `flow` for what is not in the grid.
+/// A set of a grid, completed by `flow`.
 fn of_grid(point: &FlowPoint, flow: FlowParameters) -> FlowParameters {
     FlowParameters {
         p: point.p,
@@ -176,7 +176,7 @@ fn of_grid(point: &FlowPoint, flow: FlowParameters) -> FlowParameters {
     }
 }
 
-/// Solves a scenario with a set once for what came of it, then, where it succeeds, several times by the clock.
+/// Solves a scenario with a set once for its result, then, after a success, several times for the time.
 fn run(scenario: &Scenario, set: FlowParameters, repetitions: usize) -> Result<ScenarioResult> {
     let mut scenario = scenario.clone();
     scenario.file.flow = set;

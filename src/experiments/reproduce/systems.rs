@@ -1,15 +1,15 @@
-//! What the paper's experiments are about. A line each.
+//! The systems of the paper's experiments.
 
 use crate::scenario::{FlowParameters, builtin_scenarios, generated_scenarios};
 
-/// A system of the paper's experiments, or a family of harder scenarios, and what the supplement says of it.
+/// A system of the paper's experiments, or a family of harder scenarios, with the data of the supplement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct System {
     /// Its name in the report.
     pub title: &'static str,
-    /// The start of the names of its scenarios, which are built in or generated.
+    /// The prefix of the names of its scenarios, which are built in or generated.
     pub prefix: &'static str,
-    /// The best set that the supplement prints, if it does.
+    /// The best set printed in the supplement, if there is one.
     pub paper: Option<PaperSet>,
 }
 
@@ -22,21 +22,21 @@ impl System {
     }
 }
 
-/// A best set as the supplement prints it, section C-C.
+/// A best set printed in the supplement, section C-C.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperSet {
     /// Degree of the polynomial.
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// The `s` to which the flow runs.
+    /// The value of `s` at which the flow stops.
     pub s_max: f64,
-    /// Weight (A2) and sharpness (A3) of the constraints, where there are obstacles.
+    /// Weight (A2) and sharpness (A3) of the constraints, for scenarios with obstacles.
     pub constraints: Option<(f64, f64)>,
 }
 
 impl PaperSet {
-    /// This set, and `others` for what the supplement does not print.
+    /// This set, completed by `others`.
     #[must_use]
     pub fn over(self, others: FlowParameters) -> FlowParameters {
         let (k_cons, c_cons) = self.constraints.unwrap_or((others.k_cons, others.c_cons));

@@ -4,7 +4,7 @@ use super::{Reproduction, Series, SystemResult, VariantResult};
 use crate::scenario::Limit;
 use std::io::{Error, Result};
 
-/// A table as text.
+/// Formats a table as comma-separated values.
 fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<String> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     csv.write_record(header)?;
@@ -15,12 +15,12 @@ fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result
     String::from_utf8(bytes).map_err(Error::other)
 }
 
-/// All digits of a number; nothing where there is none.
+/// All digits of a number; empty for `None`.
 fn all(x: impl Into<Option<f64>>) -> String {
     x.into().map_or_else(String::new, |x| format!("{x:?}"))
 }
 
-/// One row for each solve.
+/// One row per solve.
 pub(super) fn solves(systems: &[SystemResult]) -> Result<String> {
     let header = [
         "system",
@@ -86,7 +86,7 @@ pub(super) fn solves(systems: &[SystemResult]) -> Result<String> {
     table(&header, rows)
 }
 
-/// One row for each quantity and robot.
+/// One row per quantity and robot.
 pub(super) fn scaling(reproduction: &Reproduction) -> Result<String> {
     let header = [
         "figure",
@@ -115,7 +115,7 @@ pub(super) fn scaling(reproduction: &Reproduction) -> Result<String> {
     table(&header, rows)
 }
 
-/// One row for each quantity; what is not determined is empty.
+/// One row per quantity; undetermined values are empty.
 pub(super) fn fits(series: &[Series]) -> Result<String> {
     let header = [
         "figure",
@@ -144,7 +144,7 @@ pub(super) fn fits(series: &[Series]) -> Result<String> {
     table(&header, rows)
 }
 
-/// One row for each scenario and variant.
+/// One row per scenario and variant.
 pub(super) fn variants(results: &[VariantResult]) -> Result<String> {
     let header = [
         "scenario",

@@ -1,4 +1,5 @@
-//! Figures 4 and 5: how long the right-hand side of the flow and its Jacobian take at one node, by the number of joints.
+//! Figures 4 and 5: the times of the right-hand side of the flow and of its Jacobian at one node, by the number of
+//! joints.
 
 use super::Settings;
 use super::fit::{polynomial, power_law};
@@ -12,16 +13,16 @@ use crate::verify::duals::State;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// The penalty; it changes no time.
+/// The penalty, which does not affect the times.
 const K: f64 = 1e7;
-/// How long every robot and quantity is warmed up.
+/// The duration of the warm-up per robot and quantity.
 const WARM_UP: Duration = Duration::from_millis(30);
-/// The least time of a batch of calls, s: a thousand times what reading the clock costs.
+/// The shortest time of a batch of calls, s: a thousand times the cost of reading the clock.
 pub(super) const BATCH_SECONDS: f64 = 5e-5;
-/// Batches a configuration. Its time is that of the fastest: whatever else the machine does only adds to it.
+/// Batches per configuration. The fastest one counts, because other work of the machine only adds time.
 pub(super) const BATCHES: usize = 5;
 
-/// A quantity that is timed.
+/// A timed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// $\Omega$ by the control form, the default.
@@ -35,7 +36,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 4] = [
         Self::OmegaControlForm,
         Self::OmegaAlgorithmB1,
@@ -54,7 +55,7 @@ impl Quantity {
         }
     }
 
-    /// The figure of the supplement that shows it.
+    /// The figure of the supplement that shows the quantity.
     #[must_use]
     pub fn figure(self) -> usize {
         match self {
@@ -63,13 +64,13 @@ impl Quantity {
         }
     }
 
-    /// The degree of the polynomial that is fitted, the paper's bound for the worst case.
+    /// The degree of the fitted polynomial, which is the paper's worst-case bound.
     #[must_use]
     pub fn degree(self) -> usize {
         self.figure() - 1
     }
 
-    /// The growth with `N` that the supplement states.
+    /// The growth with `N` stated in the supplement.
     #[must_use]
     pub fn paper(self) -> Option<&'static str> {
         match self {
@@ -110,7 +111,7 @@ pub struct Times {
 }
 
 impl Times {
-    /// Of at least one time.
+    /// The statistics of at least one time.
     fn of(mut seconds: Vec<f64>) -> Self {
         let count = seconds.len() as f64;
         let mean = seconds.iter().sum::<f64>() / count;
@@ -126,34 +127,35 @@ impl Times {
 /// The times of one quantity by the number of joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// The quantity that was timed.
+    /// The timed quantity.
     pub quantity: Quantity,
     /// The robots with their numbers of joints, fewest first, and the times.
     pub points: Vec<(String, usize, Times)>,
 }
 
 impl Series {
-    /// `N` and the mean time in microseconds.
+    /// Pairs of `N` and the mean time in microseconds.
     #[must_use]
     pub fn means(&self) -> Vec<(f64, f64)> {
         let mean = |(_, n, times): &(String, usize, Times)| (*n as f64, 1e6 * times.mean);
         self.points.iter().map(mean).collect()
     }
 
-    /// The polynomial in `N` through the means, microseconds; `None` where there are too few robots for its degree.
+    /// Fits a polynomial in `N` to the means, microseconds; `None` if there are too few robots for its degree.
     #[must_use]
     pub fn polynomial(&self) -> Option<Vec<f64>> {
         polynomial(&self.means(), self.quantity.degree())
     }
 
-    /// Factor, in microseconds, and exponent of the power of `N` through the means; `None` for less than two robots.
+    /// Fits a power law in `N` to the means and returns its factor, in microseconds, and its exponent; `None` for fewer
+    /// than two robots.
     #[must_use]
     pub fn power_law(&self) -> Option<(f64, f64)> {
         power_law(&self.means())
     }
 }
 
-/// Times every quantity on the robots of Figures 4 and 5 that the settings choose.
+/// Times every quantity on the selected robots of Figures 4 and 5.
 pub(super) fn scaling(settings: &Settings, progress: &mut dyn FnMut(&str)) -> Result<Vec<Series>> {
     let mut series = Quantity::ALL.map(|quantity| Series {
         quantity,
@@ -173,7 +175,7 @@ pub(super) fn scaling(settings: &Settings, progress: &mut dyn FnMut(&str)) -> Re
     Ok(series.into())
 }
 
-/// The times of `call`, every state timed singly by batches of the same call.
+/// Times `call`, separately at every state by batches of the same call.
 fn measure(states: &[State], call: &mut dyn FnMut(Node<'_, f64>) -> Result<()>) -> Result<Times> {
     let started = Instant::now();
     let mut calls = 0;
@@ -201,7 +203,7 @@ fn measure(states: &[State], call: &mut dyn FnMut(Node<'_, f64>) -> Result<()>) 
     Ok(Times::of(times))
 }
 
-/// The middle of at least one number; of an even count the mean of the two in the middle.
+/// The median of at least one number; for an even count the mean of the two middle ones.
 pub(super) fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let half = numbers.len() / 2;

@@ -16,10 +16,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The names of the variants, in the order of the table; the last is the method that is no flow.
+/// The names of the variants, in the order of the table; the last one is the relaxation, which is not a flow.
 pub const VARIANTS: [&str; 5] = ["published", "rest", "duals", "two-phases", "relax"];
 
-/// The families of [`VariantSettings::builtin`] and the starts of the names of their scenarios.
+/// The families of [`VariantSettings::builtin`] and the prefixes of the names of their scenarios.
 const FAMILIES: [(&str, &[&str]); 9] = [
     ("pendulums", &["pendulum_"]),
     ("Kinova", &["kinova_free_"]),
@@ -42,16 +42,17 @@ pub struct VariantSettings {
     pub families: Vec<(String, Vec<String>)>,
     /// The wall time after which a solve stops.
     pub time_limit: Duration,
-    /// The scenario whose action is drawn against `s`: one of the above.
+    /// The scenario whose action is drawn against `s`: one of the scenarios of the families.
     pub drawn: String,
 }
 
 impl VariantSettings {
-    /// All scenarios of the families that are built in, with 60 s for each solve; or, `quick`, the first two of each with 10 s. Only those
-    /// whose names begin with `only`; what is drawn is `kinova_free_01`, or the first scenario where that is not among them.
+    /// All scenarios of the built-in families, with 60 s per solve; if `quick`, the first two of each with 10 s. Only
+    /// those whose names begin with `only` are used; the action is drawn for `kinova_free_01`, or for the first
+    /// scenario if that is not among them.
     ///
     /// # Errors
-    /// The name of no scenario begins with `only`.
+    /// No scenario has a name that begins with `only`.
     pub fn builtin(quick: bool, only: &str) -> Result<Self> {
         let most = if quick { 2 } else { usize::MAX };
         let mut families = Vec::new();
@@ -93,17 +94,17 @@ pub struct VariantResult {
     pub success: bool,
     /// $\int |u|^2 dt$.
     pub effort: f64,
-    /// The final error of the simulation with feedback; `None` where it stopped early.
+    /// The final error of the simulation with feedback; `None` if it stopped early.
     pub final_error: Option<f64>,
     /// Wall time of the method, s.
     pub seconds: f64,
     /// Accepted steps in `s`, or iterations of the relaxation.
     pub steps: usize,
-    /// The reasons why it is no success, if it is none.
+    /// The reasons of a failure; `None` for a success.
     pub failure: Option<String>,
 }
 
-/// The action of one variant on its way.
+/// The action during the flow of one variant.
 #[derive(Clone, Debug)]
 pub struct ActionPath {
     /// One of [`VARIANTS`].
@@ -117,21 +118,24 @@ pub struct ActionPath {
 pub struct Comparison {
     /// The settings.
     pub settings: VariantSettings,
-    /// One for each scenario and variant but the published flow of robots with passive joints, for which it is not defined.
+    /// One result per scenario and variant, except the published flow for robots with passive joints, for which it is
+    /// not defined.
     pub results: Vec<VariantResult>,
-    /// The ways of the flows on the scenario that is drawn.
+    /// The actions of the flows on the drawn scenario.
     pub paths: Vec<ActionPath>,
-    /// The wall time of everything, s.
+    /// The total wall time, s.
     pub seconds: f64,
 }
 
-/// Solves all scenarios by all variants, one after the other and each on one thread. `progress` hears what is next.
+/// Solves all scenarios by all variants, one after the other and each on one thread. `progress` is called with the next
+/// step.
 ///
-/// The relaxation has one start, so that it begins at the first guess of the flows to rest. With passive joints it and they have the
-/// defaults instead, several starts.
+/// The relaxation has one start, so that it begins at the first guess of the flows to rest. With passive joints all of
+/// them have their default number of starts instead.
 ///
 /// # Errors
-/// There is no scenario, or one cannot be loaded or has no solution for a plain reason, or that to be drawn is not among them.
+/// There is no scenario, a scenario cannot be loaded or has no solution for an obvious reason, or the drawn one is not
+/// among them.
 pub fn compare(
     settings: &VariantSettings,
     progress: &mut (dyn FnMut(&str) + Send),
@@ -183,7 +187,7 @@ pub fn compare(
     })
 }
 
-/// The options of a variant; `None` where it is not defined.
+/// The options of a variant; `None` if it is not defined.
 fn options(variant: &str, scenario: &Scenario, time_limit: Duration) -> Option<SolveOptions> {
     let passive = !scenario.file.passive.is_empty();
     let mut flows = FlowVariant::ALL.iter();
@@ -217,11 +221,11 @@ fn point(record: &Record) -> Option<(f64, f64)> {
 }
 
 impl Comparison {
-    /// The names of the files that are written.
+    /// The names of the output files.
     pub const FILES: [&'static str; 4] =
         ["variants.md", "variants.csv", "variants.svg", "report.html"];
 
-    /// A row for each family.
+    /// One row per family.
     pub(super) fn table(&self) -> Table {
         let header: Vec<&str> = std::iter::once("family").chain(VARIANTS).collect();
         let mut table = Table::new(&header);
@@ -232,7 +236,7 @@ impl Comparison {
         table
     }
 
-    /// The table in Markdown: a row for each family.
+    /// Formats the table in Markdown: one row per family.
     #[must_use]
     pub fn markdown(&self) -> String {
         format!(
@@ -262,7 +266,8 @@ impl Comparison {
         format!("{count}, {}, {} ms", figures(effort, 4), figures(time, 2))
     }
 
-    /// Writes `variants.md`, `variants.csv`, `variants.svg` and the page `report.html` into `folder`, which is made if need be, and returns where they are.
+    /// Writes `variants.md`, `variants.csv`, `variants.svg` and the page `report.html` into `folder`, which is created
+    /// if necessary, and returns their paths.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -12,14 +12,14 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::time::Duration;
 
-/// Names and texts of the sweeps that are built in.
+/// Names and texts of the built-in sweeps.
 macro_rules! sweeps {
     ($($name:literal),*) => {
         [$(($name, include_str!(concat!("../../../robots/sweeps/", $name, ".toml")))),*]
     };
 }
 
-/// The sweeps, in the order in which they are listed.
+/// The sweeps, in the order of the listing.
 const SWEEPS: [(&str, &str); 9] = sweeps!(
     "table_09_pendulums",
     "table_10_kinova",
@@ -32,10 +32,10 @@ const SWEEPS: [(&str, &str); 9] = sweeps!(
     "relax_limits_quick"
 );
 
-/// The most sets a grid can have; so many rows are kept in memory.
+/// The largest number of sets of a grid, all of whose rows are kept in memory.
 const MOST_SETS: usize = 1_000_000;
 
-/// The names of the sweeps that are built in.
+/// The names of the built-in sweeps.
 pub fn builtin_sweeps() -> impl Iterator<Item = &'static str> {
     SWEEPS.iter().map(|(name, _)| *name)
 }
@@ -43,18 +43,18 @@ pub fn builtin_sweeps() -> impl Iterator<Item = &'static str> {
 /// One solve of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterSet {
-    /// Its place in the sweep, from 0.
+    /// Index in the sweep, from 0.
     pub index: usize,
-    /// The place of its scenario in [`Sweep::scenarios`].
+    /// Index of its scenario in [`Sweep::scenarios`].
     pub scenario: usize,
-    /// Its parameters.
+    /// Parameters.
     pub parameters: Parameters,
 }
 
 /// A sweep with its scenarios, checked.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// The name of its folder of results.
+    /// The name of the folder of results.
     pub name: String,
     /// The contents of the file.
     pub file: SweepFile,
@@ -65,11 +65,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The sweep that is built in under this name, or else the one in the file at this path; of a folder, all scenarios in it by the relaxation
-    /// as it is by default.
+    /// Loads the sweep that is built in under this name, otherwise the one in the file at this path; for a folder, all
+    /// scenarios in it by the relaxation with default options.
     ///
     /// # Errors
-    /// Names the file, the key and what is wrong with it.
+    /// Names the file, the key and the fault.
     pub fn load(name_or_path: &str) -> Result<Self> {
         if let Some((_, text)) = SWEEPS.iter().find(|(name, _)| *name == name_or_path) {
             return Self::parse(text, name_or_path, Path::new(""));
@@ -86,12 +86,12 @@ impl Sweep {
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// A sweep from its text. `path` names it in errors; scenarios are looked for in `folder`.
+    /// Parses a sweep. `path` names it in errors; scenarios are looked for in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         Self::new(SweepFile::parse(text, path)?, path, folder)
     }
 
-    /// A sweep from its keys, likewise.
+    /// Builds a sweep from its keys; the arguments are those of [`parse`](Self::parse).
     fn new(file: SweepFile, path: &str, folder: &Path) -> Result<Self> {
         let name = file.name.clone().unwrap_or_else(|| name_of(path));
         let too_many = || {
@@ -133,7 +133,7 @@ impl Sweep {
         })
     }
 
-    /// The number of sets of each scenario.
+    /// The number of sets per scenario.
     #[must_use]
     pub fn sets_a_scenario(&self) -> usize {
         self.sets.len() / self.scenarios.len()
@@ -151,13 +151,14 @@ impl Sweep {
         set.parameters.over(&self.scenarios[set.scenario])
     }
 
-    /// The options with which one set is solved. There is no limit of time in them, with which a relaxation would try starts until then.
+    /// The options with which one set is solved. They have no time limit, because a relaxation would use all of it for
+    /// further starts.
     #[must_use]
     pub fn options(&self, parameters: &Parameters) -> SolveOptions {
         parameters.options()
     }
 
-    /// The wall time of one solve after which it is stopped.
+    /// The wall time after which a solve is stopped.
     #[must_use]
     pub fn timeout(&self) -> Duration {
         // It was checked when it was read.
@@ -165,7 +166,7 @@ impl Sweep {
     }
 }
 
-/// The scenarios that an entry of the list stands for, as [`Scenario::load`] takes them.
+/// The scenarios that an entry of the list denotes, in the form of [`Scenario::load`].
 fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String> {
     if let Some(start) = entry.strip_suffix('*') {
         let built_in = builtin_scenarios().filter(|name| name.starts_with(start));
@@ -202,7 +203,7 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
     Ok(all)
 }
 
-/// A scenario of a sweep in `folder`.
+/// Loads a scenario of a sweep in `folder`.
 fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario> {
     let robot = file.robot.as_deref();
     let path = robot.map(|robot| match builtin_robot_text(robot) {

@@ -1,4 +1,4 @@
-//! Reading the file of a sweep.
+//! Reading of sweep files.
 
 use super::grid::{Grid, Refusal, RelaxGrid};
 use crate::error::{Error, Result, plain};
@@ -8,25 +8,25 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-/// A sweep as it is written in a file. Its grid is every combination of the entries of its lists.
+/// A sweep as written in a file. Its grid is every combination of the entries of its lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepFile {
-    /// The name of the folder of results; that of the file without its ending where there is none.
+    /// The name of the folder of results; by default the file name without its extension.
     pub name: Option<String>,
-    /// Scenarios that are built in or generated, or paths relative to the sweep, of files or of folders of them; `kinova_free_*` stands for all built-in ones that start so,
-    /// or the generated ones that are listed.
+    /// Built-in or generated scenarios, or paths relative to the sweep of files or of folders of them; `kinova_free_*`
+    /// denotes all built-in ones with this prefix, or the listed generated ones.
     pub scenarios: Vec<String>,
-    /// The robot of generated scenarios that can be for any: one that is built in, or a path relative to the sweep.
+    /// The robot of generated scenarios that accept any: a built-in name, or a path relative to the sweep.
     pub robot: Option<String>,
-    /// The treatment of mimic joints; what the scenario says where there is none.
+    /// The treatment of mimic joints; by default that of the scenario.
     pub mimic: Option<Mimic>,
-    /// The wall time of one solve, s, after which it is stopped.
+    /// The wall time after which a solve is stopped, s.
     pub timeout_s: f64,
-    /// The lists.
+    /// The lists of parameters.
     pub grid: Grid,
 }
 
-/// The key that says what the others can be.
+/// The key that determines which others are valid.
 #[derive(Deserialize)]
 struct Chosen {
     #[serde(default = "flow")]
@@ -43,19 +43,19 @@ struct Head {
     timeout_s: f64,
 }
 
-/// The names of all of these.
+/// The names of all these keys.
 const HEAD: [&str; 6] = ["method", "name", "scenarios", "robot", "mimic", "timeout_s"];
 
-/// The method of a sweep that names none.
+/// The default method.
 fn flow() -> Method {
     Method::Flow
 }
 
 impl SweepFile {
-    /// The wall time of one solve of [all](Self::of_all) scenarios of a folder, s.
+    /// The wall time, s, of one solve in the sweep of [all](Self::of_all) scenarios of a folder.
     const TIMEOUT: f64 = 60.0;
 
-    /// The sweep of all scenarios of its folder, by the relaxation as it is by default.
+    /// The sweep of all scenarios of its folder by the relaxation with default options.
     #[must_use]
     pub fn of_all(name: String) -> Self {
         Self {
@@ -68,10 +68,10 @@ impl SweepFile {
         }
     }
 
-    /// A sweep from its text, TOML. `path` names it in errors.
+    /// Parses a sweep in TOML. `path` names it in errors.
     ///
     /// # Errors
-    /// Names the line where it is no TOML, or the key that is wrong.
+    /// Names the line that is not TOML, or the faulty key.
     pub fn parse(text: &str, path: &str) -> Result<Self> {
         let table = text.parse::<Table>().map_err(|e| {
             let before = e.span().map_or("", |span| &text[..span.start]);
@@ -98,7 +98,7 @@ impl SweepFile {
         Ok(file)
     }
 
-    /// Says which key is wrong and why, if one is.
+    /// Checks the values; the error names the faulty key and the reason.
     fn check(&self) -> std::result::Result<(), Refusal> {
         if let Some(name) = &self.name {
             let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
@@ -121,7 +121,7 @@ impl SweepFile {
     }
 }
 
-/// Refuses keys that there are none of, and those of another method.
+/// Refuses unknown keys, and those of another method.
 fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal> {
     let own = Grid::keys(method);
     // Of a list serde would take the entries for those of the keys in order.
@@ -145,7 +145,7 @@ fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal>
     Err((key.clone(), condition))
 }
 
-/// Reads those keys of a table that a type has; an error names the key that is wrong.
+/// Reads the keys of a type from a table; an error names the faulty key.
 fn read<T: DeserializeOwned>(table: &Table) -> std::result::Result<T, Refusal> {
     serde_path_to_error::deserialize(table.clone()).map_err(|e| {
         let key = match e.path().to_string().as_str() {

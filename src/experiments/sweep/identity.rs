@@ -1,4 +1,4 @@
-//! What tells one sweep from another: results of two must not be mixed.
+//! The identity of a sweep, which keeps results of different sweeps apart.
 
 use super::Sweep;
 use crate::error::{Error, Result};
@@ -6,10 +6,10 @@ use crate::scenario::Method;
 use serde_json::{Value, json};
 
 impl Sweep {
-    /// All that the results depend on: the version of this library, the grid, the scenarios and their robots.
+    /// All data on which the results depend: the version of this library, the grid, the scenarios and their robots.
     ///
     /// # Errors
-    /// None that a checked sweep should show.
+    /// None for a checked sweep.
     pub fn identity(&self) -> Result<Value> {
         // The scenarios and their robots are told in full below, and the name changes no result.
         let mut grid = json_value(&self.file.grid)?;

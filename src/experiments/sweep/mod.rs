@@ -1,4 +1,4 @@
-//! Sweeps: scenarios solved with every combination of parameters of a method, stored so that they resume, and ranked.
+//! Sweeps: scenarios solved with every combination of parameters of a method, with resumable results and a ranking.
 
 mod definition;
 mod file;

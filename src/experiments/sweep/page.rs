@@ -7,13 +7,13 @@ use crate::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
 use crate::scenario::Method;
 use std::collections::HashMap;
 
-/// The most bars of a plot.
+/// The largest number of bars of a plot.
 const MOST_BARS: usize = 60;
 /// The colours of the outcomes: no green for a failure.
 const OUTCOME_COLOURS: [usize; RowOutcome::ALL.len()] = [0, 1, 3, 4, 6];
 
-/// The page of a sweep whose rows are those of all sets, with what came of them: efforts against times, rates of success by parameter, and
-/// the tables of `ranking.csv` and `results.csv`.
+/// Builds the page of a sweep from the rows of all sets: efforts against times, rates of success by parameter, and the
+/// tables of `ranking.csv` and `results.csv`.
 ///
 /// # Errors
 /// The rows cannot be written as text.
@@ -66,7 +66,7 @@ fn succeeds(row: &Row) -> bool {
     row.outcome == RowOutcome::Success
 }
 
-/// A point for each set that led to a motion, in the colour of its outcome.
+/// One point per set that led to a motion, in the colour of its outcome.
 fn efforts(rows: &[Row]) -> Scatter {
     let point = |row: &Row| {
         let effort = row.control_effort?;
@@ -112,7 +112,7 @@ fn efforts(rows: &[Row]) -> Scatter {
     }
 }
 
-/// The rate of success by the value of each parameter that has several, and by scenario, but not where there are very many.
+/// The rate of success by scenario and by the value of each parameter that has several, except those with very many.
 fn shares(rows: &[Row]) -> Vec<Plot> {
     let cells: Vec<Vec<(&str, String)>> = rows
         .iter()

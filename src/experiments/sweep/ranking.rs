@@ -1,4 +1,4 @@
-//! Which parameters are best, for each scenario of a sweep and for all of them.
+//! Rankings of the parameters, for each scenario of a sweep and for all of them.
 
 use super::grid::Parameters;
 use super::row::{SOME_COLUMNS, minimised};
@@ -10,31 +10,31 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
-/// The results of one set of parameters in one scenario, or in all: means, the median, largest errors and the smallest clearance are over
-/// the solves that succeeded. The columns of the file are in the order in which it is written.
+/// The results of one set of parameters in one scenario, or in all. Means, medians, largest errors and the smallest
+/// clearance are over the successful solves. The columns of the file are in its order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranked {
     /// The scenario, or `all`.
     pub scenario: String,
-    /// The parameters, each a column; of the relaxation those of all seeds together.
+    /// The parameters, one column each; for the relaxation those of all seeds together.
     pub parameters: Parameters,
     /// The number of solves.
     pub solves: usize,
-    /// The part of them that succeeded.
+    /// The fraction of solves that succeeded.
     pub success_rate: f64,
-    /// Mean wall time of a solve.
+    /// Mean wall time of a solve, s.
     pub solve_seconds: Option<f64>,
-    /// Median of the same.
+    /// Median wall time of a solve, s.
     pub median_seconds: Option<f64>,
     /// Mean control effort.
     pub control_effort: Option<f64>,
-    /// Mean of what was minimised: the column `action` of the flow, `cost` of the relaxation.
+    /// Mean of the minimised quantity: the column `action` of the flow, `cost` of the relaxation.
     pub minimised: Option<f64>,
     /// Largest final error with feedback.
     pub final_error_inf: Option<f64>,
-    /// Largest final error without.
+    /// Largest final error without feedback.
     pub open_loop_error_inf: Option<f64>,
-    /// Smallest clearance in m, where there are obstacles.
+    /// Smallest clearance in m; `None` without obstacles.
     pub smallest_clearance_m: Option<f64>,
 }
 
@@ -57,8 +57,8 @@ impl Serialize for Ranked {
 }
 
 impl Ranked {
-    /// The time by which it is ranked, s: the mean for the flow, as in the paper; the median for the relaxation, of which a solve that
-    /// needs many more starts than the others says little.
+    /// The time for the ranking, s: the mean for the flow, as in the paper; the median for the relaxation, because a
+    /// single solve that needs many more starts than the others would dominate the mean.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         let time = match self.parameters {
@@ -69,8 +69,9 @@ impl Ranked {
     }
 }
 
-/// The parameters of a sweep, best first, for all scenarios if there are several and then for each: those with the highest
-/// rate of success come first, and among these the [fastest](Ranked::seconds). `rows` are those of all sets, in order.
+/// Ranks the parameters of a sweep, best first, for all scenarios if there are several and then for each: those with
+/// the highest rate of success come first, and among these the [fastest](Ranked::seconds). `rows` are those of all
+/// sets, in order.
 #[must_use]
 pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     let scenarios: Vec<&[Row]> = rows.chunks(sweep.sets_a_scenario()).collect();
@@ -84,8 +85,8 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     ranking
 }
 
-/// The same for those scenarios of a sweep whose names begin with `prefix`, taken together. `rows` are those of all their sets, and
-/// may be those of others, in order.
+/// Ranks the parameters over those scenarios of a sweep whose names begin with `prefix`. `rows` contains those of all
+/// their sets, and may contain others, in order.
 #[must_use]
 pub fn ranking_of(sweep: &Sweep, rows: &[Row], prefix: &str) -> Vec<Ranked> {
     let chosen = rows.iter().filter(|row| row.scenario.starts_with(prefix));
@@ -93,8 +94,8 @@ pub fn ranking_of(sweep: &Sweep, rows: &[Row], prefix: &str) -> Vec<Ranked> {
     ranked(prefix, sweep, &rows)
 }
 
-/// The fastest set among those with the highest rate of success in a ranking of one group of scenarios, and the one of least
-/// effort; `None` where no set succeeds.
+/// The fastest set among those with the highest rate of success in a ranking of one group of scenarios, and the one of
+/// least effort; `None` if no set succeeds.
 #[must_use]
 pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
     let fastest = ranking.first().filter(|r| r.success_rate > 0.0)?;
@@ -106,7 +107,7 @@ pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
     Some([fastest, least])
 }
 
-/// The ranking over whole scenarios, by their rows in order.
+/// The ranking over complete scenarios, by their rows in order.
 fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     // Seeds run slowest, so each is like one more scenario.
     let points = sweep.sets_a_scenario() / sweep.file.grid.repetitions();
@@ -120,7 +121,7 @@ fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     ranked
 }
 
-/// The results of one set of parameters, by its rows, of which there is one.
+/// Summarises the rows of one set of parameters, at least one.
 fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
     let good: Vec<&Row> = (rows.iter().copied())
         .filter(|row| row.outcome == RowOutcome::Success)
@@ -147,7 +148,7 @@ fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
     }
 }
 
-/// The median; `None` of nothing.
+/// The median; `None` without values.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let (lower, upper) = (values.len().checked_sub(1)? / 2, values.len() / 2);
@@ -168,8 +169,8 @@ pub fn write_ranking(ranking: &[Ranked], path: &Path) -> Result<()> {
     })
 }
 
-/// For all scenarios and for each: the fastest parameters among those with the highest rate of success, and those of least
-/// effort.
+/// Formats, for all scenarios and for each, the fastest parameters among those with the highest rate of success, and
+/// those of least effort.
 #[must_use]
 pub fn ranking_table(ranking: &[Ranked]) -> String {
     let mut table = table();

@@ -1,8 +1,8 @@
-//! `results.csv`: a line for each set, written the moment the set is solved.
+//! The file `results.csv`: one line per set, written as soon as the set is solved.
 //!
-//! A sweep that is interrupted goes on where it was: a line is complete or it is dropped, and a set is in the file once.
-//! `sweep.json` beside it says what was swept, so that results of two sweeps cannot mix; a lock on the file keeps a second
-//! process out. At the end the lines are put in the order of the grid.
+//! An interrupted sweep is resumed: incomplete lines are dropped, and each set is in the file at most once.
+//! `sweep.json` next to it identifies the sweep, so that results of two sweeps cannot be mixed; a lock on the file
+//! excludes a second process. At the end the lines are sorted in the order of the grid.
 
 use super::{ParameterSet, Row, Shard, Sweep};
 use crate::error::{Error, Result};
@@ -22,22 +22,22 @@ pub fn write_rows(rows: &[Row], path: &Path) -> Result<()> {
     write_whole(path, |file| write_json(&rows, file))
 }
 
-/// The rows of a sweep, or of a shard of it, that are in a file, which is locked and open to take more.
+/// The rows of a sweep, or of a shard of it, in a file that is locked and open for further rows.
 #[derive(Debug)]
 pub struct Results<'s> {
     sweep: &'s Sweep,
     shard: Shard,
     path: PathBuf,
-    /// Behind one lock, so that the file has whole lines and the rows are those of the file.
+    /// The file and its rows behind one lock, so that both agree and lines are complete.
     state: Mutex<(File, BTreeMap<usize, Row>)>,
 }
 
 impl<'s> Results<'s> {
-    /// Opens the results of `shard` in `folder`, both made if need be, and reads what is there. A last line without an end
-    /// is dropped: its writer was interrupted.
+    /// Opens the results of `shard` in `folder`, both created if necessary, and reads the existing rows. An incomplete
+    /// last line, of an interrupted process, is dropped.
     ///
     /// # Errors
-    /// The folder has results of another sweep, another process is at work on the file, or a line of it is wrong.
+    /// The folder has results of another sweep, another process uses the file, or a line of it is invalid.
     pub fn open(sweep: &'s Sweep, shard: Shard, folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         let path = folder.join(file_name(shard));
@@ -96,7 +96,7 @@ impl<'s> Results<'s> {
         missing.copied().collect()
     }
 
-    /// The rows that are there, in the order of the grid.
+    /// The existing rows, in the order of the grid.
     #[must_use]
     pub fn rows(&self) -> Vec<Row> {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -108,10 +108,10 @@ impl<'s> Results<'s> {
         (self.sweep.sets.iter()).filter(move |set| shard.has(set.index))
     }
 
-    /// Adds a row to the file; it is on the disk when this returns.
+    /// Appends a row to the file; it is on the disk when this returns.
     ///
     /// # Errors
-    /// The file cannot be written. What is written of the row then is dropped when the file is opened again.
+    /// The file cannot be written. A partial row is dropped when the file is opened again.
     pub fn append(&self, row: Row) -> Result<()> {
         let line = lines([&row], false)?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -120,7 +120,7 @@ impl<'s> Results<'s> {
         Ok(())
     }
 
-    /// Puts the lines of the file in the order of the grid and returns its rows and its path.
+    /// Sorts the lines of the file in the order of the grid and returns its rows and its path.
     ///
     /// # Errors
     /// Sets are missing, or the file cannot be written.
@@ -147,10 +147,10 @@ impl<'s> Results<'s> {
     }
 }
 
-/// Joins files of shards, each with its `sweep.json` beside it, with what `results.csv` in `folder` has already, into that.
+/// Merges files of shards, each with a `sweep.json` next to it, into `results.csv` in `folder`.
 ///
 /// # Errors
-/// A file is of another sweep or has a wrong line, two of them differ on a set, or sets are missing.
+/// A file is of another sweep or has an invalid line, two of them differ in a set, or sets are missing.
 pub fn merge(sweep: &Sweep, files: &[PathBuf], folder: &Path) -> Result<(Vec<Row>, PathBuf)> {
     let results = Results::open(sweep, Shard::WHOLE, folder)?;
     {
@@ -196,7 +196,7 @@ fn file_name(shard: Shard) -> String {
     }
 }
 
-/// Refuses a `sweep.json` that is not of this sweep.
+/// Refuses a `sweep.json` of another sweep.
 fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
     let refuse = |element: String, condition| {
@@ -233,13 +233,13 @@ fn difference(a: &Value, b: &Value) -> Option<String> {
     }
 }
 
-/// The text up to the end of its last whole line.
+/// The text up to the end of its last complete line.
 fn complete(text: &[u8]) -> &[u8] {
     let end = text.iter().rposition(|byte| *byte == b'\n');
     &text[..end.map_or(0, |end| end + 1)]
 }
 
-/// The rows of a text of whole lines, none or more, by set.
+/// Parses the rows of a text of complete lines, by set.
 fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeMap<usize, Row>> {
     let file = path.display().to_string();
     let refuse = |line: usize, condition: String| {
@@ -287,7 +287,7 @@ fn header(sweep: &Sweep) -> Result<String> {
         .collect())
 }
 
-/// Rows as lines.
+/// Formats rows as lines.
 fn lines<'r>(rows: impl IntoIterator<Item = &'r Row>, header: bool) -> Result<Vec<u8>> {
     let mut csv = csv::WriterBuilder::new();
     let mut csv = csv.has_headers(header).from_writer(Vec::new());
@@ -298,7 +298,7 @@ fn lines<'r>(rows: impl IntoIterator<Item = &'r Row>, header: bool) -> Result<Ve
     csv.into_inner().map_err(|e| no_text(e.to_string()))
 }
 
-/// Adds to a file with one write and waits until it is on the disk.
+/// Appends to a file with one write and waits until it is on the disk.
 fn append_line(file: &mut File, line: &[u8]) -> io::Result<()> {
     file.write_all(line)?;
     file.sync_data()

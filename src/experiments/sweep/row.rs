@@ -1,4 +1,4 @@
-//! What came of one solve of a sweep.
+//! The result of one solve of a sweep.
 
 use super::grid::Parameters;
 use super::{ParameterSet, Sweep};
@@ -12,20 +12,20 @@ use serde::{Deserialize, Serialize, Serializer};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RowOutcome {
-    /// At the goal.
+    /// The motion reaches the goal.
     Success,
-    /// At the end of the flow, but the simulation with feedback misses the goal.
+    /// The flow completed, but the simulation with feedback misses the goal.
     GoalMissed,
-    /// At the goal, but it hits something or breaks a limit that is enforced.
+    /// The motion reaches the goal, but collides or violates an enforced limit.
     Infeasible,
-    /// Before the end of the flow, or where the relaxation is at no minimum; or no motion can be a solution.
+    /// The flow did not complete, the relaxation did not reach a minimum, or the scenario is infeasible.
     Failed,
-    /// At the time limit.
+    /// The time limit was reached.
     TimeLimit,
 }
 
 impl RowOutcome {
-    /// All of them.
+    /// All outcomes.
     pub const ALL: [Self; 5] = [
         Self::Success,
         Self::GoalMissed,
@@ -34,7 +34,7 @@ impl RowOutcome {
         Self::TimeLimit,
     ];
 
-    /// Its name in the results.
+    /// The name in the results.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -47,39 +47,39 @@ impl RowOutcome {
     }
 }
 
-/// A row of the results, with the columns in the order in which it is written. What a solve leaves at its time limit depends on the machine,
-/// so nothing is measured there; elsewhere only `solve_seconds` differs from one run to the next.
+/// A row of the results, with its columns in the order of the file. The state of a solve at its time limit depends on
+/// the machine, so that it is not recorded; otherwise only `solve_seconds` differs between runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// [`ParameterSet::index`].
     pub set: usize,
     /// The name of the scenario.
     pub scenario: String,
-    /// The parameters of its set, each a column.
+    /// The parameters of its set, one column each.
     pub parameters: Parameters,
     /// The outcome.
     pub outcome: RowOutcome,
-    /// The reason why it failed, if it did.
+    /// The reason of a failure; `None` for a success.
     pub reason: Option<String>,
-    /// The final error of the simulation with feedback, if that came to its end.
+    /// The final error of the simulation with feedback; `None` if that stopped early.
     pub final_error_inf: Option<f64>,
-    /// The same without feedback.
+    /// The final error of the simulation without feedback; `None` if that stopped early.
     pub open_loop_error_inf: Option<f64>,
     /// $\int |u|^2 dt$.
     pub control_effort: Option<f64>,
-    /// The quantity that was minimised: the column `action` of the flow, `cost` of the relaxation.
+    /// The minimised quantity: the column `action` of the flow, `cost` of the relaxation.
     pub minimised: Option<f64>,
     /// $\max |\dot q - v|_\infty$.
     pub dynamics_defect: Option<f64>,
-    /// The smallest clearance in m, where there are obstacles.
+    /// The smallest clearance in m; `None` without obstacles.
     pub smallest_clearance_m: Option<f64>,
-    /// The further details that the method gives, each a column.
+    /// The details of the method, one column each.
     pub work: Work,
-    /// Wall time of the solve.
+    /// Wall time of the solve, s.
     pub solve_seconds: f64,
 }
 
-/// The details of a solve that only one method gives.
+/// The method-specific details of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
     /// The flow.
@@ -99,27 +99,27 @@ pub struct FlowWork {
     pub jacobian_evaluations: Option<usize>,
 }
 
-/// The end of a relaxation, and its work.
+/// The end and the work of a relaxation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct RelaxWork {
     /// The duration of the motion, s.
     pub horizon_s: Option<f64>,
-    /// The relative gradient norm at the end.
+    /// The final relative gradient norm.
     pub gradient_norm: Option<f64>,
-    /// The largest violation of a constraint, in its own unit, where there are any.
+    /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
-    /// The number of starts that were tried.
+    /// The number of starts.
     pub starts_tried: Option<usize>,
-    /// The number of minima that they led to.
+    /// The number of minima found.
     pub minima: Option<usize>,
-    /// Iterations of Newton's method, of all starts and degrees.
+    /// Newton iterations, of all starts and degrees.
     pub iterations: Option<usize>,
     /// Cholesky factorisations.
     pub factorisations: Option<usize>,
 }
 
 impl Work {
-    /// Nothing measured.
+    /// Details without values.
     fn none(method: Method) -> Self {
         match method {
             Method::Flow => Self::Flow(FlowWork::default()),
@@ -147,7 +147,7 @@ impl Work {
     }
 }
 
-/// A hint of how many columns there are: CSV and JSON ask no more than whether there are any.
+/// A hint for the number of columns: CSV and JSON only distinguish zero from others.
 pub(super) const SOME_COLUMNS: usize = 1;
 
 /// The name of the column of [`Row::minimised`].
@@ -178,7 +178,7 @@ impl Serialize for Row {
     }
 }
 
-/// The columns that rows of all methods have.
+/// The columns of all methods.
 #[derive(Deserialize)]
 struct Common {
     set: usize,
@@ -230,7 +230,7 @@ impl Row {
         })
     }
 
-    /// The row of a set that failed for this reason before anything could be measured.
+    /// The row of a set that failed for this reason before any measurement.
     #[must_use]
     pub fn failed(sweep: &Sweep, set: &ParameterSet, reason: &str, solve_seconds: f64) -> Self {
         Self {
@@ -250,7 +250,7 @@ impl Row {
         }
     }
 
-    /// The row of a set that ran out of time.
+    /// The row of a set that reached its time limit.
     pub(super) fn late(sweep: &Sweep, set: &ParameterSet, solve_seconds: f64) -> Self {
         let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
         Self {
@@ -259,7 +259,7 @@ impl Row {
         }
     }
 
-    /// The row of a set that was solved.
+    /// The row of a solved set.
     #[must_use]
     pub fn new(sweep: &Sweep, set: &ParameterSet, report: &SolveReport) -> Self {
         let s = &report.summary;
@@ -322,7 +322,7 @@ impl Row {
         }
     }
 
-    /// Tells whether another run came to the same, whatever time it took.
+    /// Returns true if another run gave the same results, apart from the time.
     #[must_use]
     pub fn agrees(&self, other: &Self) -> bool {
         let timeless = |row: &Self| Self {
@@ -334,7 +334,7 @@ impl Row {
     }
 }
 
-/// A row is one line of the file.
+/// Removes line breaks, because a row is one line of the file.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! Solving the sets of a sweep on all cores.
+//! Solves of the sets of a sweep on all cores.
 
 use super::{ParameterSet, Row, Sweep};
 use crate::error::{Error, Result, check_count};
@@ -10,11 +10,12 @@ use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-/// Solves `sets` of `sweep`, each on one thread, `jobs` at a time or on all cores if `None`. `done` is called with each row as
-/// soon as it is there, from any thread and in any order.
+/// Solves `sets` of `sweep`, each on one thread, `jobs` at a time or on all cores if `None`. `done` is called with each
+/// row as soon as it is complete, from any thread and in any order.
 ///
 /// # Errors
-/// Bad input, or an error of `done`, after which no further solve begins. A solve that fails is a row that says so.
+/// Invalid input, or an error of `done`, after which no further solve begins. A failed solve is not an error: its row
+/// gives the reason.
 pub fn run(
     sweep: &Sweep,
     sets: &[ParameterSet],
@@ -35,7 +36,7 @@ pub fn run(
     })
 }
 
-/// The row of one set. Limits that no motion can keep are a failure of this set alone, and so is a panic, which none should be.
+/// The row of one set. Infeasible limits are a failure of this set alone, and so is a panic, which should not occur.
 fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
     let scenario: &Scenario = &sweep.scenario(set);
     let started = Instant::now();

@@ -5,17 +5,17 @@ use std::str::FromStr;
 /// A part of a sweep for one of several machines: its sets `index - 1`, `index - 1 + count` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// The number of this part, from 1.
+    /// The index of this part, from 1.
     pub index: usize,
     /// The number of parts.
     pub count: usize,
 }
 
 impl Shard {
-    /// The one part of a sweep that is not spread.
+    /// The single part of an undivided sweep.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Tells whether a set belongs to this part.
+    /// Returns true if a set belongs to this part.
     #[must_use]
     pub fn has(&self, set: usize) -> bool {
         set % self.count == self.index - 1

@@ -5,13 +5,14 @@ use crate::error::Result;
 use crate::flow::{ControlForm, Node, RightHandSide};
 use crate::model::Model;
 
-/// Central differences of order four, of the control form unless another right-hand side is given: what a user without derivatives would have.
+/// The Jacobian by central differences of order four, of the control form by default: the choice of a user without
+/// derivatives.
 ///
 /// The step balances truncation, of order four, against rounding. Cost: `24 N` evaluations of $\Omega$.
 #[derive(Clone, Debug)]
 pub struct CentralDifference<R> {
     rhs: R,
-    /// `x`, `xdot` and `xddot` behind one another.
+    /// `x`, `xdot` and `xddot`, concatenated.
     inputs: Vec<f64>,
     omega: Vec<f64>,
     column: Vec<f64>,

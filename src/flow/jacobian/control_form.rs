@@ -29,16 +29,19 @@ use nalgebra::{DMatrix, DVector};
 /// | $\partial \Omega_{P2} / \partial \dot x_{P1}$ | $2 H^{-1} [J_q + H^{-1} (K_u + k I)]$ |
 /// | $\partial \Omega_{P2} / \partial \dot x_{P2}$ | $2 H^{-1} [J_v + \dot H + H^{-1} A H]$ |
 ///
-/// with $A = \dot H - J_v^T$; $\partial \Omega_{P1} / \partial \dot x_{P1} = 0$ and $\partial \Omega / \partial \ddot x = 2 I$ (B80).
-/// Cost O(N d) for the dynamics, d the depth of the tree, and O(N^3) for dense products and solves.
+/// with $A = \dot H - J_v^T$; $\partial \Omega_{P1} / \partial \dot x_{P1} = 0$ and
+/// $\partial \Omega / \partial \ddot x = 2 I$ (B80). Cost O(N d) for the dynamics, d the depth of the tree, and O(N^3)
+/// for dense products and solves.
 ///
-/// A [`ControlLagrangian`] has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$ besides. They put
-/// $\mu = W u + \tfrac12 \ell^{\prime}$ and $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with
-/// $V = W + \tfrac12 \ell^{\prime\prime}$ in the places of `u` and $\dot u$, and $\tfrac12 \lambda_e$ into `r`. The metric puts
-/// $y = H^{-1} W^{-1} z$ in that of $H^{-1} z$. As $d\mu = V du$ and $d \dot \mu = V d\dot u + Y du$ with
-/// $Y = \tfrac12 \mathrm{diag} (\ell^{\prime\prime\prime} \dot u + \partial_t \ell^{\prime\prime})$, the table holds with
-/// $V [J_q, J_v, H]$ for $[J_q, J_v, H]$ and $V [\dot J_q, \dot J_v, \dot H] + Y [J_q, J_v, H]$ for their rates, but not in $A$ nor
-/// for $J_q^T$; with $W^{-1}$ before everything in the outer brackets but $K_y$; and
+/// A [`ControlLagrangian`] also has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$.
+/// They replace `u` by $\mu = W u + \tfrac12 \ell^{\prime}$ and $\dot u$ by
+/// $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with
+/// $V = W + \tfrac12 \ell^{\prime\prime}$, and add $\tfrac12 \lambda_e$ to `r`. The metric replaces $y = H^{-1} z$ by
+/// $H^{-1} W^{-1} z$. Because $d\mu = V du$ and $d \dot \mu = V d\dot u + Y du$ with
+/// $Y = \tfrac12 \mathrm{diag} (\ell^{\prime\prime\prime} \dot u + \partial_t \ell^{\prime\prime})$, the table holds
+/// with $[J_q, J_v, H]$ replaced by $V [J_q, J_v, H]$ and their rates by
+/// $V [\dot J_q, \dot J_v, \dot H] + Y [J_q, J_v, H]$, except in $A$ and in $J_q^T$; with $W^{-1}$ in front of
+/// everything in the outer brackets except $K_y$; and
 /// $\partial \Omega_{P2} / \partial \ddot x_{P2} = 2 H^{-1} W^{-1} V H$.
 #[derive(Clone, Debug)]
 pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
@@ -53,8 +56,7 @@ pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     /// The arguments of the passes with a tangent: `q`, `v`, `a` and the weights `u`.
     jet_arguments: [Vec<Jet<S, 1>>; 4],
     hessian: RneaWeightedHessian<S>,
-    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `Y`, and last
-    /// divided by `W`.
+    /// $[J_q, J_v, H]$, `N` by `3 N`, and its rate; then with `V` and `Y`, and last divided by `W`.
     derivatives: DMatrix<S>,
     rates: DMatrix<S>,
     /// $\mu$ and $\dot \mu$, which are $u$ and $\dot u$ without a cost.
@@ -69,7 +71,7 @@ pub struct ControlFormJacobian<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     ldlt: Ldlt<S>,
     h_inverse: DMatrix<S>,
     jq_transposed: DMatrix<S>,
-    /// The innermost brackets of the rows of $\Omega_{P2}$, then all of them, `N` by `4 N`.
+    /// The innermost brackets of the rows of $\Omega_{P2}$, then the full ones, `N` by `4 N`.
     brackets: DMatrix<S>,
     /// The rows of $\Omega_{P2}$, `N` by `4 N`: derivatives in $x_{P1}, x_{P2}, \dot x_{P1}, \dot x_{P2}$.
     lower: DMatrix<S>,
@@ -86,7 +88,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlFormJacobian<'m, C, S> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJacobian<'m, C, S, L> {
-    /// The term that `cost` adds to the Jacobian of the flow of the paper's Lagrangian: the Jacobian with `cost` less that without.
+    /// The Jacobian of the term that `cost` adds to the flow of the paper's Lagrangian: the Jacobian with `cost` minus
+    /// the one without.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlFormJacobian<'m, C, S>, S> {
         Sum::difference(
@@ -95,13 +98,13 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         )
     }
 
-    /// The Jacobian for `model` and the paper's Lagrangian with `cost` added.
+    /// The Jacobian for `model` and the paper's Lagrangian plus `cost`.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
         Self::of(model, ControlLagrangian::with_cost(cost))
     }
 
-    /// The Jacobian for `model` and `lagrangian` in the metric of the latter.
+    /// The Jacobian for `model` and `lagrangian` in the metric of `lagrangian`.
     #[must_use]
     pub fn of(model: &'m Model<C>, lagrangian: ControlLagrangian<C, L>) -> Self {
         let n = model.dof();
@@ -134,10 +137,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         }
     }
 
-    /// The three blocks at `node` with penalty `k`, into `out`.
+    /// Computes the three blocks at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` was made for a model of another size.
+    /// `node` or `out` has the wrong size.
     pub fn blocks(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;
@@ -159,7 +162,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         Ok(())
     }
 
-    /// `u`, $J_q$, $J_v$, `H` and their rates, in one pass.
+    /// Computes `u`, $J_q$, $J_v$, `H` and their rates in one pass.
     fn differentiate_inverse_dynamics(&mut self, node: Node<'_, S>) -> Result<()> {
         let n = self.model.dof();
         let [q, v, a, _] = &mut self.jet_arguments;
@@ -183,12 +186,13 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         Ok(())
     }
 
-    /// Tells whether $\mu$ is `u`.
+    /// Returns true if $\mu$ is `u`.
     fn is_plain(&self) -> bool {
         self.lagrangian.weights.is_one() && self.lagrangian.cost.is_zero()
     }
 
-    /// From `u` and its rate $\mu$ and $\dot \mu$, and the diagonals of `V` and `Y`. With neither weights nor a cost they are the same.
+    /// Computes $\mu$ and $\dot \mu$ from `u` and its rate, and the diagonals of `V` and `Y`; without weights and cost,
+    /// $\mu = u$.
     fn weigh(&mut self, t: S) {
         if self.is_plain() {
             return;
@@ -207,7 +211,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         }
     }
 
-    /// $V$ times $[J_q, J_v, H]$, and its part of the rates.
+    /// Computes $V [J_q, J_v, H]$ and the terms of its rate.
     fn scale_rows(&mut self) {
         if self.is_plain() {
             return;
@@ -222,7 +226,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         }
     }
 
-    /// `z` and `y`, the two solves that $\Omega_{P2} = 2 y$ takes, and $A = \dot H - J_v^T$.
+    /// Computes `z` and `y` by the two solves of $\Omega_{P2} = 2 y$, and $A = \dot H - J_v^T$.
     fn solve_for_y(&mut self, node: Node<'_, S>, k: C) {
         let n = self.model.dof();
         let (one, zero) = (S::one(), S::zero());
@@ -250,7 +254,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         self.ldlt.solve(self.y.as_mut_slice());
     }
 
-    /// The contracted second derivatives: $\Phi$, $K_\mu$ with its rate, $K_y$ and $K_{\dot \mu - z}$.
+    /// Computes the contracted second derivatives: $\Phi$, $K_\mu$ with its rate, $K_y$ and $K_{\dot \mu - z}$.
     fn contract(&mut self, node: Node<'_, S>) -> Result<()> {
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
         let (model, data) = (self.model, &mut self.data);
@@ -266,7 +270,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         mass_matrix_product_derivative(model, &mut self.jet_data, q, u, &mut self.jet_k)
     }
 
-    /// The rows of $\Omega_{P2}$ but for their factor of two.
+    /// Computes the rows of $\Omega_{P2}$ without their factor of two.
     fn fill_lower(&mut self, k: C) {
         let n = self.model.dof();
         let k = S::lift(k);
@@ -307,7 +311,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         self.lower.gemm(one, &self.h_inverse, &self.brackets, zero);
     }
 
-    /// All blocks from the rows of $\Omega_{P1}$ and $\Omega_{P2}$.
+    /// Assembles all blocks from the rows of $\Omega_{P1}$ and $\Omega_{P2}$.
     fn compose(&mut self, k: C, out: &mut NodeBlocks<S>) {
         let n = self.model.dof();
         let (zero, two) = (S::zero(), S::from_f64(2.0));

@@ -7,20 +7,20 @@ use crate::model::Model;
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 
-/// The number of tangents of a pass.
+/// The number of tangents per pass.
 const CHUNK: usize = 8;
 
 /// A number with [`CHUNK`] tangents.
 type Tangents = DualSVec64<CHUNK>;
 
-/// Differentiates a [`RightHandSide`] by forward-mode automatic differentiation in chunks.
+/// The Jacobian of a [`RightHandSide`] by forward-mode automatic differentiation in chunks.
 ///
-/// The control form is what it differentiates unless another is given. Nothing about the Jacobian is taken as known, not
-/// even $d\Omega / d\ddot x = 2 I$. Cost: `6 N / 8` evaluations with eight tangents each.
+/// Differentiates the control form by default. No structure of the Jacobian is assumed, not even
+/// $d\Omega / d\ddot x = 2 I$. Cost: `6 N / 8` evaluations with eight tangents each.
 #[derive(Clone, Debug)]
 pub struct ForwardDual<R> {
     rhs: R,
-    /// `x`, `xdot` and `xddot` behind one another.
+    /// `x`, `xdot` and `xddot`, concatenated.
     inputs: Vec<Tangents>,
     omega: Vec<Tangents>,
 }

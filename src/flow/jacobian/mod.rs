@@ -1,4 +1,4 @@
-//! The Jacobian of the right-hand side at one node: one file for each way to compute it, behind one trait.
+//! The Jacobian of the right-hand side at one node: one file per method, all behind one trait.
 
 mod central_difference;
 mod control_form;
@@ -18,7 +18,8 @@ use crate::error::Result;
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
-/// The three blocks of the Jacobian of $\Omega(t, x, \dot x, \ddot x, k)$ in its three states, `2 N` by `2 N` each; rows are those of $\Omega$.
+/// The three blocks of the Jacobian of $\Omega(t, x, \dot x, \ddot x, k)$ in its three states, `2 N` by `2 N` each;
+/// rows are those of $\Omega$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeBlocks<S: Scalar = f64> {
     /// $d\Omega / dx$, (B38).
@@ -30,7 +31,7 @@ pub struct NodeBlocks<S: Scalar = f64> {
 }
 
 impl<S: Scalar> NodeBlocks<S> {
-    /// Room for a model with `n` joints.
+    /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = || DMatrix::zeros(2 * n, 2 * n);
@@ -41,7 +42,7 @@ impl<S: Scalar> NodeBlocks<S> {
         }
     }
 
-    /// Checks that the blocks are those of a model with `n` joints.
+    /// Checks that the blocks have the sizes of a model with `n` joints.
     pub(crate) fn check(&self, n: usize) -> Result<()> {
         for (what, block) in [
             ("dx", &self.dx),
@@ -54,12 +55,13 @@ impl<S: Scalar> NodeBlocks<S> {
     }
 }
 
-/// A way to compute the Jacobian of the right-hand side at one node, over the scalar `S` for a model with constants `C`.
+/// A method of computing the Jacobian of the right-hand side at one node, over the scalar `S` for a model with
+/// constants `C`.
 pub trait NodeJacobian<C = f64, S: Scalar = f64> {
-    /// The three blocks at `node` with penalty `k`, into `out`.
+    /// Computes the three blocks at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` was made for a model of another size.
+    /// `node` or `out` has the wrong size.
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 

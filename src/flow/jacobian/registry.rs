@@ -1,4 +1,4 @@
-//! Jacobians by name, those of this crate and those of its users.
+//! Jacobians by name, built-in and user-defined.
 
 use super::{CentralDifference, ControlFormJacobian, ForwardDual, NodeJacobian, TheoremB4};
 use crate::constraint::Constraint;
@@ -9,7 +9,7 @@ use crate::names::none_of;
 use std::fmt;
 
 crate::names::named_enum! {
-/// The implementations that are built in.
+/// The built-in implementations.
 pub enum JacobianKind("jacobian") {
     /// Analytic, by contracted second derivatives of inverse dynamics.
     ControlForm = "control-form",
@@ -23,7 +23,7 @@ pub enum JacobianKind("jacobian") {
 }
 
 impl JacobianKind {
-    /// The implementation for `model`.
+    /// Builds the implementation for `model`.
     #[must_use]
     pub fn build(self, model: &Model) -> Box<dyn NodeJacobian + '_> {
         match self {
@@ -34,9 +34,9 @@ impl JacobianKind {
         }
     }
 
-    /// The implementation for `model` with constraints, (A4). Duals and differences see the whole right-hand side; the control
-    /// form has the terms of the torque in its own and gains those of the state; Theorem B4 knows the paper's Lagrangian alone
-    /// and gains both, as [`Penalised::with_penalties`] adds them.
+    /// Builds the implementation for `model` with constraints, (A4). Dual numbers and differences act on the whole
+    /// right-hand side; the control form includes the torque terms, and the state terms are added to it; Theorem B4
+    /// applies only to the paper's Lagrangian, and both are added as [`Penalised::with_penalties`] does.
     #[must_use]
     pub fn build_constrained<'a, K: Constraint>(
         self,
@@ -60,19 +60,19 @@ impl JacobianKind {
     }
 }
 
-/// Makes an implementation for a model.
+/// A function that builds an implementation for a model.
 type Constructor = Box<dyn for<'m> Fn(&'m Model) -> Box<dyn NodeJacobian + 'm> + Send + Sync>;
 
 /// Implementations of the Jacobian by name, in the order in which they were registered.
 ///
 /// [`verify::duals::check_jacobians`](crate::verify::duals::check_jacobians) checks all of them, and
-/// [`flow_with`](crate::flow::flow_with) takes what [`build`](Self::build) makes.
+/// [`flow_with`](crate::flow::flow_with) accepts the result of [`build`](Self::build).
 pub struct Jacobians {
     entries: Vec<(String, Constructor)>,
 }
 
 impl Jacobians {
-    /// Those of this crate, by the names of [`JacobianKind`].
+    /// The registry of the built-in implementations, under the names of [`JacobianKind`].
     #[must_use]
     pub fn built_in() -> Self {
         let entry = |(name, kind): (&str, JacobianKind)| {
@@ -84,10 +84,10 @@ impl Jacobians {
         }
     }
 
-    /// Adds an implementation under a name of its own.
+    /// Adds an implementation under a new name.
     ///
     /// # Errors
-    /// The name is taken.
+    /// The name is in use.
     pub fn register(
         &mut self,
         name: &str,
@@ -101,15 +101,15 @@ impl Jacobians {
         Ok(())
     }
 
-    /// The names.
+    /// The registered names.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The implementation of this name for `model`.
+    /// Builds the implementation of this name for `model`.
     ///
     /// # Errors
-    /// There is none; the error lists the names.
+    /// The name is not registered; the error lists the names.
     pub fn build<'m>(&self, name: &str, model: &'m Model) -> Result<Box<dyn NodeJacobian + 'm>> {
         match self.entries.iter().find(|(own, _)| own == name) {
             Some((_, build)) => Ok(build(model)),

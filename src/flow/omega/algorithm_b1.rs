@@ -10,11 +10,11 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DVector, DVectorView, Vector3};
 
-/// The right-hand side of the flow as the paper computes it. Cost O(N^3).
+/// The right-hand side of the flow by the paper's algorithm. Cost O(N^3).
 #[derive(Clone, Debug)]
 pub struct AlgorithmB1<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
-    /// Lines 7 and 8 take gravity away.
+    /// The model without gravity, for lines 7 and 8.
     weightless: Model<C>,
     data: Data<S>,
     id: InverseDynamicsDerivatives<S>,

@@ -18,14 +18,15 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} +
 ///    H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
 ///
-/// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot x_{P2}$. The last
-/// form is the one evaluated: it never multiplies by `H` what it divides by `H` again. All derivatives are
-/// at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. It equals Theorem B3.
-/// Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
+/// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot
+/// x_{P2}$. The last form is the one that is evaluated, because it never multiplies a term by `H` and then divides it
+/// by `H`. All derivatives are at $(x_{P1}, x_{P2}, \dot x_{P2})$ and $\dot H$ along $\dot x_{P1}$. The result equals
+/// that of Theorem B3. Cost O(N d) for the dynamics and O(N^3) for the factors of `H`.
 ///
-/// A [`ControlLagrangian`] has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$ besides. Then
-/// $\mu = W u + \tfrac12 \ell^{\prime}$ takes the place of `u` and $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with
-/// $V = W + \tfrac12 \ell^{\prime\prime}$ that of $\dot u$ in the first form, the metric is $\mathrm{blockdiag}(k I, H W H)$, and
+/// A [`ControlLagrangian`] also has weights $W$, a dual trajectory $\lambda_e$ of the slip and a cost $\ell(t, u)$. In
+/// the first form, $\mu = W u + \tfrac12 \ell^{\prime}$ then replaces `u` and
+/// $\dot \mu = V \dot u + \tfrac12 \partial_t \ell^{\prime}$ with $V = W + \tfrac12 \ell^{\prime\prime}$ replaces
+/// $\dot u$, the metric is $\mathrm{blockdiag}(k I, H W H)$, and
 ///
 /// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) + \tfrac1k (\dot \lambda_e - 2 J_q^T \mu), $$
 /// $$ \Omega_{P2} = (H W H)^{-1} \left[ 2 \dot H \mu + 2 H \dot \mu + 2 k (\dot x_{P1} - x_{P2}) + \lambda_e - 2 J_v^T \mu \right] . $$
@@ -55,13 +56,13 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh> ControlForm<'m, C, S> {
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m, C, S, L> {
-    /// The right-hand side for `model` and the paper's Lagrangian with `cost` added.
+    /// The right-hand side for `model` and the paper's Lagrangian plus `cost`.
     #[must_use]
     pub fn with_cost(model: &'m Model<C>, cost: L) -> Self {
         Self::of(model, ControlLagrangian::with_cost(cost))
     }
 
-    /// The right-hand side for `model` and `lagrangian` in the metric of the latter.
+    /// The right-hand side for `model` and `lagrangian` in the metric of `lagrangian`.
     #[must_use]
     pub fn of(model: &'m Model<C>, lagrangian: ControlLagrangian<C, L>) -> Self {
         let n = model.dof();
@@ -80,14 +81,14 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m,
         }
     }
 
-    /// The term that `cost` adds to the flow of the paper's Lagrangian, in whatever form the latter is computed: the control form
-    /// with `cost` less the control form without.
+    /// The term that `cost` adds to the flow of the paper's Lagrangian, for use with any form of the latter: the
+    /// control form with `cost` minus the one without.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlForm<'m, C, S>, S> {
         Sum::difference(Self::with_cost(model, cost), ControlForm::new(model))
     }
 
-    /// $\mu$, $\tfrac12 \ell^{\prime\prime}$ and $\tfrac12 \partial_t \ell^{\prime}$ from the control.
+    /// Computes $\mu$, $\tfrac12 \ell^{\prime\prime}$ and $\tfrac12 \partial_t \ell^{\prime}$ from the control.
     fn weigh(&mut self, t: S) {
         let (u, half) = (&self.id.tau, S::from_f64(0.5));
         let ControlLagrangian { weights, cost, .. } = &self.lagrangian;

@@ -1,4 +1,4 @@
-//! Three ways to compute $\Omega$: as the supplement states it (Theorem B3), as it computes it (Algorithm B1), and in control form.
+//! Three methods of computing $\Omega$: Theorem B3 as stated in the supplement, its Algorithm B1, and the control form.
 
 mod algorithm_b1;
 mod control_form;

@@ -6,10 +6,11 @@ use crate::linalg::Ldlt;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
-/// The quantities that Theorem B3 is written in, and its four terms as functions of them.
+/// The quantities of Theorem B3, and its four terms as functions of them.
 ///
-/// Matrices are `N` by `N`, vectors have `N` entries; the terms have `2 N`. Nothing is allocated after [`new`](Self::new).
-/// Who fills in the quantities is free: [`AlgorithmB1`](crate::flow::AlgorithmB1) does it by recursions, the tests also by duals.
+/// Matrices are `N` by `N`, vectors have `N` entries; the terms have `2 N`. Nothing is allocated after
+/// [`new`](Self::new). The quantities may be computed by any method: [`AlgorithmB1`](crate::flow::AlgorithmB1) uses
+/// recursions, the tests also dual numbers.
 #[derive(Clone, Debug)]
 pub struct TheoremB3<S: Scalar> {
     /// $H$, at $x_{P1}$.
@@ -26,8 +27,8 @@ pub struct TheoremB3<S: Scalar> {
     pub dfd0_dq: DMatrix<S>,
     /// $\partial FD_0 / \partial x_{P2}$.
     pub dfd0_dv: DMatrix<S>,
-    /// $\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]\_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j}
-    /// (\dot x_{P2} - FD_0)\_k$.
+    /// $\left[ \frac{\partial H}{\partial x_{P1}} (\dot x_{P2} - FD_0) \right]\_{ij} = \sum_k \frac{\partial
+    /// H_{ik}}{\partial q_j} (\dot x_{P2} - FD_0)\_k$.
     pub dh_dq_w: DMatrix<S>,
     ldlt: Ldlt<S>,
     force: DVector<S>,
@@ -37,7 +38,7 @@ pub struct TheoremB3<S: Scalar> {
 }
 
 impl<S: Scalar> TheoremB3<S> {
-    /// Room for a model with `n` joints.
+    /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let (matrix, vector) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -58,11 +59,11 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B5): $\Omega = \Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$, into `omega`, `2 N` entries. Cost O(N^3) for the
-    /// factors of `H`, O(N^2) for the rest.
+    /// Computes (B5), $\Omega = \Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$, into `omega`, `2 N` entries. Cost O(N^3)
+    /// for the factors of `H`, O(N^2) for the rest.
     ///
     /// # Errors
-    /// `node` or `omega` does not have `2 N` entries throughout.
+    /// A slice of `node`, or `omega`, does not have `2 N` entries.
     pub fn omega<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()>
     where
         S: AlgebraOver<C>,
@@ -101,8 +102,8 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// (B7): $\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\\; (H^T H)^{-1} \frac{\partial FD_0}{\partial
-    /// x_{P2}}^T f]$ with $f = H^T (2 C + 2 H \dot x_{P2})$.
+    /// (B7): $\Omega_2 = -[\tfrac1k \frac{\partial FD_0}{\partial x_{P1}}^T f;\\; (H^T H)^{-1} \frac{\partial
+    /// FD_0}{\partial x_{P2}}^T f]$ with $f = H^T (2 C + 2 H \dot x_{P2})$.
     pub fn omega_2<C: Scalar>(&mut self, node: Node<'_, S>, k: C, omega_2: &mut DVector<S>)
     where
         S: AlgebraOver<C>,
@@ -157,13 +158,13 @@ impl<S: Scalar> TheoremB3<S> {
         }
     }
 
-    /// `force` becomes $H \dot x_{P2} + C$.
+    /// Sets `force` to $H \dot x_{P2} + C$.
     fn force_along(&mut self, xdot_p2: &DVectorView<'_, S>) {
         self.force.copy_from(&self.c);
         self.force.gemv(S::one(), &self.h, xdot_p2, S::one());
     }
 
-    /// `sum` becomes $(H^T H)^{-1}$ times itself.
+    /// Multiplies `sum` by $(H^T H)^{-1}$.
     fn solve_hth(&mut self) {
         self.ldlt.factorise(&self.h);
         self.ldlt.solve(self.sum.as_mut_slice());

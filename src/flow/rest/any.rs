@@ -8,23 +8,23 @@ use crate::flow::weak::{Action, PointLagrangian, StateGrid};
 use crate::motion::{Interrupt, Stopped, Watch};
 use std::time::Duration;
 
-/// After so many steps the metric is that of the present curve again.
+/// The number of steps after which the metric is recomputed.
 const FRESH: usize = 10;
-/// The relative difference of the horizons of a grid and of a curve on it that is rounding.
+/// The relative difference up to which the horizons of a grid and of a curve count as equal.
 const ROUNDING: f64 = 1e-9;
 
 /// The options of [`any_to_rest`].
 #[derive(Clone, Debug)]
 pub struct AnyRestOptions {
-    /// The metric in which the flow goes down.
+    /// The metric of the descent.
     pub metric: RestMetric,
     /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
     pub tolerance: f64,
-    /// The most steps.
+    /// The largest number of steps.
     pub steps: usize,
-    /// The wall time after which the flow stops with the curve so far.
+    /// The wall time after which the flow stops and returns the current curve.
     pub time_limit: Option<Duration>,
-    /// The request that stops it likewise when it is raised.
+    /// The handle by which another thread stops the flow in the same way.
     pub interrupt: Interrupt,
 }
 
@@ -40,34 +40,34 @@ impl Default for AnyRestOptions {
     }
 }
 
-/// The end of the flow of any Lagrangian.
+/// The result of the flow of any Lagrangian.
 #[derive(Clone, Debug)]
 pub struct AnyRest {
     /// The curve.
     pub curve: Curve,
-    /// The action there, by the quadrature of the grid.
+    /// The action of the curve, by the quadrature of the grid.
     pub action: f64,
     /// The relative gradient norm.
     pub gradient_norm: f64,
-    /// True if the gradient vanishes, to the tolerance.
+    /// True if the gradient norm is below the tolerance.
     pub at_rest: bool,
     /// The number of steps.
     pub steps: usize,
     /// The number of factorisations.
     pub factorisations: usize,
-    /// The reason why it was stopped, if it was.
+    /// The reason of an early stop, if there was one.
     pub stopped: Option<Stopped>,
 }
 
-/// Follows the flow of any Lagrangian in its metric from `curve` until it is at rest, by the same implicit scheme as
-/// [`flow_to_rest`](super::flow_to_rest), on one grid and without constraints. The ends of the curve stay where they are. `observe` is
-/// called before each step. A page of the [guide](crate::guide::lagrangian) has an example.
+/// Follows the flow of any Lagrangian in its metric from `curve` to rest, by the same implicit scheme as
+/// [`flow_to_rest`](super::flow_to_rest), on one grid and without constraints. The ends of the curve are fixed.
+/// `observe` is called before each step. The [guide](crate::guide::lagrangian) has an example.
 ///
-/// The quadrature is that of `grid`: whether it is fine enough for the Lagrangian is for its user to see, such as by a finer one.
+/// The quadrature is that of `grid`; compare with a finer grid to check that it is accurate enough for the Lagrangian.
 ///
 /// # Errors
-/// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian is for another robot. A
-/// flow that does not come to rest is an end that says so.
+/// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian has
+/// another number of joints. A flow that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
 pub fn any_to_rest<L: PointLagrangian<f64>>(
     grid: &StateGrid<f64>,
     lagrangian: L,
@@ -102,7 +102,7 @@ pub fn any_to_rest<L: PointLagrangian<f64>>(
     })
 }
 
-/// Refuses what there is no flow for.
+/// Refuses invalid combinations of grid, curve and options.
 fn check(grid: &StateGrid<f64>, curve: &Curve, options: &AnyRestOptions) -> Result<()> {
     check_positive("options", "tolerance", options.tolerance)?;
     let refuse = |what: &str, condition: String| Err(Error::input("grid", what, condition));

@@ -1,4 +1,4 @@
-//! The flow of an action by the implicit Euler method, with steps that grow.
+//! The flow of an action by the implicit Euler method with growing steps.
 
 use super::RestRecord;
 use crate::error::Result;
@@ -7,48 +7,48 @@ use crate::linalg::{BlockTridiagonal, Region, Step, add_step};
 use crate::motion::Watch;
 use nalgebra::DMatrix;
 
-/// The smallest action that gradients are measured against: below it all is rounding.
+/// The action below which a value is rounding error; gradients are not measured relative to less.
 const SMALLEST_ACTION: f64 = f64::EPSILON;
-/// The part of the predicted decrease that a step has to make.
+/// The fraction of the predicted decrease that a step must achieve.
 const SUFFICIENT: f64 = 1e-3;
-/// The part of the action that rounding can hide.
+/// The relative part of the action that rounding can hide.
 const ROUNDING: f64 = 1e-13;
-/// The number of times that a step is cut before its size shrinks, and the factor by which.
+/// The number of cuts of a step before the step size shrinks, and the factor of a cut.
 const CUTS: usize = 3;
 const CUT: f64 = 0.4;
-/// The steps that may be refused one after the other.
+/// The largest number of consecutive rejected steps.
 const REFUSALS: usize = 60;
-/// A step of Newton's method, of infinite size, counts as so many of the largest before it.
+/// The size of a Newton step, which is infinite, as a multiple of the largest step before it.
 const NEWTON: f64 = 10.0;
 
 crate::names::named_enum! {
-/// The metric in which a flow to rest goes down. It bends the path; where that ends the gradient vanishes in any.
+/// The metric of a flow to rest. It changes the path, but not the condition at its end, where the gradient vanishes.
 pub enum RestMetric("metric") {
-    /// That of Gauss and Newton of the action, which is the Hessian without what the curvature of the dynamics adds to it, relative to the
-    /// action, and the Gram matrix of the velocities: as the relaxation has.
+    /// The Gauss-Newton metric of the action, which is the Hessian without what the curvature of the dynamics adds to
+    /// it, relative to the action, and the Gram matrix of the velocities: as in the relaxation.
     Action = "action",
-    /// That of the flow, (11).
+    /// The metric of the flow, (11).
     Flow = "flow",
 }
 }
 
-/// The demands on one stretch of the flow.
+/// The termination criteria of one stretch of the flow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     /// The relative gradient norm at which the flow is at rest.
     pub tolerance: f64,
-    /// The most steps.
+    /// The largest number of steps.
     pub steps: usize,
-    /// After so many steps the metric of the action is that of the present curve again.
+    /// The number of steps after which the metric of the action is recomputed.
     pub fresh: usize,
     /// The metric.
     pub metric: RestMetric,
 }
 
-/// The flow on its way.
+/// The current state of the flow.
 #[derive(Clone, Debug)]
 pub(super) struct Progress {
-    /// `2 N` by the number of functions.
+    /// The coefficients, `2 N` by the number of functions.
     pub coefficients: DMatrix<f64>,
     /// $s$, in units of the metric.
     pub s: f64,
@@ -56,7 +56,7 @@ pub(super) struct Progress {
     pub largest: f64,
     /// The action.
     pub action: f64,
-    /// $\sqrt{g^T D^{-1} g / A}$ in the metric of Gauss and Newton.
+    /// $\sqrt{g^T D^{-1} g / A}$ in the Gauss-Newton metric.
     pub gradient_norm: f64,
     /// The number of factorisations.
     pub factorisations: usize,
@@ -65,7 +65,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// At the beginning of a stage.
+    /// The state at the beginning of a stage.
     pub fn new(coefficients: DMatrix<f64>, s: f64) -> Self {
         Self {
             coefficients,
@@ -78,7 +78,7 @@ impl Progress {
         }
     }
 
-    /// The progress as it is told, in this number of segments of this degree.
+    /// The progress record for this number of segments of this degree.
     pub fn record(&self, (segments, degree): (usize, usize)) -> RestRecord {
         RestRecord {
             s: self.s,
@@ -101,16 +101,16 @@ impl Progress {
     }
 }
 
-/// Room for the steps.
+/// Scratch space of the steps.
 pub(super) struct Euler {
     derivatives: ActionDerivatives<f64>,
-    /// The Hessian of Gauss and Newton, then its factor.
+    /// The Gauss-Newton Hessian, then its factor.
     convex: BlockTridiagonal<f64>,
     metric: BlockTridiagonal<f64>,
     gram: BlockTridiagonal<f64>,
     factor: BlockTridiagonal<f64>,
     region: Region,
-    /// The number of steps after which the metric is measured again.
+    /// The number of steps after which the metric is recomputed.
     fresh: usize,
 }
 
@@ -128,19 +128,19 @@ impl Euler {
         }
     }
 
-    /// Has the metric measured again at the next step.
+    /// Requests that the next step recompute the metric.
     pub fn refresh(&mut self) {
         self.fresh = 0;
     }
 
-    /// Follows the flow $D \dot c = -\nabla A$ until it is at rest, or no step makes the action smaller, or there were as many as asked
-    /// for, or `look` says no; returns whether it is at rest. A step of size `h` solves
+    /// Follows the flow $D \dot c = -\nabla A$ until it is at rest, no step decreases the action, the number of steps
+    /// is reached, or `look` returns false; returns true if it is at rest. A step of size `h` solves
     ///
     /// $$ \left( \tfrac1h D + \nabla^2 A \right) \delta = -\nabla A , $$
     ///
-    /// the implicit Euler method with one step of Newton's method for its equation (a Rosenbrock method of order one). Where the action is
-    /// not smaller afterwards by as much as its quadratic model says `h` shrinks, where it is it grows, in the end without bound:
-    /// the size of steps is that of a trust region.
+    /// the implicit Euler method with one step of Newton's method for its equation (a Rosenbrock method of order one).
+    /// If the action decreases by less than a fraction of the prediction of its quadratic model, `h` shrinks; otherwise
+    /// it grows, in the end without bound: the step size acts as a trust region.
     pub fn run<L: PointLagrangian<f64>>(
         &mut self,
         action: &mut Action<'_, f64, L>,
@@ -221,7 +221,7 @@ impl Euler {
         Ok(false)
     }
 
-    /// The metrics of the present curve.
+    /// Computes the metrics of the current curve.
     fn measure<L: PointLagrangian<f64>>(
         &mut self,
         action: &mut Action<'_, f64, L>,

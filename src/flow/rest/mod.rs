@@ -1,18 +1,20 @@
-//! The flow to rest: by an implicit scheme whose steps grow without bound, with duals where a penalty is not enough.
+//! The flow to rest by an implicit scheme whose steps grow without bound, with duals where penalties are insufficient.
 //!
-//! The flow as published follows $\partial x / \partial s = \Omega$ up to some `s_max` with an integrator that resolves the path, and
-//! stalls; `proofs/penalty.md` says why. Here only the end of the path matters, so that the steps in `s` may be as large as they like.
+//! The published flow follows $\partial x / \partial s = \Omega$ up to some `s_max` with an integrator that resolves
+//! the path, and stalls; `proofs/penalty.md` explains this. Here only the end of the path matters, so that the steps in
+//! `s` may be arbitrarily large.
 //!
-//! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the coefficients of a continuous
-//!    piecewise polynomial in the state.
-//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\\, \delta = -\nabla A$ with the exact Hessian, becomes a step of Newton's
-//!    method as `h` grows (`euler.rs`).
-//! 3. Between stretches of the flow duals take over what large penalties would have to do: of the slip $\dot x_{P1} - x_{P2}$, of rows of
-//!    constraints, of torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).
-//! 4. Low degrees first, then the degree and the segments that are asked for, each from where the one before came to rest. In two phases
-//!    (the idea of BLAZE, arXiv 2505.01589) the first looks for a motion within the constraints and hardly at what it costs.
+//! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the
+//!    coefficients of a continuous piecewise polynomial in the state.
+//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\\, \delta = -\nabla A$ with the exact Hessian,
+//!    becomes a step of Newton's method as `h` grows (`euler.rs`).
+//! 3. Between stretches of the flow, duals replace large penalties: for the slip $\dot x_{P1} - x_{P2}$, for rows of
+//!    constraints, and for torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).
+//! 4. Low degrees come first, then the requested degree and segments, each from the rest point of the one before. In
+//!    two phases (the idea of BLAZE, arXiv 2505.01589), the first looks for a motion within the constraints almost
+//!    regardless of its cost.
 //!
-//! [`any_to_rest`] does the second for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
+//! [`any_to_rest`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
 
 mod any;
 mod euler;
@@ -33,9 +35,10 @@ use walk::WalkOf;
 
 /// The lowest degree without and with rows.
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
-/// The amplitude of bent guesses without and with rows, rad or m; with passive joints the first, since there are many minima.
+/// The amplitude of bent guesses without and with rows, rad or m; with passive joints the first, because there are many
+/// minima.
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
-/// The most guesses while none leads to a motion within the constraints.
+/// The largest number of guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;
 /// The factor of the running cost in the first of two phases.
 const FIRST_PHASE: f64 = 1e-3;
@@ -45,32 +48,33 @@ const FIRST_PHASE: f64 = 1e-3;
 pub struct RestSettings {
     /// The degree of the polynomial, or of each segment.
     pub degree: usize,
-    /// The number of polynomials on equal parts of the horizon. The state is continuous where two meet.
+    /// The number of polynomials on equal parts of the horizon. The state is continuous at their joints.
     pub segments: usize,
-    /// The metric in which the flow goes down.
+    /// The metric of the descent.
     pub metric: RestMetric,
-    /// True if duals do what penalties alone cannot: $v = \dot q$ and rows of constraints then hold to their tolerances and not up to the
-    /// inverse of a penalty.
+    /// True to use duals in addition to penalties: $v = \dot q$ and the rows of constraints are then satisfied to their
+    /// tolerances, and not only up to the inverse of a penalty.
     pub duals: bool,
-    /// True if a first phase looks for a motion within the constraints.
+    /// True to find a motion within the constraints in a first phase.
     pub two_phases: bool,
     /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
     pub tolerance: f64,
     /// The largest violation of a row of the constraints, in rad, rad/s, m, N m or N.
     pub feasible: f64,
-    /// The most steps between two updates of the duals.
+    /// The largest number of steps between two updates of the duals.
     pub steps: usize,
-    /// The most updates of the duals in one basis.
+    /// The largest number of dual updates in one basis.
     pub rounds: usize,
-    /// The number of guesses, the cubic between the ends and bent ones; more while none leads to a motion within the constraints.
+    /// The number of guesses, the cubic between the ends and bent ones; more are tried while none leads to a motion
+    /// within the constraints.
     pub guesses: usize,
-    /// The number from which the bends are drawn.
+    /// The seed of the bends.
     pub seed: u64,
-    /// A curve to start from instead, at once in the basis of the settings.
+    /// An initial curve, used directly in the final basis.
     pub start: Option<Curve>,
-    /// The wall time after which the flow stops with the best curve so far.
+    /// The wall time after which the flow stops and returns the best curve so far.
     pub time_limit: Option<Duration>,
-    /// The request that stops it likewise when it is raised.
+    /// The handle by which another thread stops the flow in the same way.
     pub interrupt: Interrupt,
 }
 
@@ -98,15 +102,15 @@ impl Default for RestSettings {
 impl RestSettings {
     /// The largest degree, and the largest degree times the number of segments.
     pub const LARGEST_DEGREE: usize = 64;
-    /// Beyond it the Hessians of a large robot do not fit into memory.
+    /// The bound beyond which the Hessians of a large robot do not fit into memory.
     pub const LARGEST_SIZE: usize = 512;
-    /// The most guesses.
+    /// The largest number of guesses.
     pub const LARGEST_GUESSES: usize = 100_000;
-    /// The most steps between two updates of the duals, of which each is kept, and the most updates.
+    /// The largest number of steps between two updates of the duals, each of which is recorded, and of updates.
     pub const MOST_STEPS: usize = 100_000;
 
     /// # Errors
-    /// A setting is out of range, or the start is no curve of the problem.
+    /// A setting is out of range, or the start is not a curve of the problem.
     fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
         check_count("degree", self.degree, degrees)?;
@@ -132,7 +136,7 @@ impl RestSettings {
         Ok(())
     }
 
-    /// The stages for a problem with or without rows, and with or without passive joints among them, the last one last.
+    /// The stages for a problem with or without rows, and with or without passive joints among them.
     fn stages(&self, rows: bool, passive: bool) -> Vec<Demands> {
         let last = Demands {
             basis: (self.segments, self.degree),
@@ -191,7 +195,7 @@ impl RestSettings {
 /// The progress of a flow to rest after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestRecord {
-    /// The homotopy variable, in units of the metric; a step of Newton's method counts as ten times the largest before it.
+    /// The homotopy variable, in units of the metric; a Newton step counts as ten times the largest step before it.
     pub s: f64,
     /// The action with the terms of the duals.
     pub action: f64,
@@ -203,42 +207,42 @@ pub struct RestRecord {
     pub degree: usize,
 }
 
-/// The end of a flow to rest.
+/// The result of a flow to rest.
 #[derive(Clone, Debug)]
 pub struct RestSolution {
     /// The curve.
     pub curve: Curve,
-    /// The action there, with the terms of the duals.
+    /// The action of the curve, with the terms of the duals.
     pub action: f64,
     /// The relative gradient norm.
     pub gradient_norm: f64,
-    /// The largest slip $|\dot x_{P1} - x_{P2}|_\infty$ at the points of the quadrature, rad/s or m/s.
+    /// The largest slip $|\dot x_{P1} - x_{P2}|_\infty$ at the quadrature points, rad/s or m/s.
     pub slip: f64,
     /// The largest violation of a row of the constraints, in its unit.
     pub violation: f64,
-    /// The relative difference of the quadrature and a finer one.
+    /// The relative difference between the quadrature and a finer one.
     pub quadrature_error: f64,
-    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes.
+    /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
     pub passive_share: f64,
-    /// True if the gradient vanishes and the constraints hold, to the tolerances of the settings.
+    /// True if the gradient vanishes and the constraints are satisfied, to the tolerances of the settings.
     pub at_rest: bool,
-    /// The number of the guess that led here.
+    /// The number of the guess that led to this result.
     pub guess: usize,
     /// The number of guesses that were tried.
     pub guesses: usize,
-    /// Steps, factorisations and updates of the duals, all guesses and stages together.
+    /// Steps, factorisations and dual updates, summed over all guesses and stages.
     pub steps: usize,
-    /// As [`steps`](Self::steps).
+    /// Factorisations, summed as [`steps`](Self::steps).
     pub factorisations: usize,
-    /// As [`steps`](Self::steps).
+    /// Dual updates, summed as [`steps`](Self::steps).
     pub rounds: usize,
-    /// The path of the guess that led here.
+    /// The progress from the guess that led to this result.
     pub history: Vec<RestRecord>,
-    /// The reason why it was stopped, if it was.
+    /// The reason of an early stop, if there was one.
     pub stopped: Option<Stopped>,
 }
 
-/// Follows the flow of `lagrangian` within `constraints` until it is at rest. `observe` is called after each step.
+/// Follows the flow of `lagrangian` within `constraints` to rest. `observe` is called after each step.
 ///
 /// ```
 /// use aghf::constraint::{Constraints, TorqueLimits};
@@ -255,8 +259,8 @@ pub struct RestSolution {
 /// ```
 ///
 /// # Errors
-/// A setting is out of range, or lagrangian, constraints or start are for another robot. A flow that does not come to rest is a solution that
-/// says so.
+/// A setting is out of range, or `lagrangian`, `constraints` or the start have another number of joints. A flow that
+/// does not come to rest is not an error: [`RestSolution::at_rest`] is false.
 pub fn flow_to_rest<K: Constraint>(
     problem: &Problem<'_>,
     settings: &RestSettings,
@@ -318,13 +322,13 @@ pub fn flow_to_rest<K: Constraint>(
 }
 
 impl RestSolution {
-    /// The distance from a motion.
+    /// The distance from a feasible motion.
     fn excess(&self) -> f64 {
         self.violation.max(self.slip).max(self.passive_share)
     }
 }
 
-/// Tells whether a solution is to be preferred: at rest, then by the action; else by what is violated.
+/// Returns true if `a` is preferred: rest comes first, then the lower action, otherwise the smaller violation.
 fn is_better(a: &RestSolution, b: &RestSolution) -> bool {
     match (a.at_rest, b.at_rest) {
         (true, true) => a.action < b.action,

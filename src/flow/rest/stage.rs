@@ -1,4 +1,4 @@
-//! The flow to rest in one basis and by one quadrature.
+//! The flow to rest in one basis with one quadrature.
 
 use super::euler::{Euler, Progress, Stretch};
 use super::{RestRecord, RestSettings};
@@ -11,49 +11,49 @@ use crate::flow::weak::{
 use crate::motion::{Problem, Watch, passive_share, violations};
 use nalgebra::DMatrix;
 
-/// The number of steps between two looks at the quadrature.
+/// The number of steps between two checks of the quadrature.
 const LOOK: usize = 6;
-/// The relative difference of quadratures that is accepted on the way.
+/// The accepted relative difference of quadratures before the end.
 const ON_THE_WAY: f64 = 0.05;
-/// The first penalty of a row, relative to the action per second, the factor by which it grows, and the largest.
+/// The first penalty of a row, relative to the action per second, its growth factor, and the largest one.
 const FIRST_PENALTY: f64 = 1e3;
 const PENALTY_FACTOR: f64 = 10.0;
 const LARGEST_PENALTY: f64 = 1e9;
-/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square; and the largest, beyond which steps
-/// become short and the duals do as well.
+/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square; and the largest,
+/// beyond which steps become short and the duals suffice.
 const MOTOR: f64 = 2.0;
 const LARGEST_MOTOR: f64 = 2e4;
-/// The part of its violation that a row may keep from one round to the next before its penalty grows.
+/// The fraction of its violation that a row may keep from one round to the next before its penalty grows.
 const PROGRESS: f64 = 0.25;
 /// The factor of the tolerance from one round of duals to the next.
 const TIGHTER: f64 = 0.1;
-/// The slip at which its duals are done with, rad/s or m/s.
+/// The slip at which its duals are no longer updated, rad/s or m/s.
 const SLIP: f64 = 1e-6;
-/// The number of times at which rows are looked at between the points.
+/// The number of times between the points at which rows are evaluated.
 const TIMES: usize = 2000;
 
-/// The demands on one stage.
+/// The termination criteria of one stage.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Demands {
     /// The number of segments and their degree.
     pub basis: (usize, usize),
-    /// The relative gradient norm, the most steps between two updates of the duals, and the most of these.
+    /// The relative gradient norm, the largest number of steps between two updates of the duals, and of these updates.
     pub tolerance: f64,
     pub steps: usize,
     pub rounds: usize,
-    /// After so many steps the metric is that of the present curve again.
+    /// The number of steps after which the metric is recomputed.
     pub fresh: usize,
-    /// The violation of a row that does no harm, in its unit.
+    /// The accepted violation of a row, in its unit.
     pub feasible: f64,
-    /// The largest relative difference of the quadrature and a finer one.
+    /// The largest relative difference between the quadrature and a finer one.
     pub quadrature: f64,
-    /// The factor of the running cost; below one the constraints come first.
+    /// The factor of the running cost; below one the constraints take precedence.
     pub cost: f64,
-    /// True if rows are to hold between the points as well.
+    /// True if rows must also be satisfied between the points.
     pub dense: bool,
 }
 
-/// The end of a stage.
+/// The result of a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     pub action: f64,
@@ -61,32 +61,32 @@ pub(super) struct Outcome {
     pub slip: f64,
     pub violation: f64,
     pub quadrature_error: f64,
-    /// The largest torque of a passive joint, relative to the largest torque; zero where no joint is passive.
+    /// The largest torque of a passive joint, relative to the largest torque; zero without passive joints.
     pub passive_share: f64,
     pub at_rest: bool,
 }
 
-/// The state of the flow from stage to stage.
+/// The state of the flow that is passed from stage to stage.
 pub(super) struct Walk<'w> {
     pub curve: Curve,
     pub s: f64,
     pub steps: usize,
     pub factorisations: usize,
     pub rounds: usize,
-    /// The duals of the rows where the stage before ended.
+    /// The duals of the rows at the end of the previous stage.
     pub duals: Option<Vec<RowDuals>>,
     pub watch: &'w Watch,
     pub observe: &'w mut dyn FnMut(RestRecord),
 }
 
-/// One basis and one quadrature.
+/// One stage: a basis and a quadrature.
 pub(super) struct Stage<'s, 'g, 'a, K> {
     problem: &'s Problem<'a>,
     settings: &'s RestSettings,
     constraints: &'s Constraints<K>,
     demands: Demands,
     grid: &'g StateGrid<f64>,
-    /// The quadrature alone, and a finer one.
+    /// The grid of the stage, and a finer one.
     own: StateGrid<f64>,
     finer: StateGrid<f64>,
     action: Action<'g, f64, AugmentedLagrangian<'s, K>>,
@@ -94,7 +94,7 @@ pub(super) struct Stage<'s, 'g, 'a, K> {
 }
 
 impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
-    /// A stage on `grid`, for the Lagrangian without constraints `plain`.
+    /// A stage on `grid`, for the Lagrangian `plain` without constraints.
     pub fn new(
         problem: &'s Problem<'a>,
         settings: &'s RestSettings,
@@ -127,7 +127,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         })
     }
 
-    /// Walks on from where `walk` is.
+    /// Continues the flow from the current state of `walk`.
     pub fn run(mut self, walk: &mut Walk<'_>) -> Result<Outcome> {
         let demands = self.demands;
         let mut progress = Progress::new(self.grid.fit(&walk.curve), walk.s);
@@ -191,7 +191,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         Ok(outcome)
     }
 
-    /// The curve as far as it has come.
+    /// The current curve.
     fn curve(&self, progress: &Progress) -> Result<Curve> {
         self.grid
             .curve(&progress.coefficients, self.problem.horizon())
@@ -202,7 +202,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         &mut self.action.lagrangian.rows
     }
 
-    /// The penalties of rows that nothing is known of. A passive joint begins as a motor, since nothing is as simple as that.
+    /// Sets the first penalties of new rows. A passive joint starts as a motor, because no other start is as easy.
     fn first_penalties(&mut self, density: f64) {
         let constraints = self.constraints;
         for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
@@ -215,7 +215,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         }
     }
 
-    /// Larger penalties for rows that are still violated, and have not become much less so since the round before.
+    /// Increases the penalties of rows whose violation has not decreased enough since the previous round.
     fn raise_penalties(&mut self, largest: &[f64], before: &[f64], density: f64) {
         let (constraints, feasible) = (self.constraints, self.demands.feasible);
         for (row, penalty) in self.terms().penalties.iter_mut().enumerate() {
@@ -231,7 +231,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         }
     }
 
-    /// Follows the flow with the duals as they are; returns whether the quadrature turned out to be far too coarse.
+    /// Follows the flow with constant duals; returns true if the quadrature turned out to be far too coarse.
     fn stretch(
         &mut self,
         euler: &mut Euler,
@@ -267,8 +267,8 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         Ok(coarse)
     }
 
-    /// The largest violation of a row between the points, in its unit; rows that are violated have larger margins afterwards. Equalities
-    /// in the control are not looked at there, since no polynomial keeps them everywhere.
+    /// The largest violation of a row between the points, in its unit; the margins of violated rows are increased.
+    /// Equalities in the control are excluded, because no polynomial satisfies them everywhere.
     fn look_between(&mut self, progress: &Progress) -> Result<f64> {
         if self.constraints.dim() == 0 {
             return Ok(0.0);
@@ -290,7 +290,7 @@ impl<'s, 'g, 'a, K: Constraint> Stage<'s, 'g, 'a, K> {
         Ok(largest)
     }
 
-    /// The largest slip at the points; with `duals` they become those that the slip asks for, $\lambda + 2 k e$.
+    /// The largest slip at the points; with `duals`, the duals are updated to $\lambda + 2 k e$.
     fn look_at_slip(&mut self, coefficients: &DMatrix<f64>, duals: bool) -> f64 {
         let grid = self.grid;
         let lagrangian = &mut self.action.lagrangian.lagrangian;

@@ -1,4 +1,4 @@
-//! From one guess to rest, stage by stage.
+//! The path from one guess to rest, stage by stage.
 
 use super::stage::{Demands, Outcome, Stage, Walk};
 use super::{RestRecord, RestSettings, RestSolution};
@@ -9,13 +9,14 @@ use crate::flow::weak::{AnalyticLagrangian, StateGrid};
 use crate::motion::{Problem, Watch};
 use std::collections::VecDeque;
 
-/// Points of the quadrature per degree to start with, without and with rows, and the most.
+/// The initial number of quadrature points per degree, without and with rows, and the largest.
 const POINTS: [f64; 2] = [3.0, 3.5];
 const MOST_POINTS: usize = 16;
-/// The torque of a passive joint that is accepted, relative to the largest torque; above it there are more segments.
+/// The accepted torque of a passive joint, relative to the largest torque; above it the number of segments is
+/// increased.
 const PASSIVE_SHARE: f64 = 5e-4;
 
-/// The common part of the walks from all guesses.
+/// The data that the walks from all guesses share.
 pub(super) struct WalkOf<'w, 'a, K> {
     pub problem: &'w Problem<'a>,
     pub settings: &'w RestSettings,
@@ -23,13 +24,13 @@ pub(super) struct WalkOf<'w, 'a, K> {
     pub constraints: &'w Constraints<K>,
     /// True if there are passive joints.
     pub passive: bool,
-    /// The action above which there are no further segments.
+    /// The action above which the number of segments is not increased.
     pub least: f64,
     pub watch: &'w Watch,
 }
 
 impl<K: Constraint> WalkOf<'_, '_, K> {
-    /// From the guess of this number to rest.
+    /// Follows the flow from the guess of this number to rest.
     pub fn from(
         &self,
         guess: usize,

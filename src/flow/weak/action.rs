@@ -6,16 +6,17 @@ use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// The action $A(c) = \sum_g w_g L(t_g, x, \dot x)$ of the curve $x = \sum_m c_m \varphi_m$ on a [`StateGrid`], a function of the
-/// coefficients, `2 N` by `count`.
+/// The action $A(c) = \sum_g w_g L(t_g, x, \dot x)$ of the curve $x = \sum_m c_m \varphi_m$ on a [`StateGrid`], a
+/// function of the coefficients, `2 N` by `count`.
 ///
 /// $$ \frac{\partial A}{\partial c_m} = \sum_g w_g \left( \varphi_m L_x + \dot\varphi_m L_{\dot x} \right), $$
 /// $$ \frac{\partial^2 A}{\partial c_m \partial c_n} = \sum_g w_g \left( \varphi_m \varphi_n L_{x x} + \varphi_m \dot\varphi_n L_{x \dot x} +
 ///    \dot\varphi_m \varphi_n L_{\dot x x} + \dot\varphi_m \dot\varphi_n L_{\dot x \dot x} \right), \qquad
 ///    M_{m n} = \sum_g w_g\\, \varphi_m \varphi_n\\, G . $$
 ///
-/// As $\Omega = G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$, the flow tested with the functions in its own metric is $M \dot c = -\nabla A$: no
-/// derivative of the control is needed, and pieces meet as the action wants them to.
+/// As $\Omega = G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$, the flow tested with these functions in its own metric is
+/// $M \dot c = -\nabla A$: it needs no derivative of the control, and the conditions between segments follow from the
+/// action.
 /// The sums over points are one product of matrices, $p^2 / 2$ by `4 M` times `4 M` by $4 N^2$ on each segment.
 pub struct Action<'g, S: Scalar, L> {
     grid: &'g StateGrid<S>,
@@ -24,7 +25,7 @@ pub struct Action<'g, S: Scalar, L> {
     size: usize,
     states: DMatrix<S>,
     values: Vec<S>,
-    /// Once derivatives or a metric are asked for.
+    /// Allocated when derivatives or a metric are first requested.
     room: Option<Room<S>>,
 }
 
@@ -46,7 +47,7 @@ pub struct ActionDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> ActionDerivatives<S> {
-    /// Room for the unknowns of a grid, for a robot with `dof` joints.
+    /// Zeros for the unknowns of a grid and a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &StateGrid<S>, dof: usize) -> Self {
         let sizes = (0..grid.segments).map(|e| grid.block(e).len() * 2 * dof);
@@ -59,7 +60,7 @@ impl<S: Scalar> ActionDerivatives<S> {
 }
 
 impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
-    /// The action of `lagrangian` for a robot with `dof` joints.
+    /// The action of `lagrangian` on `grid` for a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &'g StateGrid<S>, lagrangian: L, dof: usize) -> Self {
         let points = grid.points();
@@ -79,13 +80,13 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         self.grid
     }
 
-    /// `N`.
+    /// The number of joints `N`.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.size / 2
     }
 
-    /// $A$.
+    /// Computes $A$.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -102,7 +103,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         Ok(sum)
     }
 
-    /// $A$, and its derivatives into `out`.
+    /// Computes $A$, and its derivatives into `out`.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -146,7 +147,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         Ok(sum)
     }
 
-    /// The Hessian of Gauss and Newton into `out`.
+    /// Computes the Gauss-Newton Hessian into `out`.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -168,7 +169,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         Ok(())
     }
 
-    /// The metric of the flow, $M$.
+    /// Computes the metric $M$ of the flow.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -190,7 +191,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         Ok(())
     }
 
-    /// The Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$.
+    /// Computes the Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$.
     #[must_use]
     pub fn gram(&self) -> BlockTridiagonal<S> {
         let (grid, n) = (self.grid, self.size / 2);
@@ -210,7 +211,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
         gram
     }
 
-    /// Places the curve of segment `e` at its points.
+    /// Evaluates the curve of segment `e` at its points.
     fn place(&mut self, coefficients: &DMatrix<S>, e: usize) -> Result<()> {
         check_length("coefficients", self.size, coefficients.nrows())?;
         check_length("coefficients", self.grid.count(), coefficients.ncols())?;
@@ -252,8 +253,8 @@ fn points<'a, S: Scalar>(
     }
 }
 
-/// Puts the blocks of the pairs of functions of segment `e`, a column each, where they belong; what the segment before, which has to
-/// come first, put at the function that both have is added to.
+/// Writes the blocks of the pairs of functions of segment `e`, one column each, added to the contribution of the
+/// previous segment, which must have been written before.
 fn add_blocks<S: Scalar>(
     grid: &StateGrid<S>,
     sums: &DMatrix<S>,

@@ -1,4 +1,4 @@
-//! The Lagrangian of the flow in its control form, with weights and duals, by analytic derivatives.
+//! The Lagrangian of the flow in its control form, with weights and duals, with analytic derivatives.
 
 use super::{LagrangianDerivatives, PointLagrangian, StatePoints};
 use crate::dynamics::{
@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// The number of points that go through the dynamics side by side.
 pub(super) const LANES: usize = 4;
-/// A number at that many points.
+/// The values of a number at these points.
 pub(super) type Wide<S> = Lanes<S, LANES>;
 
 /// The Lagrangian
@@ -20,31 +20,33 @@ pub(super) type Wide<S> = Lanes<S, LANES>;
 /// $$ L = k\\, |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}, \qquad e = \dot x_{P1} - x_{P2}, \quad
 ///    u = ID(x_{P1}, x_{P2}, \dot x_{P2}), $$
 ///
-/// with diagonal weights, in the metric $G = \mathrm{blockdiag}(k I, H W_G H)$. With $W = W_G = I$, without the other weights and without
-/// the dual $\lambda$ of the slip it is that of the paper. With $[J_q, J_v, H]$ the derivatives of $ID$ and $\Phi$ the Hessian of
-/// $(2 W u)^T ID$,
+/// with diagonal weights, in the metric $G = \mathrm{blockdiag}(k I, H W_G H)$. With $W = W_G = I$, without the other
+/// weights and without the dual $\lambda$ of the slip it is the paper's. With $[J_q, J_v, H]$ the derivatives of $ID$
+/// and $\Phi$ the Hessian of $(2 W u)^T ID$,
 ///
 /// $$ L_x = \begin{bmatrix} 2 J_q^T W u \\\\ 2 J_v^T W u + 2 W_v v - 2 k e - \lambda \end{bmatrix}, \qquad
 ///    L_{\dot x} = \begin{bmatrix} 2 k e + \lambda \\\\ 2 H W u + 2 W_a \dot x_{P2} \end{bmatrix}, $$
 ///
-/// and the second derivatives are $2 [J_q, J_v, H]^T W [J_q, J_v, H] + \Phi$, the weights, and $\pm 2 k I$ where $e$ comes in.
+/// and the second derivatives are $2 [J_q, J_v, H]^T W [J_q, J_v, H] + \Phi$, the weights, and $\pm 2 k I$ for the
+/// terms in $e$.
 #[derive(Clone, Debug)]
 pub struct AnalyticLagrangian<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
-    /// $k$ of the Lagrangian and of the metric.
+    /// The penalty $k$ of the Lagrangian and of the metric.
     pub k: S,
-    /// $W$, $W_v$ and $W_a$, `N` entries each.
+    /// The weights $W$, $W_v$ and $W_a$, `N` entries each.
     pub weights: [DVector<S>; 3],
-    /// $W_G$.
+    /// The weights $W_G$ of the metric, `N` entries.
     pub metric_weights: DVector<S>,
-    /// $\lambda$ at all points of the grid, `N` by their number; without columns it is zero.
+    /// The dual $\lambda$ at all points of the grid, `N` by their number; zero if there are no columns.
     pub slip_duals: DMatrix<S>,
-    /// True for each point of the grid at which $L$ is zero but for terms that others add; no entries where it never is.
+    /// True for each point of the grid at which only terms of others count and $L$ does not; empty if $L$ counts
+    /// everywhere.
     pub silent: Vec<bool>,
     data: Data<Wide<S>>,
     id: InverseDynamicsDerivatives<Wide<S>>,
     second: RneaWeightedHessian<Wide<S>>,
-    /// $[q; v; \dot x_{P2}; \dot x_{P1}]$ of the points that are side by side.
+    /// $[q; v; \dot x_{P2}; \dot x_{P1}]$ of the points that are evaluated side by side.
     state: Vec<Wide<S>>,
     /// $\partial L / \partial u$ and half the second derivatives.
     slopes: DVector<Wide<S>>,
@@ -53,7 +55,8 @@ pub struct AnalyticLagrangian<'m, C: Scalar = f64, S: Scalar = C> {
     point: ControlPoint<S>,
 }
 
-/// Terms of a Lagrangian in the control of one point: what is added to its value, and to its first and second derivatives in `u`.
+/// Terms of a Lagrangian in the control of one point: additions to its value and to its first and second derivatives in
+/// `u`.
 #[derive(Clone, Debug)]
 pub struct ControlPoint<S: Scalar> {
     /// The control, `N` entries.
@@ -62,12 +65,12 @@ pub struct ControlPoint<S: Scalar> {
     pub value: S,
     /// Their derivatives in `u`.
     pub slopes: DVector<S>,
-    /// The diagonal of their second derivatives, which have nothing else.
+    /// The diagonal of their second derivatives, whose other entries are zero.
     pub curvatures: DVector<S>,
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
-    /// The paper's, with penalty `k`.
+    /// The paper's Lagrangian with penalty `k`.
     #[must_use]
     pub fn new(model: &'m Model<C>, k: C) -> Self {
         let n = model.dof();
@@ -102,12 +105,12 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
         self.model
     }
 
-    /// One where $L$ counts at point `index`, else zero.
+    /// One if $L$ counts at point `index`, otherwise zero.
     fn share(&self, index: usize) -> S {
         share(&self.silent, index)
     }
 
-    /// $L$ but for what is in the control, at a point with the slip duals of its index.
+    /// The part of $L$ without the control, at a point with the slip duals of its index.
     fn motion_value(&self, at: &StatePoints<'_, S>, g: usize) -> S {
         let (n, y) = (self.model.dof(), at.states.column(g));
         let [_, velocity, acceleration] = &self.weights;
@@ -123,7 +126,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
         self.share(at.first + g) * sum
     }
 
-    /// As [`PointLagrangian::values`], with terms in the control.
+    /// Computes [`PointLagrangian::values`] with terms in the control.
     pub(super) fn values_with(
         &mut self,
         at: StatePoints<'_, S>,
@@ -153,7 +156,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
         Ok(())
     }
 
-    /// As [`PointLagrangian::derivatives`], with terms in the control.
+    /// Computes [`PointLagrangian::derivatives`] with terms in the control.
     pub(super) fn derivatives_with(
         &mut self,
         at: StatePoints<'_, S>,
@@ -198,7 +201,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
         Ok(())
     }
 
-    /// Files what a lane holds of point `g`.
+    /// Stores the results of one lane for point `g`.
     fn file(
         &self,
         at: &StatePoints<'_, S>,
@@ -242,7 +245,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
         }
     }
 
-    /// Files the second derivatives of what is in the control, those of one of the four kinds of [`LagrangianDerivatives::hessians`].
+    /// Stores the second derivatives of the part in the control, for one of the four kinds of
+    /// [`LagrangianDerivatives::hessians`].
     fn file_block(&self, kind: usize, lane: usize, convex: bool, block: &mut [S]) {
         let n = self.model.dof();
         let RneaWeightedHessian { qq, qv, vv, qa } = &self.second;
@@ -281,7 +285,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> AnalyticLagrangian<'m, C, S> {
     }
 }
 
-/// One where the Lagrangian counts at point `index`, else zero.
+/// One if the Lagrangian counts at point `index`, otherwise zero.
 fn share<S: Scalar>(silent: &[bool], index: usize) -> S {
     match silent.get(index) {
         Some(true) => S::zero(),
@@ -290,7 +294,7 @@ fn share<S: Scalar>(silent: &[bool], index: usize) -> S {
 }
 
 impl<S: Scalar> ControlPoint<S> {
-    /// Nothing but the control, which is left as it is.
+    /// Sets everything except the control to zero.
     fn clear(&mut self) {
         self.value = S::zero();
         self.slopes.fill(S::zero());

@@ -1,4 +1,4 @@
-//! The augmented Lagrangian of constraints beside the Lagrangian of a flow.
+//! The augmented Lagrangian of constraints, added to the Lagrangian of a flow.
 
 use super::analytic::LANES;
 use super::row_terms::RowTerms;
@@ -11,24 +11,25 @@ use nalgebra::DMatrix;
 ///
 /// $$ L = L_0 + \sum_j \psi(h_j, z_j), \qquad \psi(h, z) = \tfrac{1}{2 \rho} \left( \max(0, z + \rho h)^2 - z^2 \right) , $$
 ///
-/// for a row $h \le 0$, and $\psi = z h + \tfrac12 \rho h^2$ for $h = 0$ (Hestenes, 1969; Powell, 1969; Rockafellar, 1973). A row is one of the
-/// constraints divided by its [scale](Constraint::row_scales), or a torque above its limit divided by the limit, and a margin more.
-/// Duals belong to a point, so that the integral over time makes densities of them.
+/// for a row $h \le 0$, and $\psi = z h + \tfrac12 \rho h^2$ for $h = 0$ (Hestenes, 1969; Powell, 1969; Rockafellar,
+/// 1973). A row is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
+/// over its limit divided by the limit, plus a margin. Duals belong to a point, so that the integral over time turns
+/// them into densities.
 ///
-/// An equality in the control, that of a passive joint, is asked for at Gauss points, as many per segment as it has coefficients for
-/// itself: a polynomial cannot keep it everywhere.
+/// An equality in the control, for a passive joint, is enforced at Gauss points, as many per segment as it has
+/// coefficients of its own: a polynomial cannot satisfy it everywhere.
 #[derive(Clone, Debug)]
 pub struct AugmentedLagrangian<'a, K> {
-    /// $L_0$.
+    /// The Lagrangian $L_0$.
     pub lagrangian: AnalyticLagrangian<'a>,
     pub(in crate::flow) rows: RowTerms<'a, K>,
 }
 
 impl<'a, K: Constraint> AugmentedLagrangian<'a, K> {
-    /// `lagrangian` with `constraints` at the points of a grid, all duals zero.
+    /// Adds `constraints` to `lagrangian` at the points of a grid, with all duals zero.
     ///
     /// # Errors
-    /// The torque limits are those of another robot.
+    /// The torque limits have the wrong length.
     pub fn new(
         lagrangian: AnalyticLagrangian<'a>,
         constraints: &'a Constraints<K>,

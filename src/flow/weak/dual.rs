@@ -1,4 +1,4 @@
-//! Any Lagrangian in any metric at the points of a quadrature, by dual numbers.
+//! Any Lagrangian in any metric at quadrature points, by dual numbers.
 
 use super::{LagrangianDerivatives, PointLagrangian, StatePoints};
 use crate::error::{Result, check_length};
@@ -8,17 +8,18 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 use nalgebra::DMatrix;
 
-/// The number of entries of $[x; \dot x]$ that one evaluation differentiates in, beside one more.
+/// The number of entries of $[x; \dot x]$ in which one evaluation differentiates, apart from one more.
 const WIDTH: usize = 4;
-/// A number that moves along one entry, and along several more.
+/// A number with a tangent along one entry, and along several more.
 type Moving<S> = Jet<Jet<S, WIDTH>, 1>;
 
-/// Any [`Lagrangian`] with the [`Metric`] in which its flow goes down, the paper's (11) unless another is given. Gradient and Hessian come
-/// from nested dual numbers, `2 N (N + 1)` evaluations per point: slow, and right for whatever `L` is.
+/// Any [`Lagrangian`] with the [`Metric`] of its flow, by default the paper's (11). Gradient and Hessian come from
+/// nested dual numbers, `2 N (N + 1)` evaluations per point: slow, but correct for any `L`.
 ///
-/// [Gauss and Newton's second derivatives](LagrangianDerivatives::convex) of a Lagrangian of which nothing is known are its Hessian with the
-/// negative eigenvalues taken for zero. A field has no order and so none of these: over any scalar there are
-/// [`values_over`](Self::values_over), [`derivatives_over`](Self::derivatives_over) and [`metrics_over`](Self::metrics_over).
+/// For an arbitrary Lagrangian the [Gauss-Newton second derivatives](LagrangianDerivatives::convex) are the Hessian
+/// with its negative eigenvalues set to zero. They need an order, which a finite field lacks: over any scalar there are
+/// [`values_over`](Self::values_over), [`derivatives_over`](Self::derivatives_over) and
+/// [`metrics_over`](Self::metrics_over).
 #[derive(Clone, Debug)]
 pub struct DualLagrangian<'m, L, C: Scalar = f64, M = ActuationMetric<C>> {
     model: &'m Model<C>,
@@ -28,7 +29,7 @@ pub struct DualLagrangian<'m, L, C: Scalar = f64, M = ActuationMetric<C>> {
 }
 
 impl<'m, C: Scalar, L: Lagrangian<C>> DualLagrangian<'m, L, C> {
-    /// `lagrangian` for `model` under the penalty `k`, in the metric of the paper.
+    /// The Lagrangian `lagrangian` for `model` under the penalty `k`, in the paper's metric.
     #[must_use]
     pub fn new(model: &'m Model<C>, lagrangian: L, k: C) -> Self {
         Self::in_metric(model, lagrangian, ActuationMetric::default(), k)
@@ -36,7 +37,7 @@ impl<'m, C: Scalar, L: Lagrangian<C>> DualLagrangian<'m, L, C> {
 }
 
 impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> DualLagrangian<'m, L, C, M> {
-    /// `lagrangian` for `model` in `metric`, both under the penalty `k`.
+    /// The Lagrangian `lagrangian` for `model` in `metric`, both under the penalty `k`.
     #[must_use]
     pub fn in_metric(model: &'m Model<C>, lagrangian: L, metric: M, k: C) -> Self {
         Self {
@@ -47,16 +48,16 @@ impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> DualLagrangian<'m, L, C, M> 
         }
     }
 
-    /// $L$ of $[x; \dot x]$.
+    /// Computes $L$ of $[x; \dot x]$.
     fn at<S: AlgebraOver<C> + Tanh>(&self, t: S, y: &[S]) -> Result<S> {
         let (x, xdot) = y.split_at(y.len() / 2);
         self.lagrangian.value(self.model, t, x, xdot, self.k)
     }
 
-    /// [`PointLagrangian::values`] over any scalar.
+    /// Computes [`PointLagrangian::values`] over any scalar.
     ///
     /// # Errors
-    /// Those of the Lagrangian, or the points are those of another robot.
+    /// Those of the Lagrangian, or `at` has the wrong number of rows.
     pub fn values_over<S: AlgebraOver<C> + Tanh>(
         &self,
         at: StatePoints<'_, S>,
@@ -68,10 +69,10 @@ impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> DualLagrangian<'m, L, C, M> 
         Ok(())
     }
 
-    /// [`PointLagrangian::derivatives`] over any scalar; the second derivatives are the Hessian.
+    /// Computes [`PointLagrangian::derivatives`] over any scalar; the second derivatives are the Hessian.
     ///
     /// # Errors
-    /// As [`values_over`](Self::values_over).
+    /// Those of [`values_over`](Self::values_over).
     pub fn derivatives_over<S: AlgebraOver<C> + Tanh>(
         &self,
         at: StatePoints<'_, S>,
@@ -106,10 +107,10 @@ impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> DualLagrangian<'m, L, C, M> 
         Ok(())
     }
 
-    /// [`PointLagrangian::metrics`] over any scalar.
+    /// Computes [`PointLagrangian::metrics`] over any scalar.
     ///
     /// # Errors
-    /// Those of the metric, or it or the points are those of another robot.
+    /// Those of the metric, or it has another number of joints, or `at` has the wrong number of rows.
     pub fn metrics_over<S: AlgebraOver<C> + Tanh>(
         &self,
         at: StatePoints<'_, S>,
@@ -164,7 +165,7 @@ impl<L: Lagrangian, M: Metric> PointLagrangian<f64> for DualLagrangian<'_, L, f6
 }
 
 impl LagrangianDerivatives<f64> {
-    /// Takes the negative eigenvalues of the second derivatives at point `g` for zero.
+    /// Sets the negative eigenvalues of the second derivatives at point `g` to zero.
     fn cut_negative(&mut self, g: usize) {
         let size = self.gradients.nrows();
         let mut whole = DMatrix::zeros(2 * size, 2 * size);

@@ -1,4 +1,4 @@
-//! Continuous piecewise polynomials in the state at the points of a quadrature.
+//! Continuous piecewise polynomials in the state at quadrature points.
 
 use crate::curve::{Chebyshev, Curve, gauss_legendre, legendre};
 use crate::error::Result;
@@ -7,40 +7,41 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The functions of a curve $x(t)$, continuous and a polynomial of one degree on each of several equal segments, at Gauss-Legendre
-/// points, as many on each segment.
+/// The functions of a curve $x(t)$, continuous and a polynomial of one degree on each of several equal segments, at
+/// Gauss-Legendre points, the same number on each segment.
 ///
-/// Segment `e` has the `degree + 1` functions from `e degree` on: a hat at its beginning, `degree - 1` bubbles, whose slopes are Legendre
-/// polynomials of norm one, and a hat at its end, which is the first function of the next. The coefficients of a hat are the state there.
+/// Segment `e` has the `degree + 1` functions from `e degree` on: a hat function at its beginning, `degree - 1`
+/// bubbles, whose slopes are Legendre polynomials of norm one, and a hat function at its end, which is the first
+/// function of the next. The coefficient of a hat function is the state there.
 #[derive(Clone, Debug)]
 pub struct StateGrid<S: Scalar> {
     pub(super) segments: usize,
-    /// The last points of each segment at which there is nothing but equalities.
+    /// The number of points at the end of each segment at which only equalities are enforced.
     collocated: usize,
     /// Times of the points, s, segment by segment.
     pub(super) times: Vec<S>,
     /// Weights of the points of a segment.
     pub(super) weights: Vec<S>,
-    /// Values at the points of a segment, then slopes in time: the functions of a segment by `2 M`.
+    /// Values at the points of a segment, then slopes in time: one row per function, `2 M` columns.
     pub(super) table: DMatrix<S>,
     /// Pairs of functions of a segment, the first not before the second.
     pub(super) pairs: Vec<(usize, usize)>,
-    /// Weighted products of a value or slope of the first and one of the second function of each pair: `4 M` by pairs, value and
-    /// value, value and slope, slope and value, slope and slope.
+    /// Weighted products of a value or slope of the first and one of the second function of each pair: `4 M` by pairs,
+    /// value and value, value and slope, slope and value, slope and slope.
     products: OnceLock<DMatrix<S>>,
 }
 
 impl StateGrid<f64> {
-    /// `segments` polynomials of degree `degree` on `[0, horizon]`, with `points` points each.
+    /// Tabulates `segments` polynomials of degree `degree` on `[0, horizon]`, with `points` points each.
     #[must_use]
     pub fn new(segments: usize, degree: usize, points: usize, horizon: f64) -> Self {
         Self::collocated(segments, degree, points, 0, horizon)
     }
 
-    /// The same with `collocated` Gauss-Legendre points more per segment, which come after the others and are no part of the quadrature:
-    /// an equality may be asked for there. Asked for at as many Gauss points as a segment has functions for itself, `degree - 1`, it leaves
-    /// between the points what is orthogonal to polynomials, to all of lower degree if it is one of degree `degree - 1`
-    /// (`proofs/weak_form.md`), and so moves next to nothing.
+    /// Adds `collocated` Gauss-Legendre points per segment, which follow the others and are not part of the quadrature:
+    /// equalities can be enforced there. With as many Gauss points as a segment has functions of its own, `degree - 1`,
+    /// the residual between the points is orthogonal to polynomials (to all of lower degree if it is one of degree
+    /// `degree - 1`; `proofs/weak_form.md`), and so has almost no effect on the motion.
     #[must_use]
     pub fn collocated(
         segments: usize,
@@ -80,8 +81,9 @@ impl StateGrid<f64> {
         quadrature.iter().sum::<f64>() * self.segments as f64
     }
 
-    /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it is of this degree and its breakpoints are among these;
-    /// else equal to it at the breakpoints, and between them the best in the rate.
+    /// The coefficients of a curve, `2 N` by [`count`](Self::count): exact if it has this degree and its breakpoints
+    /// are among those of the grid; otherwise equal to it at the breakpoints, and between them the best approximation
+    /// of its rate.
     #[must_use]
     pub fn fit(&self, curve: &Curve) -> DMatrix<f64> {
         let (degree, horizon) = (self.degree(), curve.horizon());
@@ -130,7 +132,7 @@ impl StateGrid<f64> {
 }
 
 impl<S: Scalar> StateGrid<S> {
-    /// Any functions: the identities of the assembly ask nothing of them. `table` has values, then slopes.
+    /// A grid of arbitrary functions: the identities of the assembly hold for any. `table` has values, then slopes.
     pub(crate) fn from_table(
         segments: usize,
         times: Vec<S>,
@@ -152,7 +154,7 @@ impl<S: Scalar> StateGrid<S> {
         }
     }
 
-    /// The weighted products of functions; only derivatives need them.
+    /// The weighted products of functions, which only derivatives need.
     pub(super) fn products(&self) -> &DMatrix<S> {
         let (points, table, pairs) = (self.points(), &self.table, &self.pairs);
         self.products.get_or_init(|| {
@@ -176,10 +178,11 @@ impl<S: Scalar> StateGrid<S> {
         &self.times
     }
 
-    /// The slip $\dot x_{P1} - x_{P2}$ of the curve with these coefficients at the points of segment `e`, a column each.
+    /// The slip $\dot x_{P1} - x_{P2}$ of the curve with these coefficients at the points of segment `e`, one column
+    /// each.
     ///
     /// # Panics
-    /// There is no such segment, or the coefficients are those of another grid.
+    /// The segment does not exist, or the coefficients have the wrong size.
     #[must_use]
     pub fn slips(&self, coefficients: &DMatrix<S>, e: usize) -> DMatrix<S> {
         let n = coefficients.nrows() / 2;
@@ -196,19 +199,19 @@ impl<S: Scalar> StateGrid<S> {
         self.table.nrows() - 1
     }
 
-    /// The number of points of each segment, `M`.
+    /// The number of points per segment, `M`.
     #[must_use]
     pub fn points(&self) -> usize {
         self.weights.len()
     }
 
-    /// The number of points of each segment that the quadrature has.
+    /// The number of quadrature points per segment.
     #[must_use]
     pub fn quadrature_points(&self) -> usize {
         self.points() - self.collocated
     }
 
-    /// Tells whether a point, counted along time, is one where there is nothing but equalities.
+    /// Returns true if only equalities are enforced at a point, counted along time.
     #[must_use]
     pub fn is_collocated(&self, point: usize) -> bool {
         point % self.points() >= self.quadrature_points()
@@ -220,7 +223,7 @@ impl<S: Scalar> StateGrid<S> {
         self.segments * self.degree() + 1
     }
 
-    /// The functions whose coefficients are unknown: all but the hats at both ends.
+    /// The functions with unknown coefficients: all but the hat functions at both ends.
     #[must_use]
     pub fn free(&self) -> Range<usize> {
         1..self.count() - 1

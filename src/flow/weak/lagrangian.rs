@@ -1,4 +1,4 @@
-//! A Lagrangian and the metric of its flow at the points of a quadrature.
+//! A Lagrangian and the metric of its flow at quadrature points.
 
 use crate::error::Result;
 use crate::scalar::Scalar;
@@ -7,11 +7,12 @@ use nalgebra::DMatrix;
 /// A curve at the points of a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct StatePoints<'a, S: Scalar> {
-    /// Which point the first is, counted along time.
+    /// Index of the first point along time.
     pub first: usize,
     /// Times, s.
     pub times: &'a [S],
-    /// $[q; v; \dot x_{P2}; \dot x_{P1}]$ at each point, a column each: `4 N` by `M`. The first three are what inverse dynamics reads.
+    /// $[q; v; \dot x_{P2}; \dot x_{P1}]$ at each point, one column each: `4 N` by `M`. The first three are the input
+    /// of inverse dynamics.
     pub states: &'a DMatrix<S>,
 }
 
@@ -22,7 +23,7 @@ impl<S: Scalar> StatePoints<'_, S> {
         self.times.len()
     }
 
-    /// `N`.
+    /// The number of joints `N`.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.states.nrows() / 4
@@ -32,19 +33,19 @@ impl<S: Scalar> StatePoints<'_, S> {
 /// A Lagrangian $L(t, x, \dot x)$ and its derivatives at the points of a segment.
 #[derive(Clone, Debug)]
 pub struct LagrangianDerivatives<S: Scalar> {
-    /// $L$, `M` entries.
+    /// The values of $L$, `M` entries.
     pub values: Vec<S>,
-    /// $\partial L / \partial x$ of each point, a column each, then $\partial L / \partial \dot x$: `2 N` by `2 M`.
+    /// $\partial L / \partial x$ of each point, one column each, then $\partial L / \partial \dot x$: `2 N` by `2 M`.
     pub gradients: DMatrix<S>,
-    /// Second derivatives, a column a block of `2 N` by `2 N` column by column: those in $x\\, x$ of each point, then those in
-    /// $x\\, \dot x$, $\dot x\\, x$ and $\dot x\\, \dot x$; $4 N^2$ by `4 M`.
+    /// Second derivatives, one column per block of `2 N` by `2 N` in column-major order: those in $x\\, x$ of each
+    /// point, then those in $x\\, \dot x$, $\dot x\\, x$ and $\dot x\\, \dot x$; $4 N^2$ by `4 M`.
     pub hessians: DMatrix<S>,
-    /// True if second derivatives are to be those of Gauss and Newton: what makes them indefinite is left out.
+    /// True for the Gauss-Newton second derivatives, without the terms that make them indefinite.
     pub convex: bool,
 }
 
 impl<S: Scalar> LagrangianDerivatives<S> {
-    /// Room for `points` points of a model with `n` joints.
+    /// Zeros for `points` points of a model with `n` joints.
     #[must_use]
     pub fn new(n: usize, points: usize) -> Self {
         Self {
@@ -55,15 +56,15 @@ impl<S: Scalar> LagrangianDerivatives<S> {
         }
     }
 
-    /// The second derivatives of one kind at point `g`, `2 N` by `2 N` column by column: 0 for those in $x\\, x$, 1 in $x\\, \dot x$, 2 in
-    /// $\dot x\\, x$, 3 in $\dot x\\, \dot x$.
+    /// The second derivatives of one kind at point `g`, `2 N` by `2 N` in column-major order: 0 for those in $x\\, x$,
+    /// 1 in $x\\, \dot x$, 2 in $\dot x\\, x$, 3 in $\dot x\\, \dot x$.
     pub fn block_mut(&mut self, g: usize, kind: usize) -> &mut [S] {
         let column = kind * self.values.len() + g;
         self.hessians.column_mut(column).data.into_slice_mut()
     }
 
-    /// Adds `value` to the second derivative in the entries `row` and `column` of $[x; \dot x]$ at point `g`. Entries that are not on the
-    /// diagonal come once for each of their two places.
+    /// Adds `value` to the second derivative in the entries `row` and `column` of $[x; \dot x]$ at point `g`.
+    /// Off-diagonal entries must be added at both of their places.
     pub fn add(&mut self, g: usize, row: usize, column: usize, value: S) {
         let (points, size) = (self.values.len(), self.gradients.nrows());
         let kind = 2 * (row / size) + column / size;
@@ -71,30 +72,31 @@ impl<S: Scalar> LagrangianDerivatives<S> {
     }
 }
 
-/// A Lagrangian with the metric in which its flow goes down, at the points of a quadrature: what the weak form of the flow integrates.
+/// A Lagrangian with the metric of its flow at quadrature points: the integrand of the weak form.
 ///
-/// [`AnalyticLagrangian`](super::AnalyticLagrangian) has the analytic one of inverse dynamics; [`DualLagrangian`](super::DualLagrangian) has any
-/// [`Lagrangian`](crate::flow::Lagrangian), differentiated by dual numbers.
+/// [`AnalyticLagrangian`](super::AnalyticLagrangian) implements it analytically for inverse dynamics;
+/// [`DualLagrangian`](super::DualLagrangian) for any [`Lagrangian`](crate::flow::Lagrangian), differentiated by dual
+/// numbers.
 pub trait PointLagrangian<S: Scalar> {
-    /// $L$ at all points into `values`, `M` entries.
+    /// Computes $L$ at all points into `values`, `M` entries.
     ///
     /// # Errors
-    /// The points are those of another robot.
+    /// `at` has the wrong number of rows.
     fn values(&mut self, at: StatePoints<'_, S>, values: &mut [S]) -> Result<()>;
 
-    /// $L$ and its derivatives into `out`, which may hold anything.
+    /// Computes $L$ and its derivatives into `out`, which is overwritten.
     ///
     /// # Errors
-    /// As [`values`](Self::values).
+    /// Those of [`values`](Self::values).
     fn derivatives(
         &mut self,
         at: StatePoints<'_, S>,
         out: &mut LagrangianDerivatives<S>,
     ) -> Result<()>;
 
-    /// The metric $G(t, x)$ into `out`, a column a point, `2 N` by `2 N` column by column.
+    /// Computes the metric $G(t, x)$ into `out`, one column per point, `2 N` by `2 N` in column-major order.
     ///
     /// # Errors
-    /// As [`values`](Self::values).
+    /// Those of [`values`](Self::values).
     fn metrics(&mut self, at: StatePoints<'_, S>, out: &mut DMatrix<S>) -> Result<()>;
 }

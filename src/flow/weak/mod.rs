@@ -1,16 +1,16 @@
-//! The flow in its weak form: tested with the functions of a basis, in its own metric.
+//! The weak form of the flow: tested with the functions of a basis, in its own metric.
 //!
 //! For a curve $x(t) = \sum_m c_m \varphi_m(t)$ in the state $x = [q; v]$ and any Lagrangian, testing
-//! $G\\, \partial x / \partial s = \frac{d}{dt} L_{\dot x} - L_x$ with each function and integrating by parts leaves
+//! $G\\, \partial x / \partial s = \frac{d}{dt} L_{\dot x} - L_x$ with each function and integrating by parts gives
 //!
 //! $$ \sum_n \left( \int \varphi_m \varphi_n\\, G\\, dt \right) \frac{d c_n}{d s} = -\frac{\partial A}{\partial c_m}, \qquad
 //!    A = \int L(t, x, \dot x)\\, dt . $$
 //!
-//! Nothing but $L$ and its derivatives in $(x, \dot x)$ is needed, not $\ddot x$, so the curve may be made of several polynomials that meet
-//! continuously; what the control does where they meet is what makes the action least.
+//! Only $L$ and its derivatives in $(x, \dot x)$ are needed, not $\ddot x$, so that the curve may consist of several
+//! polynomials that join continuously; the jump of the control between them is the one that minimises the action.
 //!
-//! [`StateGrid`] has the functions, [`PointLagrangian`] the Lagrangian at the points of the quadrature and [`Action`] the sums. The flow is
-//! followed by [`rest`](super::rest).
+//! [`StateGrid`] has the functions, [`PointLagrangian`] the Lagrangian at the quadrature points and [`Action`] the
+//! sums. [`rest`](super::rest) follows the flow.
 
 mod action;
 mod analytic;

@@ -1,4 +1,4 @@
-//! The terms of an augmented Lagrangian that rows of constraints have.
+//! The terms of an augmented Lagrangian for rows of constraints.
 
 use super::analytic::{LANES, Wide};
 use super::{ControlPoint, LagrangianDerivatives, StateGrid, StatePoints};
@@ -7,18 +7,18 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::Lanes;
 
-/// The demand on a row at a point.
+/// The condition on a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// $h \le 0$.
+    /// The inequality $h \le 0$.
     Inequality,
-    /// $h = 0$.
+    /// The equality $h = 0$.
     Equality,
-    /// Nothing: an equality between the points at which a polynomial can keep it.
+    /// None: an equality between the points at which a polynomial can satisfy it.
     Idle,
 }
 
-/// The duals of a row at some times, with its penalty and margin.
+/// The duals of a row at given times, with its penalty and margin.
 #[derive(Clone, Debug)]
 pub(in crate::flow) struct RowDuals {
     pub penalty: f64,
@@ -26,7 +26,7 @@ pub(in crate::flow) struct RowDuals {
     pub duals: Vec<(f64, f64)>,
 }
 
-/// The value at a time between those that are known, or that of the nearest.
+/// Interpolates known values linearly in time; beyond them the nearest value is used.
 fn interpolate(known: &[(f64, f64)], time: f64) -> f64 {
     let after = known.partition_point(|(t, _)| *t < time);
     match (after.checked_sub(1).map(|i| known[i]), known.get(after)) {
@@ -44,15 +44,15 @@ pub(in crate::flow) struct RowTerms<'a, K> {
     kinds: Vec<Kind>,
     /// The factor of each row.
     scales: Vec<f64>,
-    /// One of the multiplied row in rad, rad/s, m, N m or N.
+    /// One unit of the scaled row: rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
     /// The margin of each row.
     pub margins: Vec<f64>,
-    /// $\rho$ of each row.
+    /// The penalty $\rho$ of each row.
     pub penalties: Vec<f64>,
-    /// $z$, row by row for each point.
+    /// The duals $z$, row by row for each point.
     pub duals: Vec<f64>,
-    /// $h$ where the Lagrangian was evaluated last, likewise.
+    /// The rows $h$ at the last evaluation, in the same order.
     pub h: Vec<f64>,
     evaluator: Evaluator<'a, f64, Wide<f64>>,
     state: Vec<Wide<f64>>,
@@ -62,7 +62,7 @@ pub(in crate::flow) struct RowTerms<'a, K> {
 }
 
 impl<'a, K: Constraint> RowTerms<'a, K> {
-    /// Those of `constraints`, all duals zero.
+    /// The rows of `constraints`, with all duals zero.
     pub fn new(
         model: &'a Model,
         constraints: &'a Constraints<K>,
@@ -107,7 +107,7 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         self.scales.len()
     }
 
-    /// $\psi$ and its first two derivatives in $h$, for row `at`.
+    /// Computes $\psi$ and its first two derivatives in $h$ for row `at`.
     fn term(&self, at: usize) -> [f64; 3] {
         let (h, z, rho) = (
             self.h[at],
@@ -125,14 +125,14 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         }
     }
 
-    /// Takes the duals that the rows ask for, $z \leftarrow \psi'(h)$.
+    /// Updates the duals, $z \leftarrow \psi'(h)$.
     pub fn update_duals(&mut self) {
         for at in 0..self.h.len() {
             self.duals[at] = self.term(at)[1];
         }
     }
 
-    /// The duals of each row over time, at the points at which something is asked of it, and its penalty.
+    /// The duals of each row over time, at the points at which it is enforced, and its penalty.
     pub fn over_time(&self, times: &[f64]) -> Vec<RowDuals> {
         let count = self.count();
         let of_row = |row: usize| {
@@ -148,7 +148,7 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         (0..count).map(of_row).collect()
     }
 
-    /// Takes duals that were found at other points, interpolated linearly in time.
+    /// Sets the duals to those found at other points, interpolated linearly in time.
     pub fn take_over(&mut self, rows: &[RowDuals], times: &[f64]) {
         let count = self.count();
         for (row, known) in rows.iter().enumerate() {
@@ -199,7 +199,7 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         Ok(())
     }
 
-    /// Evaluates the rows of the control at a point and hands their terms on.
+    /// Evaluates the rows of the control at a point and adds their terms to `point`.
     pub fn add_control(&mut self, index: usize, point: &mut ControlPoint<f64>) {
         let (states, count) = (self.constraints.state.dim(), self.count());
         let constraints = self.constraints;
@@ -218,14 +218,14 @@ impl<'a, K: Constraint> RowTerms<'a, K> {
         }
     }
 
-    /// The sum of the terms of the state at a point.
+    /// The sum of the state terms at a point.
     pub fn state_value(&self, index: usize) -> f64 {
         let first = index * self.count();
         let own = first..first + self.constraints.state.dim();
         own.map(|at| self.term(at)[0]).sum()
     }
 
-    /// Adds the derivatives of the terms of the state at the points from `start` on, side by side.
+    /// Adds the derivatives of the state terms at the points from `start` on, side by side.
     pub fn add_state(
         &mut self,
         at: StatePoints<'_, f64>,

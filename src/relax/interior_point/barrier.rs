@@ -1,16 +1,16 @@
-//! The barrier of a row that may be broken at a price.
+//! The barrier of a row that may be violated at a price.
 
 use crate::relax::tuning::{APART, FAR, INSIDE};
 
-/// A smooth exact penalty: what is left of the price $\nu$ of an excess $t$ and of the logarithmic barriers of weight $\mu$ of the
-/// excess and of the slack $s$ of a row $h \le 0$, when both are chosen best,
+/// A smooth exact penalty: the price $\nu$ of an excess $t$, together with logarithmic barriers of weight $\mu$ on the
+/// excess and on the slack $s$ of a row $h \le 0$, minimised over both,
 ///
 /// $$ \psi(h) = \min_{s, t > 0} \\{ \nu t - \mu \log s - \mu \log t : h + s = t \\} . $$
 ///
 /// The multiplier $\hat z = \psi'(h) \in (0, \nu)$ solves $h = \mu / (\nu - z) - \mu / z$, with $s = \mu / \hat z$ and
-/// $t = \mu / (\nu - \hat z)$. Far inside $\psi$ is the usual barrier $-\mu \log(-h)$, far outside it is $\nu h$, and as $\mu \to 0$ it
-/// becomes the exact penalty $\nu \max(0, h)$ (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear
-/// optimization*, 2015).
+/// $t = \mu / (\nu - \hat z)$. Far inside $\psi$ is the usual barrier $-\mu \log(-h)$, far outside it is $\nu h$, and
+/// as $\mu \to 0$ it becomes the exact penalty $\nu \max(0, h)$ (Gould, Orban and Toint, *An interior-point l1-penalty
+/// method for nonlinear optimization*, 2015).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// $\mu > 0$.
@@ -19,7 +19,7 @@ pub struct Barrier {
     pub nu: f64,
 }
 
-/// The slack and the excess that are best for a row.
+/// The optimal slack and excess of a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     slack: f64,
@@ -33,7 +33,8 @@ pub(super) struct Split {
 pub(super) enum Term {
     /// The barrier of an inequality.
     Barrier(Split),
-    /// That of a clearance, which fades out as the distance becomes [`FAR`], with the distance relative to that.
+    /// The barrier of a clearance, which fades out as the distance approaches [`FAR`], with the distance relative to
+    /// that.
     Fading(Split, f64),
     /// $\lambda h + \tfrac12 \rho h^2$ of an equality.
     Dual {
@@ -46,7 +47,7 @@ pub(super) enum Term {
 }
 
 impl Barrier {
-    /// The split of a row of the value `h`.
+    /// The optimal split of a row of value `h`.
     #[inline]
     pub(super) fn split(&self, h: f64) -> Split {
         let Self { mu, nu } = *self;
@@ -81,7 +82,7 @@ impl Split {
         }
     }
 
-    /// The multiplier nearest to `z` that is not too far from $\hat z$; some multiplier where rows that overflowed left none.
+    /// The multiplier nearest to `z` that is not too far from $\hat z$; an arbitrary one if the row has overflowed.
     #[inline]
     fn safeguarded(&self, z: f64) -> f64 {
         let nu = self.nu;
@@ -96,13 +97,13 @@ impl Split {
 }
 
 impl Term {
-    /// The first derivative in the row.
+    /// The first derivative with respect to the row.
     #[inline]
     pub fn slope(&self) -> f64 {
         self.multiplier() - self.lift()
     }
 
-    /// The part of the slope of a logarithm that a fading barrier has not got.
+    /// The part of the slope of a logarithm that a fading barrier lacks.
     #[inline]
     fn lift(&self) -> f64 {
         match self {
@@ -111,7 +112,7 @@ impl Term {
         }
     }
 
-    /// The multiplier that belongs to the row.
+    /// The multiplier of the row.
     #[inline]
     pub fn multiplier(&self) -> f64 {
         match self {
@@ -120,7 +121,8 @@ impl Term {
         }
     }
 
-    /// The value without its logarithms, and what these are of: a product is one logarithm for many rows.
+    /// The value without its logarithms, and their argument: the product of arguments turns the logarithms of many rows
+    /// into one.
     #[inline]
     pub fn value(&self) -> (f64, f64) {
         match self {
@@ -139,8 +141,9 @@ impl Term {
         }
     }
 
-    /// The rate of the multiplier in the row for a primal-dual iterate: with a multiplier `z` of its own in place of $\hat z$ in one factor of
-    /// each term of a barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is $\psi''(h)$.
+    /// The derivative of the multiplier with respect to the row at a primal-dual iterate: an independent multiplier `z`
+    /// replaces $\hat z$ in one factor of each term of a barrier, $1 / (s / z + t / (\nu - z))$. For $z = \hat z$ it is
+    /// $\psi''(h)$.
     #[inline]
     pub fn rate(&self, z: f64) -> f64 {
         match self {
@@ -152,7 +155,7 @@ impl Term {
         }
     }
 
-    /// The second derivative likewise.
+    /// The second derivative, with the same replacement.
     #[inline]
     pub fn curvature(&self, z: f64) -> f64 {
         match self {
@@ -172,7 +175,7 @@ impl Term {
         }
     }
 
-    /// The multiplier nearest to `z` that an iterate may have.
+    /// The admissible multiplier nearest to `z`.
     #[inline]
     pub fn safeguarded(&self, z: f64) -> f64 {
         match self {

@@ -1,4 +1,4 @@
-//! The running cost with the barriers of the rows.
+//! The running cost plus the barriers of the rows.
 
 use super::barrier::{Barrier, Term};
 use super::equality::Equalities;
@@ -21,16 +21,19 @@ use std::ops::Range;
 ///
 /// $$ l = l_0 + \sum_j \psi(h_j + m_j) . $$
 ///
-/// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or a torque above its limit divided by the
-/// limit. The margins $m_j \ge 0$ say how much more a row is near a point than at it. Multipliers $z_j$ belong to a point, so that the
-/// integral over time makes densities of them, which do not depend on the number of points.
+/// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
+/// over its limit divided by the limit. The margin $m_j \ge 0$ is the amount by which the row is larger near a point
+/// than at it. Multipliers $z_j$ belong to a point, so that the integral over time turns them into densities, which do
+/// not depend on the number of points.
 ///
-/// The barrier of a clearance fades out at the distance `F`: with $x = -h / F$ between 0 and 1 it has
-/// $\mu ((x - 1) - \tfrac12 (x - 1)^2)$ besides, the line that goes on from there where $x < 0$, and from $x = 1$ on it is nothing.
+/// The barrier of a clearance fades out at the distance `F`: with $x = -h / F$, the term
+/// $\mu ((x - 1) - \tfrac12 (x - 1)^2)$ is added for $0 \le x \le 1$, its tangent at $x = 0$ for $x < 0$, and the
+/// barrier is constant for $x \ge 1$.
 ///
-/// The gradient is that of `l`, and where rows are relaxed by $r$ it has the push $\sum_j c_j r_j \nabla h_j$ besides, which takes that back. The
-/// Hessian is the primal-dual one: $z$ weighs the second derivatives of the rows in place of $\psi'$, and
-/// $c_j = 1 / (s_j / z_j + t_j / (\nu - z_j))$ the products of their gradients in place of $\psi''$, with $s$ and $t$ of [`Barrier`].
+/// The gradient is that of `l`. Rows relaxed by $r$ add the push $\sum_j c_j r_j \nabla h_j$, which removes the
+/// relaxation. The Hessian is the primal-dual one: $z$ replaces $\psi'$ as the weight of the second derivatives of the
+/// rows, and $c_j = 1 / (s_j / z_j + t_j / (\nu - z_j))$ replaces $\psi''$ as the weight of the products of their
+/// gradients, with $s$ and $t$ of [`Barrier`].
 #[derive(Clone, Debug)]
 pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub(in crate::relax) rows: Rows<'a, K, P>,
@@ -38,37 +41,37 @@ pub struct BarrierCost<'a, K, P = ControlEffort<'a, f64, f64>> {
     pub barrier: Barrier,
     /// The duals of equalities.
     pub equalities: Equalities,
-    /// $z$, row by row for each point.
+    /// The multipliers $z$, row by row for each point.
     pub multipliers: Vec<f64>,
-    /// $m$, likewise.
+    /// The margins $m$, in the same order.
     pub margins: Vec<f64>,
-    /// $r$, likewise: by how much a row is relaxed.
+    /// The relaxations $r$, in the same order.
     pub relaxations: Vec<f64>,
     pub(super) trial: Trial,
-    /// True while a step is being tried.
+    /// True during a trial of a step.
     pub(super) trying: bool,
     /// The kind of each row at each point.
     pub(super) kinds: Vec<Kind>,
-    /// The rows with their margins where the cost was evaluated last.
+    /// The rows with their margins at the last evaluation.
     pub(in crate::relax) h: Vec<f64>,
-    /// The rows at each point that have a term there: not those whose barrier is constant.
+    /// The rows at each point whose term is not constant.
     pub(super) near: Near,
-    /// The integral of $l_0$ there.
+    /// The integral of $l_0$ at the last evaluation.
     pub(in crate::relax) cost: f64,
     /// Weights of the points of a segment.
     pub(super) weights: Vec<f64>,
-    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by side; zeros but while they
-    /// are used.
+    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by
+    /// side; zero except during use.
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     weighted: Vec<Wide<f64>>,
 }
 
 impl<'a, K: Constraint> BarrierCost<'a, K> {
-    /// That of the control effort at a single point.
+    /// The control effort with barriers at a single point.
     ///
     /// # Errors
-    /// The torque limits are those of another robot.
+    /// The torque limits have the wrong length.
     pub fn at_a_point(
         model: &'a Model,
         constraints: &'a Constraints<K>,
@@ -86,7 +89,7 @@ impl<'a, K: Constraint> BarrierCost<'a, K> {
 }
 
 impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
-    /// That of rows on a grid, with the multipliers of the barrier of nothing.
+    /// The cost of these rows on a grid, with the multipliers of zero rows.
     pub(super) fn new(rows: Rows<'a, K, P>, barrier: Barrier, grid: &Grid<f64>) -> Self {
         let weights = grid.weights.clone();
         let kinds = kinds(&rows.of().equalities, &grid.collocated, grid.segments);
@@ -127,7 +130,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// The largest equality where it is asked for, in its unit.
+    /// The largest equality at a collocated point, in its unit.
     pub(super) fn largest_equality(&self) -> f64 {
         let count = self.rows.count();
         let rows = self.h.iter().zip(&self.kinds).enumerate();
@@ -142,7 +145,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         self.relaxations.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Takes the multipliers that the rows ask for.
+    /// Resets the multipliers to $\psi'$ of the rows.
     pub(super) fn reset_multipliers(&mut self) {
         self.multipliers.fill(0.0);
         for (at, row) in self.near.places() {
@@ -150,13 +153,13 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// The multiplier that a row asks for.
+    /// $\psi'$ of a row.
     pub(super) fn multiplier(&self, at: usize, row: usize) -> f64 {
         let term = self.terms().at(at, row, self.h[at]);
         term.map_or(0.0, |term| term.multiplier())
     }
 
-    /// Changes the barrier; multipliers stay as near as they may.
+    /// Changes the barrier; the multipliers change as little as possible.
     pub(super) fn set_barrier(&mut self, barrier: Barrier) {
         self.barrier = barrier;
         for (at, row) in self.near.places() {
@@ -165,19 +168,19 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// Takes the duals that the equalities ask for; see [`Equalities::update`].
+    /// Updates the duals of the equalities; see [`Equalities::update`].
     pub(super) fn update_duals(&mut self, feasible: f64, density: f64) {
         let (h, kinds, units) = (&self.h, &self.kinds, &self.rows.of().units);
         self.equalities.update(h, kinds, units, (feasible, density));
         self.set_barrier(self.barrier);
     }
 
-    /// The mean number of rows at a point that have a term, at least one.
+    /// The mean number of rows with a term per point, at least one.
     pub(super) fn mean_count(&self) -> f64 {
         (self.near.places().count() as f64 / self.near.points().max(1) as f64).max(1.0)
     }
 
-    /// The maker of the terms of rows.
+    /// The builder of the row terms.
     pub(super) fn terms(&self) -> Terms<'_> {
         Terms {
             barrier: self.barrier,
@@ -187,7 +190,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         }
     }
 
-    /// The places of the rows at `points`. With the first of all points what rows that are not listed come to begins anew.
+    /// The positions of the rows at `points`. The first point resets the largest values of the unlisted rows.
     fn begin_points(&mut self, points: Points<'_, f64>) -> Range<usize> {
         if points.first == 0 {
             self.rows.unlisted_highest = f64::NEG_INFINITY;
@@ -196,7 +199,7 @@ impl<'a, K: Constraint, P: CostWithControl> BarrierCost<'a, K, P> {
         points.first * count..(points.first + points.count()) * count
     }
 
-    /// Adds up the running cost, and the barriers of the rows at `points` to it.
+    /// Adds the barriers of the rows at `points` to the running cost, and sums both.
     fn add_barriers(&mut self, points: Points<'_, f64>, costs: &mut [f64]) {
         if points.first == 0 {
             self.cost = 0.0;
@@ -334,7 +337,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for BarrierCost<'_, K, P>
 }
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
-    /// Adds the derivatives that the barriers of the rows of the state have at the points from `start` on, side by side.
+    /// Adds the derivatives of the barriers of the state rows at the points from `start` on, side by side.
     fn add_state(
         &mut self,
         points: Points<'_, f64>,

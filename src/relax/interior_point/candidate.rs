@@ -1,50 +1,50 @@
-//! A curve with the multipliers that hold it within its constraints.
+//! A curve with its multipliers.
 
 use super::row::Kind;
 use crate::motion::Path;
 use crate::motion::Problem;
 use crate::relax::tuning::{FIRST_BARRIER, STRONG_BARRIER};
 
-/// The start of a minimisation, and its end.
+/// The start or the end of a minimisation.
 #[derive(Clone, Debug)]
 pub(in crate::relax) struct Candidate {
     pub path: Path,
     pub multipliers: Multipliers,
-    /// The weight of the barriers of all rows to begin with, relative to the cost per second, where nothing else is known.
+    /// The initial weight of the barriers of all rows, relative to the cost per second, if nothing else is known.
     pub first_barrier: f64,
-    /// $\mu$ and $\nu$ of the barriers when it ended, relative to the cost per second; nothing before that.
+    /// The final $\mu$ and $\nu$ of the barriers, relative to the cost per second; `None` before a minimisation.
     pub barrier: Option<[f64; 2]>,
-    /// $\rho$ of the equalities, likewise; those of inequalities mean nothing.
+    /// The final $\rho$ of the equalities, relative in the same way; those of inequalities are unused.
     pub penalties: Option<Vec<f64>>,
-    /// The integral of the running cost by a quadrature finer than the one that was minimised.
+    /// The integral of the running cost by a quadrature finer than that of the minimisation.
     pub cost: f64,
-    /// The largest excess of a row, in its unit; negative inside.
+    /// The largest excess of a row, in its unit; negative in the interior.
     pub violation: f64,
-    /// The largest torque of a passive joint, relative to the largest torque: what is left of it between the points at which it vanishes.
+    /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
     pub passive_share: f64,
     pub gradient_norm: f64,
     pub smallest_curvature: f64,
     pub points: usize,
-    /// The relative difference of the quadrature and the finer one.
+    /// The relative difference between the quadrature and the finer one.
     pub quadrature_error: f64,
-    /// The derivative of the cost in the horizon, where it was asked for.
+    /// The derivative of the cost with respect to the horizon, if requested.
     pub horizon_slope: f64,
-    /// True if everything that was asked for is met.
+    /// True if all convergence criteria are met.
     pub converged: bool,
-    /// True if it keeps the constraints though not everything else that was asked for is met.
+    /// True if the curve satisfies the constraints but not all other criteria.
     pub kept: bool,
 }
 
-/// Multipliers of all rows at times.
+/// Multipliers of all rows at given times.
 #[derive(Clone, Debug, Default)]
 pub(in crate::relax) struct Multipliers {
     pub times: Vec<f64>,
-    /// Row by row for each time.
+    /// The multipliers, row by row for each time.
     pub values: Vec<f64>,
 }
 
 impl Candidate {
-    /// A curve that nothing is known of.
+    /// An untested curve.
     pub fn new(path: Path) -> Self {
         Self {
             path,
@@ -65,7 +65,8 @@ impl Candidate {
         }
     }
 
-    /// The same shape on another horizon, longer by a factor. What held it holds it to begin with if that was of any use.
+    /// The same shape on a horizon scaled by `factor`. Warm start: keeps the multipliers if the candidate was nearly
+    /// feasible.
     pub fn on_horizon(&self, problem: &Problem<'_>, factor: f64) -> Self {
         let path = self.path.clone().between_ends_of(problem);
         let mut moved = match self.converged {
@@ -82,8 +83,8 @@ impl Candidate {
 }
 
 impl Multipliers {
-    /// Those of rows of these kinds, row by row for each time. Where a row is idle the multiplier is that between the times beside at which it is
-    /// not.
+    /// The multipliers of rows of these kinds, row by row for each time. The multiplier of an idle row is interpolated
+    /// between the neighbouring times at which the row is not idle.
     pub(super) fn new(times: &[f64], values: &[f64], kinds: &[Kind]) -> Self {
         let rows = values.len() / times.len().max(1);
         let (times, mut values) = (times.to_vec(), values.to_vec());
@@ -105,7 +106,7 @@ impl Multipliers {
         Self { times, values }
     }
 
-    /// Those at other times, interpolated linearly; nothing where there are none.
+    /// The multipliers at other times, interpolated linearly; `None` without multipliers.
     pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
         let last = self.times.len().checked_sub(1)?;
         let mut found = vec![0.0; times.len() * rows];

@@ -7,24 +7,25 @@ use crate::relax::tuning::{
     FIRST_PENALTY, LARGEST_MOTOR, LARGEST_PENALTY, MOTOR, PENALTY_FACTOR, PROGRESS,
 };
 
-/// The duals $\lambda_j$ and the penalties $\rho_j$ of the terms $\lambda_j h_j + \tfrac12 \rho_j h_j^2$ of equalities $h_j = 0$.
+/// The duals $\lambda_j$ and the penalties $\rho_j$ of the terms $\lambda_j h_j + \tfrac12 \rho_j h_j^2$ of equalities
+/// $h_j = 0$.
 ///
-/// A barrier of an equality would have to become as steep as a wall on either side, along which a minimiser creeps; with duals penalties
-/// stay moderate. The collocated points have small weights, by which both are larger.
+/// A barrier of an equality would have to become a steep wall on either side, along which a minimiser makes slow
+/// progress; with duals, moderate penalties suffice. The collocated points have small weights, which increases both.
 #[derive(Clone, Debug)]
 pub struct Equalities {
-    /// $\lambda$, row by row for each point; zero where nothing is asked of a row or it is an inequality.
+    /// $\lambda$, row by row for each point; zero for inequalities and idle rows.
     pub duals: Vec<f64>,
     /// $\rho$ of each row.
     pub penalties: Vec<f64>,
-    /// The largest $|h|$ of each row at the update before.
+    /// The largest $|h|$ of each row at the previous update.
     before: Vec<f64>,
-    /// True if a row is the torque of a passive joint.
+    /// True for the torque of a passive joint.
     passive: Vec<bool>,
 }
 
 impl Equalities {
-    /// No duals, and penalties of one, for rows of which some are torques of passive joints, at so many points.
+    /// Duals of zero and penalties of one at this number of points. `passive` marks the torques of passive joints.
     pub(super) fn new(passive: Vec<bool>, points: usize) -> Self {
         Self {
             duals: vec![0.0; passive.len() * points],
@@ -34,8 +35,8 @@ impl Equalities {
         }
     }
 
-    /// The penalties of rows that nothing is known of, where the cost per second is `density`. A passive joint begins as a motor, since nothing
-    /// is as simple as that.
+    /// Sets the penalties of new rows for a cost per second of `density`. A passive joint starts as a motor, because no
+    /// other start is as easy.
     pub(super) fn start(&mut self, density: f64) {
         for (penalty, passive) in self.penalties.iter_mut().zip(&self.passive) {
             let first = if *passive {
@@ -47,7 +48,7 @@ impl Equalities {
         }
     }
 
-    /// Takes known multipliers of rows of these kinds for duals.
+    /// Uses known multipliers of rows of these kinds as duals.
     pub(super) fn take(&mut self, known: &[f64], kinds: &[Kind]) {
         for ((dual, known), kind) in self.duals.iter_mut().zip(known).zip(kinds) {
             if *kind == Kind::Equality {
@@ -56,7 +57,7 @@ impl Equalities {
         }
     }
 
-    /// The term of an equality at `at`, of the value `h`.
+    /// The term of the equality at index `at` for its value `h`.
     pub(super) fn term(&self, at: usize, h: f64) -> Term {
         Term::Dual {
             dual: self.duals[at],
@@ -65,8 +66,8 @@ impl Equalities {
         }
     }
 
-    /// Takes the duals that the rows `h` ask for, and larger penalties for those that are still violated by more than `feasible` and not much
-    /// less so than at the update before. `units` is one of each row.
+    /// Updates the duals for the rows `h`, and increases the penalty of each row that is still violated by more than
+    /// `feasible` and hardly less than at the previous update. `units` is the value of one unit per row.
     pub(super) fn update(
         &mut self,
         h: &[f64],

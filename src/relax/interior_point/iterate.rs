@@ -1,17 +1,17 @@
-//! Where a search stands.
+//! The current point of a search.
 
 use crate::relax::Iteration;
 use nalgebra::DMatrix;
 
-/// The iterate of a search: the derivatives are those of `coefficients`.
+/// The iterate of a search; the derivatives are those at `coefficients`.
 pub(super) struct Iterate {
     pub coefficients: DMatrix<f64>,
     /// $\phi$.
     pub merit: f64,
     pub iteration: Iteration,
-    /// True if the barriers are as weak as they have to be in the end, and no row is relaxed.
+    /// True at the last barrier weight with no relaxed row.
     pub at_last_barrier: bool,
-    /// The cost by a finer quadrature when that was asked last, and how far it is from this one.
+    /// The last cost by the finer quadrature, and its difference from the cost of the search.
     pub finer: [f64; 2],
     pub violation: f64,
 }

@@ -1,4 +1,4 @@
-//! The rows that matter, out of hundreds.
+//! The active rows out of hundreds.
 
 use super::barrier_cost::BarrierCost;
 use super::equality::Equalities;
@@ -9,12 +9,12 @@ use crate::relax::CostWithControl;
 use crate::relax::tuning::{FAR, LISTED, RESERVE};
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
-    /// Tells whether a row that is not listed has come so near that it would have a term.
+    /// Returns true if an unlisted row has come so near that it would have a term.
     pub(super) fn is_list_old(&self) -> bool {
         self.rows.unlisted_highest > -FAR
     }
 
-    /// Lists all rows. The next evaluation tells what those are that were not.
+    /// Lists all rows. The next evaluation then covers those that were not listed.
     pub(super) fn list_all(&mut self) {
         let states = self.rows.constraints.state.dim();
         if self.rows.states < states {
@@ -23,8 +23,8 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         }
     }
 
-    /// Lists of all rows, which were evaluated last, those that come near anywhere, and all that are not clearances. Where there are
-    /// equalities all rows stay. What is no number counts as near.
+    /// Lists, out of all rows, which were evaluated last, those that are near their bound anywhere and all that are not
+    /// clearances. With equalities all rows are kept. A row that is NaN counts as near.
     pub(super) fn list_those_near(&mut self) {
         let (count, states) = (self.rows.count(), self.rows.states);
         if self.kinds.iter().any(|kind| *kind != Kind::Inequality) {
@@ -47,7 +47,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         }
     }
 
-    /// Lists anew the rows with a term at a point, where `h` are its rows with their margins.
+    /// Updates the list of rows with a term at a point; `h` are its rows with their margins.
     pub(super) fn list_near(&mut self, point: usize) {
         let count = self.rows.count();
         let own = point * count..(point + 1) * count;
@@ -64,7 +64,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         );
     }
 
-    /// Lists these rows of the state; what belongs to a row goes with it.
+    /// Lists these rows of the state, and moves the data of each row with it.
     fn list(&mut self, rows: &[usize]) {
         let (before, points) = (self.rows.ids.clone(), self.near.points());
         let count_before = before.len();

@@ -1,4 +1,4 @@
-//! Room between the points: margins of rows, and the relaxations that make up for what a row has not got.
+//! Margins of rows for the time between the points, and the relaxations that compensate for them.
 
 use super::barrier_cost::BarrierCost;
 use super::row::Kind;
@@ -8,11 +8,11 @@ use crate::relax::transcription::{Grid, Peak};
 use crate::relax::tuning::{RESERVE, ROOM};
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
-    /// Margins from a look between the points.
+    /// Sets margins from the peaks of the rows between the points.
     ///
-    /// On the way they make the rows at the points of its segment beside a peak as high as the peak. At the `end` they only grow, by twice
-    /// what a peak is too high, so that this comes to an end. No row is nearer to its bound than before: what a margin
-    /// takes is a relaxation, which the next steps take back.
+    /// During the search the margins raise the rows at the two points of the segment next to a peak to the height of
+    /// the peak. At the `end` they only grow, by twice the excess of a peak, so that the process terminates. No row
+    /// comes nearer to its bound: an increase of a margin becomes a relaxation, which the next steps remove.
     pub(super) fn set_margins(&mut self, grid: &Grid<f64>, peaks: &[Peak], end: bool) {
         let count = self.rows.count();
         let slacks: Vec<f64> = self.h.iter().map(|h| -h).collect();
@@ -57,7 +57,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         }
     }
 
-    /// The largest violation of a row where the cost was evaluated last, in its unit; zero where all are kept.
+    /// The largest violation of a row at the last evaluation, in its unit; zero if all rows are satisfied.
     pub(super) fn largest_violation(&self) -> f64 {
         let units = &self.rows.of().units;
         // Rows without a term are far from being violated.
@@ -71,7 +71,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         })
     }
 
-    /// Relaxes all rows so that each has some room, or as much as goes with its multiplier if that is less.
+    /// Relaxes all rows so that each has a minimum slack, or the slack of its multiplier if that is smaller.
     pub(super) fn relax(&mut self) {
         for at in 0..self.h.len() {
             if self.kinds[at] != Kind::Inequality {

@@ -1,24 +1,27 @@
 //! A minimum in a basis within constraints: Newton's method on the running cost with barriers, and duals of equalities.
 //!
-//! The rows at the points of the quadrature are not constraints of the minimiser: each has a [`Barrier`] that is finite everywhere, so
-//! that every curve may be tried, and no start has to be feasible. What is minimised is therefore smooth and has no constraints,
+//! The rows at the quadrature points are not constraints of the minimiser: each has a [`Barrier`] that is finite
+//! everywhere, so that any curve may be tried and no start has to be feasible. The objective is therefore smooth and
+//! unconstrained,
 //!
 //! $$ \phi(c) = \int l_0 + \sum_j \psi_{\mu, \nu}(h_j + m_j)\\, dt , $$
 //!
-//! and a trust region does it. The Hessian is that of primal-dual interior points, whose multipliers are iterates of their own, so
-//! that few steps are needed when $\mu$ becomes smaller.
+//! and is minimised in a trust region. The Hessian is that of primal-dual interior points with independent multipliers,
+//! so that few steps are needed after each reduction of $\mu$.
 //!
-//! The barrier of a clearance fades out at a distance, with two continuous derivatives, and rows that are far from everywhere on the curve are
-//! left out until they come near: of hundreds a few dozen matter.
+//! The barrier of a clearance fades out at a distance, with two continuous derivatives, and rows that are far from
+//! their bound on the whole curve are left out until they come near: of hundreds, a few dozen are active.
 //!
-//! 1. A step is made with the weight $\mu$ as it is. When the next promises little, $\mu$ becomes smaller.
-//! 2. With each new $\mu$ the rows are looked at between the points as well. What a row exceeds there is a margin at the points beside.
-//! 3. Every few steps a finer quadrature looks at the cost; where the two do not agree there are more points.
-//! 4. At the last $\mu$ the gradient has to vanish. If a row is still broken its price $\nu$ was too low, and grows.
-//! 5. Equalities have the terms of an augmented Lagrangian ([`Equalities`]) at the collocated points. Their duals follow with each new $\mu$, and
-//!    at the last one until the equalities hold.
-//! 6. Where the search ends outside the constraints the motion is the last one on the way that kept them, if there was any.
-//! 7. Where the Hessian of the end has a direction of negative curvature the search goes on along it.
+//! 1. Each step uses the current weight $\mu$. When the next step promises little, $\mu$ is reduced.
+//! 2. After each reduction of $\mu$ the rows are also evaluated between the points. A violation found there becomes a
+//!    margin at the two neighbouring points.
+//! 3. Every few steps a finer quadrature evaluates the cost; if the two disagree, the number of points is increased.
+//! 4. At the last $\mu$ the gradient has to vanish. If a row is still violated, its price $\nu$ was too low and is
+//!    increased.
+//! 5. Equalities have the terms of an augmented Lagrangian ([`Equalities`]) at the collocated points. Their duals are
+//!    updated with each reduction of $\mu$, and at the last one until the equalities are satisfied.
+//! 6. If the search ends outside the constraints, the result is the last iterate that satisfied them, if there was one.
+//! 7. If the final Hessian has a direction of negative curvature, the search continues along it.
 
 mod barrier;
 mod barrier_cost;
@@ -49,28 +52,28 @@ use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, passive_share};
 use search::{End, search};
 
-/// The demands on one minimisation.
+/// The termination criteria of one minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stage {
     /// The relative gradient norm.
     pub tolerance: f64,
-    /// Steps.
+    /// The largest number of steps.
     pub iterations: usize,
-    /// After so many steps the metric of Gauss and Newton is computed anew, which takes as long as the Hessian.
+    /// The number of steps after which the Gauss-Newton metric is recomputed, which costs as much as the Hessian.
     pub fresh: usize,
-    /// The largest relative difference of the quadrature and a finer one.
+    /// The largest relative difference between the quadrature and a finer one.
     pub quadrature_tolerance: f64,
     /// The last weight of the barriers, relative to the cost.
     pub last_barrier: f64,
-    /// The excess of a row that does no harm, in its unit.
+    /// The accepted excess of a row, in its unit.
     pub feasible: f64,
-    /// True if the derivative of the cost in the horizon is asked for.
+    /// True if the derivative of the cost with respect to the horizon is needed.
     pub slope: bool,
-    /// True if to see to it that it is a minimum within the constraints.
+    /// True if the end is checked to be a minimum within the constraints.
     pub last: bool,
 }
 
-/// A problem with everything that its minimisations have in common.
+/// A problem with the data that its minimisations share.
 pub(super) struct Context<'c, 'a, K, P> {
     pub problem: &'c Problem<'a>,
     pub grids: &'c Grids,
@@ -86,7 +89,7 @@ impl<K, P> Clone for Context<'_, '_, K, P> {
 
 impl<K, P> Copy for Context<'_, '_, K, P> {}
 
-/// Minimises the running cost within the rows from a candidate, in its basis.
+/// Minimises the running cost within the rows, from a candidate and in its basis.
 pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     mut candidate: Candidate,
@@ -129,7 +132,7 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     }
 }
 
-/// What is left of the torques of passive joints, of which a motion has to have hardly any.
+/// Evaluates the residual torques of passive joints.
 fn look_at_passive_joints<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,

@@ -1,6 +1,6 @@
-//! Rows that have a term.
+//! The rows with a term.
 
-/// The rows at each point that have a term: most of those of a robot among obstacles are far from being active.
+/// The rows with a term at each point: most rows of a robot among obstacles are far from active.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     count: usize,
@@ -8,7 +8,7 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// No rows yet of so many in all at so many points.
+    /// An empty list for `count` rows and this number of points.
     pub fn new(count: usize, points: usize) -> Self {
         Self {
             count,
@@ -26,19 +26,19 @@ impl Near {
         &self.rows[point]
     }
 
-    /// Those of them below `states`.
+    /// The rows with a term at a point that are below `states`.
     pub fn of_state(&self, point: usize, states: usize) -> impl Iterator<Item = usize> + '_ {
         let rows = self.rows[point].iter().copied();
         rows.take_while(move |row| *row < states)
     }
 
-    /// The places of all rows at all points in what is filed row by row for each point, each with its row.
+    /// The indices of all listed rows in data stored row by row for each point, each with its row.
     pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let (points, count) = (self.rows.iter().enumerate(), self.count);
         points.flat_map(move |(g, rows)| rows.iter().map(move |row| (g * count + row, *row)))
     }
 
-    /// Lists the rows at a point anew, of which it is said whether they have a term.
+    /// Replaces the list at a point; `rows` gives for each row whether it has a term.
     pub fn list(&mut self, point: usize, rows: impl Iterator<Item = bool>) {
         let near = &mut self.rows[point];
         near.clear();

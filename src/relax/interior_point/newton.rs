@@ -16,12 +16,12 @@ pub(super) struct Newton {
     pub derivatives: Derivatives<f64>,
     factor: BlockTridiagonal<f64>,
     metric_factor: BlockTridiagonal<f64>,
-    /// True if there is one.
+    /// True if the metric was positive definite.
     definite: bool,
     gram: BlockTridiagonal<f64>,
     norm: BlockTridiagonal<f64>,
     pub region: Region,
-    /// The share of the last step that was made.
+    /// The fraction of the last step that was taken.
     pub share: f64,
 }
 
@@ -41,7 +41,7 @@ impl Newton {
         }
     }
 
-    /// The merit function, and its derivatives into `derivatives`; only a `fresh` metric is that of this curve.
+    /// Evaluates the merit function, and its derivatives into `derivatives`; the metric is updated only if `fresh`.
     pub fn derive<K: Constraint, P: CostWithControl>(
         &mut self,
         objective: &mut Merit<'_, '_, K, P>,
@@ -64,7 +64,7 @@ impl Newton {
         Ok(merit)
     }
 
-    /// $\sqrt{g^T G^{-1} g / J}$. Where the metric does not see every direction, `J` times the norm of the trust region takes its place.
+    /// $\sqrt{g^T G^{-1} g / J}$. If the metric is singular, `J` times the norm of the trust region replaces it.
     pub fn gradient_norm(&self, cost: f64) -> f64 {
         if !self.definite {
             return f64::INFINITY;
@@ -74,8 +74,8 @@ impl Newton {
         (natural.dot(&self.derivatives.gradient) / cost.max(SMALLEST_COST)).sqrt()
     }
 
-    /// Looks for a step that makes the merit function smaller by enough, from `from` to `to`; says by how much the quadratic model promised
-    /// that, or nothing where there is none. Multipliers go with it.
+    /// Finds a step from `from` to `to` that reduces the merit function sufficiently. Returns the decrease that the
+    /// quadratic model predicted, or `None` without such a step. The multipliers take the step too.
     pub fn step<K: Constraint, P: CostWithControl>(
         &mut self,
         objective: &mut Merit<'_, '_, K, P>,
@@ -150,8 +150,8 @@ impl Newton {
         Ok(None)
     }
 
-    /// The smallest eigenvalue of the Hessian relative to the metric of Gauss and Newton, and its vector, by inverse iteration. The
-    /// derivatives are those of the last curve.
+    /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric, and its eigenvector, by inverse
+    /// iteration. The derivatives are those of the last curve.
     pub fn smallest_curvature(&mut self) -> (f64, DVector<f64>) {
         let Derivatives {
             hessian, metric, ..
@@ -182,7 +182,7 @@ impl Newton {
     }
 }
 
-/// `from` and a `share` of `step` added in the unknown coefficients.
+/// Adds a `share` of `step` to `from` in the unknown coefficients.
 pub(super) fn move_by<K: Constraint, P: CostWithControl>(
     objective: &Merit<'_, '_, K, P>,
     from: &DMatrix<f64>,

@@ -5,13 +5,13 @@
 pub(super) enum Kind {
     Inequality,
     Equality,
-    /// One that is not asked for at this point: a polynomial can keep an equality at no more points of a segment than it has coefficients
-    /// for itself.
+    /// Not enforced at this point: a polynomial can satisfy an equality at no more points of a segment than it has
+    /// coefficients of its own.
     Idle,
 }
 
 impl Kind {
-    /// That of a row where it is asked for.
+    /// The kind of an enforced row.
     pub fn of(equality: bool) -> Self {
         if equality {
             Self::Equality
@@ -21,8 +21,8 @@ impl Kind {
     }
 }
 
-/// The kinds of the rows at all points, of which there are `segments` times as many as in `collocated`: the points of a segment at which
-/// equalities are asked for, and nothing else.
+/// The kinds of the rows at all points of `segments` segments; `collocated` marks the points of one segment at which
+/// equalities, and no other rows, are enforced.
 pub(super) fn kinds(equalities: &[bool], collocated: &[bool], segments: usize) -> Vec<Kind> {
     let of_segment = collocated.iter().flat_map(|holds| {
         equalities.iter().map(move |equality| {

@@ -1,4 +1,4 @@
-//! How barriers, prices and duals go on from one minimum to the next.
+//! The schedule of barrier weights, prices and duals between minimisations.
 
 use super::barrier::Barrier;
 use super::row::Kind;
@@ -17,14 +17,15 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         cost.barrier.mu * cost.mean_count() * self.horizon
     }
 
-    /// Tells whether the barriers of all rows together are as weak as they have to be in the end.
+    /// Returns true at the last weight of the barriers of all rows together.
     pub(super) fn is_last_barrier(&mut self, cost: f64) -> bool {
         let weak =
             self.total_barrier() <= NEARLY * self.stage.last_barrier * cost.max(SMALLEST_COST);
         weak && self.objective.cost_mut().largest_relaxation() == 0.0
     }
 
-    /// A weaker barrier if a step that promised so much leaves little to gain by the next; says whether it is.
+    /// Reduces the barrier weight if the last step, which predicted a decrease of `promised`, leaves little to gain;
+    /// returns true if it did.
     pub(super) fn reduce_barrier(&mut self, promised: f64) -> bool {
         let (horizon, last) = (self.horizon, self.stage.last_barrier);
         let cost = self.objective.cost_mut();
@@ -43,14 +44,14 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         true
     }
 
-    /// The duals of equalities that where the search stands asks for.
+    /// Updates the duals of the equalities at the current point.
     pub(super) fn update_duals(&mut self) {
         let (horizon, feasible) = (self.horizon, self.stage.feasible);
         let cost = self.objective.cost_mut();
         cost.update_duals(feasible, cost.cost.max(SMALLEST_COST) / horizon);
     }
 
-    /// A higher price of an excess, unless it is the highest already.
+    /// Raises the price of an excess; returns false if it is the highest already.
     pub(super) fn raise_price(&mut self) -> bool {
         let horizon = self.horizon;
         let cost = self.objective.cost_mut();
@@ -64,7 +65,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         true
     }
 
-    /// Tells whether a row may be broken because its multiplier is at the price.
+    /// Returns true if a row may be violated because its multiplier has reached the price.
     pub(super) fn is_priced(&mut self) -> bool {
         let cost = self.objective.cost_mut();
         let most = AT_THE_PRICE * cost.barrier.nu;
@@ -72,8 +73,8 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         rows.any(|(z, kind)| *kind == Kind::Inequality && *z > most)
     }
 
-    /// Larger margins for rows that are broken between the points, or a higher price of an excess where rows are broken because
-    /// they may be; returns false if neither is possible.
+    /// Increases the margins of rows that are violated between the points, or the price if rows are violated because of
+    /// it; returns false if neither is possible.
     pub(super) fn mend(&mut self, peaks: &[Peak]) -> bool {
         if self.objective.cost_mut().largest_equality() > self.stage.feasible {
             self.update_duals();
@@ -87,7 +88,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         true
     }
 
-    /// Margins from a look between the points.
+    /// Sets margins from the peaks of the rows between the points.
     pub(super) fn set_margins(&mut self, peaks: &[Peak], end: bool) {
         let cost = self.objective.cost_mut();
         cost.set_margins(self.grid, peaks, end);

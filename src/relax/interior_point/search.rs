@@ -18,38 +18,39 @@ use nalgebra::{DMatrix, DVector};
 
 /// The end of a search on one quadrature.
 pub(super) enum End {
-    /// As well as it could.
+    /// No further decrease is possible.
     Done,
     /// The quadrature is too coarse.
     Coarse,
-    /// At a saddle, from which a curve of less cost is known.
+    /// At a saddle point, with a curve of lower cost known.
     Saddle,
 }
 
 /// A search in progress.
 pub(super) struct Search<'g, 'a, K, P> {
     pub(super) grid: &'g Grid<f64>,
-    /// Looks between the points now and at the end.
+    /// The times between the points at which rows are evaluated, during the search and at its end.
     scans: [&'g Scan; 2],
-    /// The cost alone, by a finer quadrature.
+    /// The cost alone by a finer quadrature.
     finer: Objective<'g, f64, P>,
     pub(super) objective: Merit<'g, 'a, K, P>,
     newton: Newton,
     pub(super) stage: Stage,
-    /// True if there may be more points.
+    /// True if the number of points may increase.
     refinable: bool,
     pub(super) horizon: f64,
-    /// The rates of the coefficients with the horizon, where that is asked for.
+    /// The derivatives of the coefficients with respect to the horizon, if requested.
     rates: Option<DMatrix<f64>>,
     constrained: bool,
-    /// The gradient in the metric of the Hessian, with which rows come into it as well: what the last step promised, if it was a whole one.
+    /// The norm of the gradient in the metric of the Hessian, rows included: the decrease predicted by the last step,
+    /// if that was a full one.
     decrement: f64,
-    /// Curves that seem to keep the constraints.
+    /// Curves that appear to satisfy the constraints.
     kept: &'g mut Vec<DMatrix<f64>>,
     watch: &'g Watch,
 }
 
-/// Minimises from a candidate with as many points as it says.
+/// Minimises from a candidate with its number of points.
 pub(super) fn search<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,
@@ -194,7 +195,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(end)
     }
 
-    /// The merit function and its derivatives where the search stands, with a metric of that curve where it matters.
+    /// Evaluates the merit function and its derivatives at the current point, with an updated metric when that matters.
     fn evaluate(&mut self, now: &mut Iterate, steps: usize, out: bool) -> Result<()> {
         let stage = self.stage;
         let mut fresh = steps.is_multiple_of(stage.fresh);
@@ -226,14 +227,15 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         }
     }
 
-    /// Tells whether this step is the last: it is asked for, or rows are relaxed when another start is worth more than further steps.
+    /// Returns true after the last step: at the limit, or when rows are still relaxed so late that another start is
+    /// better.
     fn is_over(&mut self, steps: usize) -> bool {
         let late = self.constrained && steps >= CONSTRAINED_STEPS;
         let stuck = late && self.objective.cost_mut().largest_relaxation() > 0.0;
         stuck || steps >= self.stage.iterations || self.watch.stopped().is_some()
     }
 
-    /// After a step that promised so much: how far from a minimum of this barrier that was, and a weaker barrier where it was near.
+    /// Checks, after a step that predicted `promised`, how near the minimum of this barrier is; reduces it if near.
     fn after_step(&mut self, now: &Iterate, promised: f64) -> Result<()> {
         self.decrement = f64::INFINITY;
         if !self.constrained {
@@ -264,7 +266,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(())
     }
 
-    /// Tells whether a finer quadrature sees another cost. On the way less is asked than when it is `done`.
+    /// Returns true if a finer quadrature gives a different cost. The tolerance is larger before the search is `done`.
     fn is_coarse(&mut self, now: &mut Iterate, done: bool) -> Result<bool> {
         let exact = self.finer.value(&now.coefficients)?;
         let error = (exact - now.iteration.cost).abs() / exact.max(SMALLEST_COST);
@@ -273,7 +275,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
-    /// The largest violation where the search stands, between the points too, and the peaks of the rows.
+    /// The largest violation at the current point, between the points too, and the peaks of the rows.
     fn look_between(&mut self, now: &mut Iterate) -> Result<Vec<Peak>> {
         now.violation = 0.0;
         if !self.constrained {
@@ -294,7 +296,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(peaks)
     }
 
-    /// Goes back to the last curve that kept the constraints; says whether there is one.
+    /// Returns to the last curve that satisfied the constraints; returns false if there is none.
     fn fall_back(&mut self, now: &mut Iterate) -> Result<bool> {
         let left = (now.coefficients.clone(), now.violation);
         while let Some(coefficients) = self.kept.pop() {
@@ -311,7 +313,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(false)
     }
 
-    /// The first barrier, margins and multipliers.
+    /// Sets the first barrier, margins and multipliers.
     fn start(&mut self, candidate: &Candidate) -> Result<()> {
         self.objective.value(&candidate.path.coefficients)?;
         let (horizon, times) = (self.horizon, &self.grid.times);
@@ -346,7 +348,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(())
     }
 
-    /// Lists anew the rows that matter where one has come near that was not listed.
+    /// Updates the list of active rows if an unlisted one has come near.
     fn update_list(&mut self, coefficients: &DMatrix<f64>) -> Result<()> {
         if self.constrained && self.objective.cost_mut().is_list_old() {
             self.objective.cost_mut().list_all();
@@ -362,7 +364,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         self.scans[scan].peaks(&mut cost.rows, coefficients, FLOOR)
     }
 
-    /// Moves along a direction of negative curvature, either way, to less merit; says whether there is any.
+    /// Moves along a direction of negative curvature, either way, to a smaller merit; returns false if there is none.
     fn leave_saddle(&mut self, now: &mut Iterate, direction: &DVector<f64>) -> Result<bool> {
         let mut trial = now.coefficients.clone();
         let mut length = LEAVE * now.iteration.cost.max(0.0).sqrt();
@@ -380,7 +382,7 @@ impl<K: Constraint, P: CostWithControl> Search<'_, '_, K, P> {
         Ok(false)
     }
 
-    /// Leaves the end of the search in the candidate.
+    /// Stores the end of the search in the candidate.
     fn leave_in(&mut self, candidate: &mut Candidate, now: Iterate) {
         let (horizon, times) = (self.horizon, &self.grid.times);
         if self.constrained {

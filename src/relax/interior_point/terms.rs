@@ -5,7 +5,7 @@ use super::equality::Equalities;
 use super::row::Kind;
 use crate::relax::tuning::FAR;
 
-/// All that the term of a row depends on.
+/// All data on which the term of a row depends.
 #[derive(Clone, Copy)]
 pub(super) struct Terms<'a> {
     pub barrier: Barrier,
@@ -17,7 +17,7 @@ pub(super) struct Terms<'a> {
 }
 
 impl Terms<'_> {
-    /// The term of row `row` at `at` for the value `h`; nothing where none is asked for, or it is constant.
+    /// The term of row `row` at index `at` for the value `h`; `None` if the row is idle or its barrier constant.
     #[inline]
     pub fn at(&self, at: usize, row: usize, h: f64) -> Option<Term> {
         match self.kinds[at] {
@@ -31,7 +31,7 @@ impl Terms<'_> {
         }
     }
 
-    /// The value of a barrier where it has faded out.
+    /// The value of a barrier beyond its fade-out distance.
     pub fn faded(&self) -> f64 {
         let (value, of_logarithm) = Term::Fading(self.barrier.split(-FAR), 1.0).value();
         value - self.barrier.mu * of_logarithm.ln()

@@ -1,4 +1,4 @@
-//! A step that is tried, and where it takes the rows.
+//! A trial step and its effect on the rows.
 
 use super::barrier_cost::BarrierCost;
 use super::near::Near;
@@ -7,25 +7,26 @@ use crate::constraint::Constraint;
 use crate::relax::CostWithControl;
 use crate::relax::tuning::{SMALLEST_RELAXATION, TO_THE_WALL};
 
-/// A share of a step from one iterate to another.
+/// The trial of a fraction of a step from one iterate to another.
 ///
-/// Slacks are iterates of their own: along a step they change evenly, from what they were to what the rows leave after the whole of it.
-/// Where a row leaves less than that at the end of the share, the difference is its relaxation; where it leaves more that is taken.
+/// Slacks are independent iterates: along a step they change linearly, from their initial value to the one that the
+/// rows have after the full step. If a row has less slack than this at the end of the fraction, the difference becomes
+/// its relaxation; if it has more, the slack grows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trial {
-    /// The rows before the step, and after the whole of it.
+    /// The rows before the step and after the full step.
     pub before: Vec<f64>,
     pub whole: Vec<f64>,
-    /// Those that have a term before the step.
+    /// The rows with a term before the step.
     pub near: Near,
     pub share: f64,
-    /// The relaxations that the share leads to, and what they cost at the price of an excess.
+    /// The relaxations at the end of the fraction, and their cost at the price of an excess.
     pub relaxations: Vec<f64>,
     pub price: f64,
 }
 
 impl Trial {
-    /// A row less its relaxation, of what it is with its margin.
+    /// A row with its margin, minus its relaxation.
     pub fn row(&mut self, at: usize, raw: f64) -> f64 {
         let before = self.before[at];
         let even = before + self.share * (self.whole[at] - before);
@@ -45,7 +46,7 @@ impl Trial {
 }
 
 impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
-    /// Begins to try a step: the rows are those before it.
+    /// Begins a trial; the current rows are those before the step.
     pub(super) fn begin(&mut self) {
         let trial = &mut self.trial;
         trial.before.clone_from(&self.h);
@@ -57,8 +58,8 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         self.try_share(1.0);
     }
 
-    /// After the cost was evaluated at the end of the whole step: the share of it that leaves every row inside that was
-    /// inside before.
+    /// Returns, after an evaluation at the end of the full step, the largest fraction of it that leaves every interior
+    /// row in the interior.
     pub(super) fn end_of_whole(&mut self) -> f64 {
         let mut share = 1.0_f64;
         self.trial.whole.clone_from(&self.h);
@@ -72,7 +73,7 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         share
     }
 
-    /// Tries a share of the step.
+    /// Evaluates a fraction of the step.
     pub(super) fn try_share(&mut self, share: f64) {
         (self.trial.share, self.trial.price) = (share, 0.0);
     }
@@ -82,8 +83,8 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         self.trial.price
     }
 
-    /// Takes the trial for the iterate, with the multipliers that the whole of the step predicts as far as the rows where it ended
-    /// allow.
+    /// Accepts the trial as the iterate, with the multipliers predicted by the full step, safeguarded by the final
+    /// rows.
     pub(super) fn accept(&mut self) {
         let known = std::mem::take(&mut self.multipliers);
         self.multipliers.resize(known.len(), 0.0);
@@ -104,14 +105,15 @@ impl<K: Constraint, P: CostWithControl> BarrierCost<'_, K, P> {
         self.trying = false;
     }
 
-    /// Gives the trial up: the rows are those before it again.
+    /// Rejects the trial and restores the rows before it.
     pub(super) fn reject(&mut self) {
         std::mem::swap(&mut self.h, &mut self.trial.before);
         std::mem::swap(&mut self.near, &mut self.trial.near);
         self.trying = false;
     }
 
-    /// The price of the relaxations, the part of it that the barriers get back, and the work of the push along the step that is tried.
+    /// The price of the relaxations, the part of it that the barriers recover, and the work of the push along the trial
+    /// step.
     pub(super) fn price_of_relaxations(&self) -> [f64; 3] {
         let (count, trial, mut sums) = (self.rows.count(), &self.trial, [0.0; 3]);
         for (at, row) in trial.near.places() {

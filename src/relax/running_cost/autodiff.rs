@@ -3,12 +3,13 @@
 use super::{HyperDual64, RunningCost, StageDerivatives, StageInput};
 use crate::error::Result;
 
-/// A running cost that is a closure over dual numbers; see [`CostThroughDynamics::new`](super::CostThroughDynamics::new).
+/// A running cost given as a closure over dual numbers; see
+/// [`CostThroughDynamics::new`](super::CostThroughDynamics::new).
 #[derive(Clone, Copy, Debug)]
 pub struct AutodiffCost<F>(pub(super) F);
 
 impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
-    /// The cost that `value` computes.
+    /// The running cost computed by `value`.
     #[must_use]
     pub fn new(value: F) -> Self {
         Self(value)
@@ -26,7 +27,7 @@ impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
     }
 }
 
-/// Time and $y$, not moving.
+/// Time and $y$ as constants.
 fn still(at: &StageInput<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
     let parts = [at.q, at.v, at.a, at.u].into_iter().flatten();
     let y = parts.map(|x| HyperDual64::from(*x)).collect();

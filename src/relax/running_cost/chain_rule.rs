@@ -1,4 +1,4 @@
-//! From the derivatives of a cost in the control to those in the motion.
+//! The chain rule from derivatives with respect to the control to derivatives along the motion.
 
 use crate::dynamics::{
     Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_derivatives,
@@ -23,15 +23,15 @@ pub struct ChainRule<'m, C: Scalar = f64, S: Scalar = C> {
     data: Data<S>,
     id: InverseDynamicsDerivatives<S>,
     second: RneaWeightedHessian<S>,
-    /// $J$ at the point that was linearised last.
+    /// $J$ at the last linearised point.
     jacobian: DMatrix<S>,
     transposed: DMatrix<S>,
-    /// $M_{uz} + M_{uu} J / 2$ of the matrix that is pulled back.
+    /// $M_{uz} + M_{uu} J / 2$ of the matrix in [`pull_back`](Self::pull_back).
     mixed: DMatrix<S>,
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
-    /// For the inverse dynamics of `model`.
+    /// The chain rule for the inverse dynamics of `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
         let n = model.dof();
@@ -46,10 +46,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
         }
     }
 
-    /// $u$ at a point.
+    /// Computes $u$ at a point.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` does not have `N` entries.
     pub fn control(&mut self, point: Point<'_, S>) -> Result<&[S]> {
         let Point { q, v, a, .. } = point;
         rnea(
@@ -63,10 +63,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
         Ok(self.id.tau.as_slice())
     }
 
-    /// $u$ at a point, and $J$ for what follows.
+    /// Computes $u$ at a point, and stores $J$ for the other functions.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` does not have `N` entries.
     pub fn linearise(&mut self, point: Point<'_, S>) -> Result<&[S]> {
         let (n, Point { q, v, a, .. }) = (self.model.dof(), point);
         rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
@@ -78,14 +78,14 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
         Ok(self.id.tau.as_slice())
     }
 
-    /// $l_z + J^T l_u$ of the gradient in $y$.
+    /// Computes $l_z + J^T l_u$ from the gradient in $y$.
     pub fn gradient(&self, by_y: &DVector<S>, out: &mut DVector<S>) {
         let n = self.model.dof();
         out.copy_from(&by_y.rows(0, 3 * n));
         out.gemv(S::one(), &self.transposed, &by_y.rows(3 * n, n), S::one());
     }
 
-    /// $[I; J]^T M [I; J]$ of a symmetric matrix in $y$.
+    /// Computes $[I; J]^T M [I; J]$ of a symmetric matrix in $y$.
     pub fn pull_back(&mut self, m: &DMatrix<S>, out: &mut DMatrix<S>) {
         let n = self.model.dof();
         let (one, half) = (S::one(), S::one() / S::from_f64(2.0));
@@ -98,10 +98,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
         out.gemm_tr(one, &self.mixed, &self.jacobian, one);
     }
 
-    /// Adds $\Phi(l_u)$ to a matrix in $z$.
+    /// Adds $\Phi(l_u)$ to a matrix in $z$, `3 N` by `3 N`.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` does not have `N` entries.
     pub fn add_curvature(
         &mut self,
         point: Point<'_, S>,

@@ -1,4 +1,4 @@
-//! Several running costs are one: their sum.
+//! Compositions of running costs: weighted terms and sums.
 
 use super::{RunningCost, StageDerivatives, StageInput};
 use crate::error::Result;
@@ -74,7 +74,7 @@ impl<R: RunningCost> RunningCost for [R] {
     }
 }
 
-/// Hands everything on to what is behind a pointer, to the slice of a list, or to the list of the parts of a tuple.
+/// Implements the trait for a pointer, a list or a tuple by delegation.
 macro_rules! delegate {
     ([$($generic:tt)*] $type:ty, $it:ident => $inner:expr) => {
         impl<$($generic)*> RunningCost for $type {
@@ -100,7 +100,7 @@ macro_rules! delegate {
     };
 }
 
-/// Any cost, for lists of different ones.
+/// Any cost, for lists of mixed types.
 type Term<'a> = &'a dyn RunningCost;
 
 delegate!([R: RunningCost + ?Sized] &R, it => (**it));

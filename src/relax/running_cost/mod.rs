@@ -1,4 +1,4 @@
-//! Running costs of a user's own, in the control as well as in the motion.
+//! User-defined running costs of the motion and the control.
 
 mod autodiff;
 mod chain_rule;
@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// A motion at one time, with the control that it takes there.
+/// A motion at one time, with its control.
 #[derive(Clone, Copy, Debug)]
 pub struct StageInput<'a, S> {
     /// Time, s.
@@ -33,12 +33,12 @@ pub struct StageInput<'a, S> {
     pub u: &'a [S],
 }
 
-/// The derivatives of a running cost in $y = [q; v; a; u]$, the control for a variable of its own.
+/// The derivatives of a running cost in $y = [q; v; a; u]$, with the control as an independent variable.
 #[derive(Clone, Debug)]
 pub struct StageDerivatives<S: Scalar> {
     /// $\partial l / \partial y$, `4 N` entries.
     pub gradient: DVector<S>,
-    /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both halves.
+    /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both triangles.
     pub hessian: DMatrix<S>,
 }
 
@@ -53,45 +53,49 @@ impl<S: Scalar> StageDerivatives<S> {
     }
 }
 
-/// A running cost $l(t, q, v, a, u)$ with derivatives by hand. [`CostThroughDynamics::new`] takes a closure instead and asks for none.
+/// A running cost $l(t, q, v, a, u)$ with analytic derivatives. [`CostThroughDynamics::new`] accepts a closure without
+/// derivatives.
 ///
-/// Tuples of up to six, arrays, vectors and slices of running costs are their sum, and [`Weighted`] is one of them times a constant.
-/// A `&R` and an `Arc<R>` are what is behind them, so that `Vec<Arc<dyn RunningCost + Send + Sync>>` holds any.
+/// Tuples of up to six, arrays, vectors and slices of running costs are their sum, and [`Weighted`] is a cost times a
+/// constant. `&R` and `Arc<R>` delegate to `R`, so that `Vec<Arc<dyn RunningCost + Send + Sync>>` holds costs of any
+/// type.
 ///
-/// The integral must not be negative on any curve that is tried, see [`CostThroughDynamics`].
+/// The integral must not be negative on any curve of the search, see [`CostThroughDynamics`].
 pub trait RunningCost {
-    /// $l$.
+    /// Computes $l$.
     ///
     /// # Errors
-    /// The input is for another robot.
+    /// A slice of the input has the wrong length.
     fn value(&self, at: &StageInput<'_, f64>) -> Result<f64>;
 
-    /// $l$, and its derivatives into `out`, which has only zeros.
+    /// Computes $l$, and its derivatives into `out`, which is zero on entry.
     ///
     /// # Errors
-    /// The input is for another robot.
+    /// A slice of the input has the wrong length.
     fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>)
     -> Result<f64>;
 
-    /// $\partial l / \partial t$ where nothing else moves: what a free horizon has to know of a cost that depends on time itself. Zero
-    /// unless it is implemented.
+    /// Computes the partial derivative $\partial l / \partial t$, which a free horizon needs for a cost that depends
+    /// explicitly on time. Zero by default.
     ///
     /// # Errors
-    /// The input is for another robot.
+    /// A slice of the input has the wrong length.
     fn time_rate(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let _ = at;
         Ok(0.0)
     }
 }
 
-/// A running cost $l(t, q, v, a, u)$ of a user's own along motions of a robot, ready for [`Relaxation::cost`](super::Relaxation::cost).
+/// A user-defined running cost $l(t, q, v, a, u)$ along motions of a robot, for
+/// [`Relaxation::cost`](super::Relaxation::cost).
 ///
-/// What the relaxation needs are derivatives in $z = [q; v; a]$ with $u = ID(z)$; [`ChainRule`] makes them of those in $[z; u]$. The
-/// metric is that of Gauss and Newton: the Hessian without the second derivatives of $ID$ and with the negative eigenvalues of
-/// $\partial^2 l / \partial y^2$ taken for zero.
+/// The relaxation needs derivatives in $z = [q; v; a]$ with $u = ID(z)$; [`ChainRule`] computes them from those in
+/// $[z; u]$. The Gauss-Newton metric is the Hessian without the second derivatives of $ID$ and with the negative
+/// eigenvalues of $\partial^2 l / \partial y^2$ set to zero.
 ///
-/// The integral must not be negative on any curve that is tried, since gradients are measured relative to it: such a curve is an error.
-/// A constant added to `l` changes no optimum over a fixed horizon. Integrals below 2e-16 are taken for zero.
+/// The integral must not be negative on any curve of the search, because gradients are measured relative to it; a
+/// negative one is an error. A constant added to `l` does not change the optimum over a fixed horizon. Integrals below
+/// 2e-16 count as zero.
 #[derive(Clone, Debug)]
 pub struct CostThroughDynamics<'m, R> {
     running: R,
@@ -104,7 +108,7 @@ pub struct CostThroughDynamics<'m, R> {
 impl<'m, F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64>
     CostThroughDynamics<'m, AutodiffCost<F>>
 {
-    /// The cost that a closure computes, with derivatives by dual numbers: some $8 N^2$ calls of the closure a point.
+    /// A cost given as a closure, with derivatives by dual numbers: about $8 N^2$ calls of the closure per point.
     #[must_use]
     pub fn new(model: &'m Model, value: F) -> Self {
         Self::of(model, AutodiffCost(value))
@@ -112,7 +116,7 @@ impl<'m, F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64>
 }
 
 impl<'m, R: RunningCost> CostThroughDynamics<'m, R> {
-    /// A cost with derivatives of its own.
+    /// A cost with analytic derivatives.
     #[must_use]
     pub fn of(model: &'m Model, running: R) -> Self {
         let n = model.dof();

@@ -12,10 +12,11 @@ pub struct WeightedSquares {
 }
 
 impl WeightedSquares {
-    /// With weights of torques, velocities and accelerations, an entry a joint. Joints without any weight are moved as suits the others.
+    /// Builds the cost from weights of torques, velocities and accelerations, one entry per joint. A joint with zero
+    /// weights moves freely to reduce the cost of the others.
     ///
     /// # Errors
-    /// Another length, a weight that is negative or not finite, or no weight but zero.
+    /// A slice has another length than the others, a weight is negative or not finite, or all weights are zero.
     pub fn new(
         dof: usize,
         torque: Vec<f64>,
@@ -63,19 +64,19 @@ impl WeightedSquares {
         }
     }
 
-    /// $w^u$, `N` entries.
+    /// The torque weights $w^u$, `N` entries.
     #[must_use]
     pub fn torque(&self) -> &[f64] {
         &self.torque
     }
 
-    /// $w^v$.
+    /// The velocity weights $w^v$, `N` entries.
     #[must_use]
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
 
-    /// $w^a$.
+    /// The acceleration weights $w^a$, `N` entries.
     #[must_use]
     pub fn acceleration(&self) -> &[f64] {
         &self.acceleration

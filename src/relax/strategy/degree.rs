@@ -1,4 +1,4 @@
-//! A degree that is as high as it has to be.
+//! The adaptive degree.
 
 use crate::curve::Basis;
 use crate::error::Result;
@@ -6,27 +6,28 @@ use crate::relax::RelaxSettings;
 use crate::relax::interior_point::Candidate;
 use serde::Serialize;
 
-/// How a relaxation came to its degree.
+/// The degrees of an adaptive relaxation.
 ///
-/// The cost alone decides. The error of an open loop over the whole motion cannot: where the motion is unstable it grows exponentially in
-/// time whatever the degree, since the control is that of the polynomial exactly. That of one interval with the control through the
-/// nodes, [`replay_error`](crate::motion::replay_error), is told beside; it is no condition, because at degree 64 it is still tens of rad/s
-/// for a Kinova with its light wrist. Whoever stores a control to replay it needs more times than there are nodes.
+/// Only the cost decides. The open-loop error over the whole motion is no criterion: in an unstable motion it grows
+/// exponentially in time at any degree, because the control is exactly that of the polynomial. The error over one
+/// interval with the control interpolated at the nodes, [`replay_error`](crate::motion::replay_error), is reported but
+/// is not a criterion either, because at degree 64 it is still tens of rad/s for a Kinova with its light wrist. To
+/// replay a stored control, sample it at more times than the nodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DegreeRefinement {
-    /// By how much the cost was to change at most from one degree to the next, relative.
+    /// The largest relative change of the cost between two degrees.
     pub tolerance: f64,
-    /// The degrees that were tried, ascending. The last one at which the search converged is that of the motion.
+    /// The degrees tried, ascending. The motion has the last one at which the search converged.
     pub degrees: Vec<usize>,
-    /// The costs there.
+    /// The cost at each degree.
     pub costs: Vec<f64>,
-    /// Whether the last change is within the tolerance and the search converged on both sides of it. If not, that was so up to the
-    /// largest degree there is, or up to one at which the search did not converge.
+    /// True if the last change is within the tolerance and the search converged at both degrees. If false, this was not
+    /// reached up to the largest degree, or up to one at which the search did not converge.
     #[serde(rename = "settled")]
     pub converged: bool,
 }
 
-/// Goes on from `found` to higher degrees, each from where the one before ended, if the settings ask for it.
+/// Continues from `found` to higher degrees, each from the end of the one before, if the settings request it.
 pub(in crate::relax) fn refine(
     settings: &RelaxSettings,
     mut found: Candidate,

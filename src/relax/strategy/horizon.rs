@@ -1,4 +1,4 @@
-//! A horizon that is found with the motion.
+//! A free horizon.
 
 use crate::error::{Error, Result, plain};
 use crate::motion::{Problem, Watch};
@@ -9,22 +9,22 @@ use crate::relax::{Grid, PointCost, PointDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
-/// A horizon that is to be found: $\int l\\, dt + w T$ is minimised over `T` as well.
+/// The bounds and the price of a free horizon `T`: $\int l\\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeHorizon {
-    /// The shortest there may be, s.
+    /// The shortest horizon, s.
     pub shortest: f64,
-    /// The longest.
+    /// The longest horizon, s.
     pub longest: f64,
-    /// $w$, what a second costs.
+    /// The price $w$ per second.
     pub weight: f64,
 }
 
 impl FreeHorizon {
-    /// Whether bounds and weight make sense, and the horizon to begin with is between the bounds.
+    /// Checks the bounds and the weight, and that the initial horizon is between the bounds.
     ///
     /// # Errors
-    /// Names the first number that does not.
+    /// Names the first invalid number.
     pub fn check(&self, horizon: f64) -> Result<()> {
         let refuse = |what: &str, condition: String| {
             let what = format!("free_horizon.{what}");
@@ -62,8 +62,8 @@ impl FreeHorizon {
     }
 }
 
-/// The derivative of a sum over quadrature points in the horizon `T` where the curve is the same in normalised time but for boundary
-/// slopes: with $z = (q, \dot q, \ddot q)$ and coefficients that move with the rates $c'$,
+/// Computes the derivative of a sum over quadrature points in the horizon `T` for a curve that is fixed in normalised
+/// time except for its boundary slopes: with $z = (q, \dot q, \ddot q)$ and coefficients that change at the rates $c'$,
 ///
 /// $$ \frac{\partial J}{\partial T} = \sum_g w_g \left( \frac{l}{T} + \frac{\partial l}{\partial z} \cdot
 ///    \left( \phi c',\ \dot\phi c' - \frac{\dot q}{T},\ \ddot\phi c' - \frac{2 \ddot q}{T} \right) +
@@ -72,7 +72,7 @@ impl FreeHorizon {
 /// At a minimum over the other coefficients it is the derivative of that minimum.
 ///
 /// # Errors
-/// The cost is for another robot.
+/// The cost has another number of joints.
 pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
     grid: &Grid<S>,
     cost: &mut P,
@@ -108,19 +108,19 @@ pub(crate) fn horizon_slope<S: Scalar, P: PointCost<S>>(
     Ok(slope)
 }
 
-/// What was found on one horizon.
+/// The result on one horizon.
 #[derive(Clone, Debug)]
 pub(in crate::relax) struct Tried {
     pub horizon: f64,
     pub found: Candidate,
-    /// Of motion and time.
+    /// The cost of motion and time.
     cost: f64,
-    /// Its derivative in the logarithm of the horizon.
+    /// The derivative of the cost in the logarithm of the horizon.
     slope: f64,
 }
 
 impl Tried {
-    /// A minimum on a horizon, whose cost is known with its slope.
+    /// The result of a minimisation on a horizon, with known cost and slope.
     pub fn new(free: FreeHorizon, horizon: f64, found: Candidate) -> Self {
         Self {
             horizon,
@@ -130,12 +130,12 @@ impl Tried {
         }
     }
 
-    /// Tells whether it is worth anything: where it is not the horizon is taken to be too short.
+    /// Returns true if the solve was successful. Otherwise the horizon is treated as too short.
     fn sound(&self) -> bool {
         self.found.converged || self.found.kept
     }
 
-    /// The slope, or one that asks for more time.
+    /// The slope, or for an unsuccessful solve one that lengthens the horizon.
     fn push(&self) -> f64 {
         if self.sound() {
             self.slope
@@ -145,10 +145,10 @@ impl Tried {
     }
 }
 
-/// Looks for a horizon at which the cost is stationary, or a bound that keeps it from falling further; says whether there is one.
-/// The cost is stationary where its slope in the logarithm of the horizon is small, or at most the `tolerance`, relative to the cost.
-/// `attempt` solves on a horizon, from what was found on another. Where there are several it is one that is near. The best so far is not settled when
-/// the search is stopped.
+/// Finds a nearby horizon at which the cost is stationary, or a bound that keeps it from falling further. The cost is
+/// stationary if its slope in the logarithm of the horizon is small, or at most `tolerance`, relative to the cost.
+/// `attempt` solves on a horizon, from the result on another. Returns the best result and whether it satisfies the
+/// tolerance, which is false after an early stop.
 pub(in crate::relax) fn search(
     free: FreeHorizon,
     constrained: bool,
@@ -218,7 +218,7 @@ pub(in crate::relax) fn search(
     Ok((b, false))
 }
 
-/// The later of two if it is worth anything, or else the earlier one.
+/// The later of two results if it was successful, otherwise the earlier one.
 fn better(later: Tried, earlier: Tried) -> Tried {
     if later.sound() { later } else { earlier }
 }

@@ -1,4 +1,4 @@
-//! From several starts at a low degree to the best curve at a high one.
+//! The strategy: from several starts at a low degree to the best curve at a high one.
 
 mod degree;
 mod horizon;

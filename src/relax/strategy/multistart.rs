@@ -1,4 +1,4 @@
-//! Several starts, each from the lowest degree to the highest as long as it is worth it.
+//! Several starts, each continued from the lowest degree to the highest while it is promising.
 
 use super::passive::minimise_to_the_end;
 use crate::constraint::Constraint;
@@ -18,7 +18,7 @@ use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
 
-/// A minimum that starts led to.
+/// A local minimum found by the starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LocalMinimum {
     /// The integral of the running cost.
@@ -27,34 +27,35 @@ pub struct LocalMinimum {
     pub starts: usize,
 }
 
-/// The outcome of the starts.
+/// The result of all starts.
 pub(in crate::relax) struct Outcome {
     pub best: Candidate,
-    /// The costs at the rung where each start begins, the lowest but for some planned ones, wave by wave.
+    /// The cost of each start in its first basis (the lowest one except for some planned starts), wave by wave.
     pub first_costs: Vec<f64>,
-    /// The minima that were found, by cost.
+    /// The minima, by cost.
     pub minima: Vec<LocalMinimum>,
-    /// The first curve that led to each of them, of the first few.
+    /// The first curve that led to each of the first few minima.
     pub curves: Vec<Path>,
-    /// The number of the start that led to the best, and where that began.
+    /// The number of the start that led to the best minimum, and its initial curve.
     pub best_start: (usize, Path),
 }
 
-/// A start on its way up.
+/// A start on its way to higher degrees.
 struct Climber {
     number: usize,
-    /// The rung where it began, and the curve there.
+    /// Its first basis, and the curve there.
     first: usize,
     guess: Path,
     candidate: Candidate,
 }
 
-/// Goes up the rungs from as many starts as are asked for, and from more while none of them ends as it should.
+/// Continues as many starts as requested through all bases, and further ones while none of them succeeds.
 ///
-/// Starts come in waves, whose members are worked on side by side. Whether one goes on from a rung depends on those before it alone, in the
-/// order of their numbers: it has to cost hardly more than the best of them there. So more starts leave what fewer lead to as it is,
-/// on any number of cores, and the best of more is never worse as long as one of fewer ends within the constraints. Beyond those that
-/// were asked for every other start is planned where there is something to go around, or the first one if that is asked for.
+/// Starts are processed in waves, whose members run in parallel. Whether a start is continued depends only on those
+/// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
+/// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
+/// one of fewer ends within the constraints. Of the starts beyond the requested ones every other one is planned if
+/// there are obstacles, or the first one if requested.
 pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &RelaxSettings,
@@ -191,7 +192,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     })
 }
 
-/// The order of candidates: those that ended as they should come first, by their cost, then the others by what they violate.
+/// The order of candidates: successful ones first, by their cost, then the others by their violation.
 fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     let by_cost = a.cost.total_cmp(&b.cost);
     match (a.converged, b.converged) {
@@ -205,7 +206,7 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     }
 }
 
-/// The minima among ends that are sorted, and the curves of the first few.
+/// The minima among sorted ends, and the curves of the first few.
 fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Path>) {
     let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
     let ends = ends.iter().map(|end| &end.candidate);
@@ -228,7 +229,7 @@ fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Path>) {
     (minima, curves)
 }
 
-/// Applies `work` to each item on several threads; the results are in the order of the items.
+/// Applies `work` to each item on several threads; the results keep the order of the items.
 fn side_by_side<T: Send, R: Send>(
     items: Vec<T>,
     threads: usize,

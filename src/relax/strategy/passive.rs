@@ -1,4 +1,4 @@
-//! The torque that passive joints keep between the collocated points.
+//! The residual torque of passive joints between the collocated points.
 
 use crate::constraint::Constraint;
 use crate::error::Result;
@@ -6,8 +6,8 @@ use crate::relax::interior_point::{Candidate, Context, Stage, minimise};
 use crate::relax::tuning::{LARGEST_PASSIVE_SIZE, PASSIVE_SHARE, SAME_MINIMUM};
 use crate::relax::{CostWithControl, Iteration};
 
-/// Minimises at the top of the ladder, and goes on to more segments, then higher degrees, as long as a passive joint keeps more torque between
-/// the collocated points than is accepted and the motion costs less than `least`, by more than minima differ that are one.
+/// Minimises in the last basis, then with more segments and then higher degrees while a passive joint has more residual
+/// torque than is accepted and the motion costs less than `least` by more than the tolerance for equal minima.
 pub(in crate::relax) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: Candidate,

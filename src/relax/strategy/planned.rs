@@ -1,4 +1,4 @@
-//! Starts that a planner finds a way for.
+//! Starts along planned paths.
 
 use crate::constraint::{Constraint, RowKind};
 use crate::curve::Basis;
@@ -12,13 +12,13 @@ use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_SEGMENTS};
 use crate::relax::{CostWithControl, RelaxSettings};
 use nalgebra::DMatrix;
 
-/// Planned starts: the first one, or among those beyond the ones that were asked for the first, the third and so on.
+/// The planned starts: the first start, or the first, third and so on beyond the requested ones.
 pub(in crate::relax) struct Planned<'c, 'a, K, P> {
     context: Context<'c, 'a, K, P>,
     settings: &'c RelaxSettings,
-    /// True if there is anything to go around.
+    /// True if there are obstacles.
     wanted: bool,
-    /// The first start, if that is a planned one.
+    /// The curve of the first start, if it is planned.
     first: Option<Path>,
 }
 
@@ -47,21 +47,22 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         Ok(planned)
     }
 
-    /// The number of the path of a start that is planned.
+    /// The number of the path of a planned start.
     fn number(&self, start: usize) -> Option<u64> {
         let first = u64::from(self.first.is_some());
         let beyond = start.checked_sub(self.settings.num_starts)?;
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
-    /// The number of the bends of a start that is not.
+    /// The number of the bends of a start that is not planned.
     pub fn bends(&self, start: usize) -> u64 {
         let beyond = start.saturating_sub(self.settings.num_starts);
         let planned = if self.wanted { beyond.div_ceil(2) } else { 0 };
         (start - planned - usize::from(self.first.is_some())) as u64
     }
 
-    /// The curve of a planned start of a problem like that of the context; nothing where the start is not a planned one or no path was found.
+    /// The curve of a planned start for a problem like that of the context; `None` if the start is not planned or no
+    /// path was found.
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Path>> {
         let path = match (&self.first, self.number(start)) {
             (Some(first), _) if start == 0 => Some(first.clone()),
@@ -71,7 +72,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         Ok(path.map(|path| path.between_ends_of(problem)))
     }
 
-    /// The curve along a path of this number; nothing where there is none.
+    /// The curve along the path of this number; `None` without a path.
     fn path(&self, number: u64) -> Result<Option<Path>> {
         let Context {
             problem,
@@ -101,8 +102,8 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         along(problem, constraint, &path, basis, &plans).map(Some)
     }
 
-    /// The horizon to begin with where the first start is planned: that of the problem, or longer, as far as may be, until velocities and
-    /// torques of that start keep their limits.
+    /// The initial horizon for a planned first start: that of the problem, or a longer one up to `longest`, until
+    /// velocities and torques of that start satisfy their limits.
     pub fn horizon(&self, longest: f64) -> Result<f64> {
         let Context { problem, rows, .. } = self.context;
         let mut horizon = problem.horizon();

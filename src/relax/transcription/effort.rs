@@ -19,7 +19,8 @@ use nalgebra::{DMatrix, DVector};
 /// $$ \frac{\partial l}{\partial z} = 2 J^T u, \qquad \frac{\partial^2 l}{\partial z^2} = 2 J^T J + \Phi(2 u), \qquad
 ///    J = \left[ \frac{\partial ID}{\partial q}\ \frac{\partial ID}{\partial v}\ H \right], $$
 ///
-/// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$. Four points at a time go through the dynamics side by side.
+/// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$. Four points at a time go through the dynamics
+/// side by side.
 #[derive(Clone, Debug)]
 pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     model: &'m Model<C>,
@@ -30,7 +31,7 @@ pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     state: Vec<Wide<S>>,
     /// Half the second derivatives in `u`, `v` and `a`.
     squares_of: [DVector<Wide<S>>; 3],
-    /// True if those in `v` and `a` are not all zero.
+    /// True unless those in `v` and `a` are all zero.
     with_motion: bool,
     /// $\partial l / \partial u$, that is $w$ of the gradient.
     slopes: DVector<Wide<S>>,
@@ -41,13 +42,13 @@ pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
     stiff: DMatrix<Wide<S>>,
-    /// At one point.
+    /// The control at one point.
     u: DVector<S>,
     by_term: ControlDerivatives<S>,
 }
 
 impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
-    /// The control effort of `model`.
+    /// The control effort $|u|^2$ of `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
         let n = model.dof();
@@ -77,7 +78,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     ///    \frac{\partial^2 l}{\partial z^2} = J^T W_u J + W_{va} + \Phi(W_u u) . $$
     ///
     /// # Errors
-    /// The weights are for another number of joints.
+    /// The number of weights is not the number of joints.
     pub fn weighted(model: &'m Model<C>, weights: &WeightedSquares) -> Result<Self> {
         let mut effort = Self::new(model);
         let all = [weights.torque(), weights.velocity(), weights.acceleration()];
@@ -108,7 +109,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         cost
     }
 
-    /// The derivatives of the effort and of another cost of the control. The metrics and the costs are those of the effort.
+    /// The derivatives of the effort plus another term in the control. The metrics and the costs are those of the
+    /// effort.
     fn with_term(
         &mut self,
         points: Points<'_, S>,
@@ -148,7 +150,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         Ok(())
     }
 
-    /// Files what the lanes hold: `count` points from `start` on.
+    /// Stores the contents of the lanes for `count` points from `start` on.
     fn file(&mut self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
         let n = self.model.dof();
         let two = Wide::from_f64(2.0);
@@ -217,7 +219,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         }
     }
 
-    /// The costs and, where they are wanted, the controls at all points, `N` by `M`.
+    /// The costs and, if requested, the controls at all points, `N` by `M`.
     fn values_and_controls(
         &mut self,
         points: Points<'_, S>,
@@ -310,7 +312,7 @@ impl CostWithControl for ControlEffort<'_, f64, f64> {
     }
 }
 
-/// The derivatives at a single point by what has them for many.
+/// The derivatives at a single point, from the function for many points.
 pub(in crate::relax) fn alone<S: Scalar>(
     point: Point<'_, S>,
     out: &mut PointDerivatives<S>,

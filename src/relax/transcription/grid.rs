@@ -13,27 +13,28 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// The segments are alike, so one table serves all.
 #[derive(Clone, Debug)]
 pub struct Grid<S: Scalar> {
-    /// How many segments there are.
+    /// The number of segments.
     pub(in crate::relax) segments: usize,
-    /// The functions whose coefficients are unknown.
+    /// The functions with unknown coefficients.
     pub(in crate::relax) free: Range<usize>,
     /// Times of the points, s, segment by segment.
     pub(in crate::relax) times: Vec<S>,
     /// Weights of the points of a segment.
     pub(in crate::relax) weights: Vec<S>,
-    /// For each point of a segment, whether equalities are asked for there, and nothing else.
+    /// True for each point of a segment at which equalities, and no other rows, are enforced.
     pub(in crate::relax) collocated: Vec<bool>,
-    /// Value, first and second derivative in time at each point of a segment: the functions of a segment by three a point.
+    /// Value, first and second derivative in time at each point of a segment: one row per function of a segment, three
+    /// columns per point.
     pub(in crate::relax) table: DMatrix<S>,
     /// Its transpose.
     pub(in crate::relax) transposed: DMatrix<S>,
-    /// Pairs of functions of a segment, the first not before the second, in the order of the rows of the products.
+    /// Pairs of functions of a segment, the first not before the second, in the order of the rows of `products`.
     pub(in crate::relax) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
 }
 
-/// Tables that several searches have in common.
+/// Tables that several searches share.
 #[derive(Default)]
 pub(in crate::relax) struct Grids {
     grids: Mutex<Vec<Made<Grid<f64>>>>,
@@ -42,7 +43,7 @@ pub(in crate::relax) struct Grids {
     scans: Mutex<Vec<Made<Scan>>>,
 }
 
-/// A table and what it was made of.
+/// A table and its arguments.
 type Made<T> = (Basis, usize, f64, Arc<T>);
 
 /// A point of one segment in `[-1, 1]`.
@@ -53,28 +54,28 @@ struct Node {
 }
 
 impl Grids {
-    /// As [`Grid::new`].
+    /// The shared [`Grid::new`].
     pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.grids, basis, points, horizon, Grid::new)
     }
 
-    /// As [`Grid::with_ends`].
+    /// The shared [`Grid::with_ends`].
     pub fn with_ends(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.with_ends, basis, points, horizon, Grid::with_ends)
     }
 
-    /// As [`Grid::collocated`].
+    /// The shared [`Grid::collocated`].
     pub fn collocated(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
         get(&self.collocated, basis, points, horizon, Grid::collocated)
     }
 
-    /// As [`Scan::new`].
+    /// The shared [`Scan::new`].
     pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Arc<Scan> {
         get(&self.scans, basis, intervals, horizon, Scan::new)
     }
 }
 
-/// What is there already, or else a `new` one.
+/// The stored table, or otherwise a `new` one.
 fn get<T>(
     made: &Mutex<Vec<Made<T>>>,
     basis: &Basis,
@@ -95,17 +96,17 @@ fn get<T>(
 }
 
 impl Grid<f64> {
-    /// The part that collocated points have in the quadrature, small since they are few.
+    /// The share of the collocated points in the quadrature, small because they are few.
     pub(in crate::relax) const COLLOCATED: f64 = 1e-3;
 
-    /// `basis` on `[0, horizon]` with `points` points per segment.
+    /// Tabulates `basis` on `[0, horizon]` with `points` Gauss-Legendre points per segment.
     #[must_use]
     pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
         Self::of_rule(basis, gauss_legendre(points), horizon)
     }
 
-    /// The same at Gauss-Lobatto points, of which the first and the last of a segment are its ends: where two segments meet velocities often
-    /// have a peak and the control jumps.
+    /// Tabulates at Gauss-Lobatto points instead, which include the ends of each segment: velocities often peak between
+    /// two segments, where the control jumps.
     #[must_use]
     pub fn with_ends(basis: &Basis, points: usize, horizon: f64) -> Self {
         Self::of_rule(basis, gauss_lobatto(points), horizon)
@@ -121,9 +122,9 @@ impl Grid<f64> {
         Self::at(basis, nodes.collect(), horizon)
     }
 
-    /// The same with `degree - 1` Gauss-Legendre points more per segment, where equalities are asked for: the collocation of an equation
-    /// of second order, which leaves between the points what is orthogonal to all polynomials of lower degree (`proofs/weak_form.md`).
-    /// They have the part `COLLOCATED` in the quadrature.
+    /// Adds `degree - 1` Gauss-Legendre points per segment, at which equalities are enforced: the collocation of a
+    /// second-order equation, whose residual between the points is orthogonal to all polynomials of lower degree
+    /// (`proofs/weak_form.md`). They have the share `COLLOCATED` in the quadrature.
     #[must_use]
     pub fn collocated(basis: &Basis, points: usize, horizon: f64) -> Self {
         let rule = |count, part, collocated| {
@@ -142,7 +143,7 @@ impl Grid<f64> {
         Self::at(basis, nodes, horizon)
     }
 
-    /// The table at these points of each segment.
+    /// Tabulates at these points of each segment.
     fn at(basis: &Basis, nodes: Vec<Node>, horizon: f64) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * nodes.len());
         for (g, node) in nodes.iter().enumerate() {
@@ -170,7 +171,7 @@ impl Grid<f64> {
 }
 
 impl<S: Scalar> Grid<S> {
-    /// Any functions: the identities of the assembly ask nothing of them.
+    /// A grid of arbitrary functions: the identities of the assembly hold for any.
     pub(crate) fn from_table(
         segments: usize,
         free: Range<usize>,
@@ -202,7 +203,7 @@ impl<S: Scalar> Grid<S> {
         }
     }
 
-    /// The same over another scalar.
+    /// The same grid over another scalar.
     #[must_use]
     pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Grid<T> {
         let all = |x: &[S]| x.iter().map(|x| f(*x)).collect();
@@ -220,13 +221,13 @@ impl<S: Scalar> Grid<S> {
         self.products.get_or_init(new)
     }
 
-    /// How many points each segment has.
+    /// The number of points per segment.
     #[must_use]
     pub fn points(&self) -> usize {
         self.weights.len()
     }
 
-    /// How many functions there are, those of the boundary conditions included.
+    /// The number of functions, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
         self.first(self.segments) + 2

@@ -1,4 +1,5 @@
-//! The motion as numbers: polynomials, quadrature, and the integrals of costs with their derivatives in the coefficients.
+//! The transcription of a motion: polynomials, quadrature, and the integrals of costs with their derivatives in the
+//! coefficients.
 
 mod effort;
 mod grid;

@@ -6,15 +6,17 @@ use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// The sum $\sum_g w_g\\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by `count`.
+/// The sum $\sum_g w_g\\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by
+/// `count`.
 ///
-/// With $\phi_m^x$ the function `m` (`x` = 0) and its derivatives at a point and $W^{xy}$ the `N` by `N` blocks of the Hessian of `l` there,
+/// With the function $\phi_m^x$ number `m` (`x` = 0) and its derivatives at a point, and the `N` by `N` blocks $W^{xy}$
+/// of the Hessian of `l` there,
 ///
 /// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
 ///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\\, W^{xy}. $$
 ///
-/// The products of functions are tabulated, so all blocks of the Hessian of a segment with `p` functions and `M` points are two products of
-/// matrices, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
+/// The products of functions are tabulated, so that all blocks of the Hessian of a segment with `p` functions and `M`
+/// points are two matrix products, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
 pub struct Objective<'g, S: Scalar, P> {
     grid: &'g Grid<S>,
     cost: P,
@@ -22,7 +24,7 @@ pub struct Objective<'g, S: Scalar, P> {
     /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
     costs: Vec<S>,
-    /// Once derivatives are asked for.
+    /// Allocated when derivatives are first requested.
     room: Option<Room<S>>,
 }
 
@@ -40,12 +42,12 @@ pub struct Derivatives<S: Scalar> {
     pub gradient: DVector<S>,
     /// The Hessian.
     pub hessian: BlockTridiagonal<S>,
-    /// The metric of Gauss and Newton.
+    /// The Gauss-Newton metric.
     pub metric: BlockTridiagonal<S>,
 }
 
 impl<S: Scalar> Derivatives<S> {
-    /// Room for the unknowns of a grid, for a robot with `dof` joints.
+    /// Zeros for the unknowns of a grid and a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &Grid<S>, dof: usize) -> Self {
         let sizes: Vec<_> = (0..grid.segments)
@@ -61,7 +63,7 @@ impl<S: Scalar> Derivatives<S> {
 }
 
 impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
-    /// The integral of `cost` for a robot with `dof` joints.
+    /// The integral of `cost` on `grid` for a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &'g Grid<S>, cost: P, dof: usize) -> Self {
         let points = grid.points();
@@ -86,13 +88,13 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         &mut self.cost
     }
 
-    /// `N`.
+    /// The number of joints `N`.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.dof
     }
 
-    /// The integral.
+    /// Computes the integral.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -115,7 +117,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         Ok(sum)
     }
 
-    /// The integral, and its derivatives into `out`.
+    /// Computes the integral, and its derivatives into `out`.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -127,7 +129,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         self.integrate(coefficients, true, out)
     }
 
-    /// As [`derivatives`](Self::derivatives), but the metric is left as it is.
+    /// Computes the derivatives as [`derivatives`](Self::derivatives) does, without the metric.
     ///
     /// # Errors
     /// `coefficients` has the wrong size.
@@ -178,8 +180,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         Ok(sum)
     }
 
-    /// The Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$, which for
-    /// the longest wave that vanishes at both ends is the mean square of $\delta q$.
+    /// Computes the Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$,
+    /// which for the longest wave that vanishes at both ends is the mean square of $\delta q$.
     #[must_use]
     pub fn gram(&self) -> BlockTridiagonal<S> {
         let (n, grid) = (self.dof, self.grid);
@@ -219,7 +221,7 @@ impl<S: Scalar> Room<S> {
     }
 }
 
-/// Adds the gradient in the functions of segment `e`, a column each, where it belongs.
+/// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
 fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
     let (n, first, free) = (gradient.nrows(), grid.first(e), &grid.free);
     for (m, column) in gradient.column_iter().enumerate() {
@@ -230,8 +232,8 @@ fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out:
     }
 }
 
-/// Puts the block of a pair of functions of segment `e` where it belongs, and adds it to what the segment before, which has to come first,
-/// put there.
+/// Writes the block of a pair of functions of segment `e`, added to the contribution of the previous segment, which
+/// must have been written before.
 fn put_block<S: Scalar>(
     grid: &Grid<S>,
     block: &DMatrix<S>,
@@ -258,7 +260,7 @@ fn put_block<S: Scalar>(
     target.view_mut((row, column), (n, n)).copy_from(block);
 }
 
-/// The curve of the functions from `first` on, where `table` has them.
+/// Computes the curve of the functions from `first` on by `table`.
 pub(in crate::relax) fn place<S: Scalar>(
     coefficients: &DMatrix<S>,
     first: usize,
@@ -269,7 +271,7 @@ pub(in crate::relax) fn place<S: Scalar>(
     multiply(&own, table, states);
 }
 
-/// What the running cost reads at the points of segment `e`.
+/// The input of the running cost at the points of segment `e`.
 pub(in crate::relax) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     states: &'a DMatrix<S>,

@@ -1,4 +1,4 @@
-//! Hessians at the points of a quadrature, and what pairs of functions make of them.
+//! Hessians at quadrature points, and their products with pairs of functions.
 
 use super::Grid;
 use super::point_cost::LANES;
@@ -6,45 +6,46 @@ use crate::linalg::multiply;
 use crate::scalar::{Lanes, Scalar};
 use nalgebra::DMatrix;
 
-/// The blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$ that have to be there, $x \le y$: the symmetric ones first.
+/// The stored blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$, $x \le y$: the symmetric ones first.
 const BLOCKS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
-/// Which of them $W^{xy}$ is.
+/// The index of $W^{xy}$ among them.
 const fn index(x: usize, y: usize) -> usize {
     if x == y { x } else { x + y + 2 }
 }
 
-/// Symmetric matrices in $z = [q; v; a]$, `3 N` by `3 N`, one at each point of a segment.
+/// Symmetric matrices in $z = [q; v; a]$, `3 N` by `3 N`, one per point of a segment.
 ///
-/// Two functions $\phi_a, \phi_b$ of a curve make a block of its Hessian of them, with $\phi^x$ the derivative that goes with `x`:
+/// The block of the Hessian of a curve for two of its functions $\phi_a, \phi_b$ is, with $\phi^x$ the derivative that
+/// belongs to `x`,
 ///
 /// $$ \sum_{x, y} \phi_a^x \phi_b^y\\, W^{xy} = \sum_x \phi_a^x \phi_b^x\\, W^{xx} + \sum_{x < y}
 ///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\\,T}}{2}. $$
 ///
-/// So twice the symmetric and twice the antisymmetric parts are kept, half of each, which takes half of the products that all blocks
-/// would.
+/// Only half of twice the symmetric and half of twice the antisymmetric parts are stored, which halves the number of
+/// products.
 #[derive(Clone, Debug)]
 pub struct PackedHessian<S: Scalar> {
     dof: usize,
     room: usize,
-    /// A column for each $i \ge j$; a row for each point of each block.
+    /// One column for each $i \ge j$; one row per point and block.
     symmetric: DMatrix<S>,
-    /// A column for each $i > j$; a row for each point of the blocks with $x < y$.
+    /// One column for each $i > j$; one row per point and block with $x < y$.
     antisymmetric: DMatrix<S>,
 }
 
-/// For how many points there is room, so that lanes need not be taken apart at the end.
+/// The number of points with storage, a multiple of the number of lanes.
 fn room(points: usize) -> usize {
     points.next_multiple_of(LANES)
 }
 
-/// How many entries below the diagonal columns before `j` have, the diagonal with them.
+/// The number of entries on and below the diagonal in the columns before `j`.
 fn before(n: usize, j: usize) -> usize {
     j * n - j * j.saturating_sub(1) / 2
 }
 
 impl<S: Scalar> PackedHessian<S> {
-    /// Zero at `points` points, for a robot with `dof` joints.
+    /// Zeros at `points` points for a robot with `dof` joints.
     #[must_use]
     pub fn new(dof: usize, points: usize) -> Self {
         let half = dof * dof.saturating_sub(1) / 2;
@@ -56,15 +57,15 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// The columns where $i \ge j$ is kept, the second for $i > j$.
+    /// The columns of the entry $i \ge j$; the second is for $i > j$.
     fn columns(&self, i: usize, j: usize) -> (usize, usize) {
         let column = before(self.dof, j) + i - j;
         // Each column of the block up to this has one on the diagonal.
         (column, column.wrapping_sub(j + 1))
     }
 
-    /// Makes $W^{xy}$, $x \le y$, that with these entries at `W` points from `start` on. Kept are $W_{ij} + W_{ji}$ for $i \ge j$, or
-    /// $W_{ij}$ where $x = y$, and $W_{ij} - W_{ji}$ for $i > j$.
+    /// Overwrites $W^{xy}$, $x \le y$, at `W` points from `start` on. Stored are $W_{ij} + W_{ji}$ for $i \ge j$, or
+    /// $W_{ij}$ if $x = y$, and $W_{ij} - W_{ji}$ for $i > j$.
     #[inline]
     pub(super) fn put<const W: usize>(
         &mut self,
@@ -99,12 +100,12 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// Adds a matrix in the first parts of $z$, `2 N` by `2 N` for $[q; v]$, to that of point `g`.
+    /// Adds a matrix in the leading part of $z$ (`2 N` by `2 N` for $[q; v]$) to that of point `g`.
     pub fn add(&mut self, g: usize, matrix: &DMatrix<S>) {
         self.add_wide(g, &matrix.map(|x| Lanes([x])));
     }
 
-    /// The same of `W` points side by side: adds a matrix to those of the points from `start` on.
+    /// Adds a matrix to those of `W` points from `start` on, side by side.
     pub(in crate::relax) fn add_wide<const W: usize>(
         &mut self,
         start: usize,
@@ -142,7 +143,7 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// Makes the matrix of point `g` this one.
+    /// Overwrites the matrix of point `g`.
     pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
         let n = self.dof;
         for (x, y) in BLOCKS {
@@ -179,7 +180,7 @@ impl<S: Scalar> PackedHessian<S> {
         })
     }
 
-    /// The block that each pair of functions of a segment makes, `N` by `N`, handed to `take`.
+    /// Computes the `N` by `N` block of each pair of functions of a segment, and passes it to `take`.
     pub(super) fn integrate(
         &self,
         grid: &Grid<S>,
@@ -212,15 +213,15 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// Room for the sums that [`integrate`](Self::integrate) makes of so many pairs.
+    /// Storage for the sums of [`integrate`](Self::integrate) for this number of pairs.
     pub(super) fn sums(dof: usize, pairs: usize) -> [DMatrix<S>; 2] {
         let half = dof * dof.saturating_sub(1) / 2;
         [half + dof, half].map(|columns| DMatrix::zeros(pairs, columns))
     }
 }
 
-/// The weighted products of functions that go with the parts that are kept: of the functions at the points of a segment, `table`, for
-/// each of `pairs`, a row each.
+/// The weighted products of functions that belong to the stored parts: of the functions at the points of a segment,
+/// `table`, one row for each of `pairs`.
 pub(super) fn products<S: Scalar>(
     table: &DMatrix<S>,
     weights: &[S],

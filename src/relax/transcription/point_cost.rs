@@ -1,4 +1,4 @@
-//! What is integrated along a curve.
+//! The integrand along a curve.
 
 use super::PackedHessian;
 use crate::error::Result;
@@ -8,15 +8,15 @@ use nalgebra::{DMatrix, DVector};
 /// A curve at one quadrature point.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a, S> {
-    /// Which point it is, counted along time.
+    /// Index of the point along time.
     pub index: usize,
     /// Time, s.
     pub time: S,
-    /// The configuration, `N` entries.
+    /// Configuration, `N` entries.
     pub q: &'a [S],
-    /// The velocity.
+    /// Velocity, `N` entries.
     pub v: &'a [S],
-    /// The acceleration.
+    /// Acceleration, `N` entries.
     pub a: &'a [S],
 }
 
@@ -26,7 +26,7 @@ impl<'a, S: Scalar> Point<'a, S> {
         DMatrix::from_fn(self.q.len(), 3, |i, x| [self.q, self.v, self.a][x][i])
     }
 
-    /// The point alone, with `states` those of itself.
+    /// This point as a batch of one. `states` is [`Self::states`].
     pub(in crate::relax) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
         Points {
             first: self.index,
@@ -39,22 +39,22 @@ impl<'a, S: Scalar> Point<'a, S> {
 /// A curve at all quadrature points of a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Points<'a, S: Scalar> {
-    /// Which point the first is, counted along time.
+    /// Index of the first point along time.
     pub first: usize,
     /// Times, s.
     pub times: &'a [S],
-    /// $q, v, a$ at each point, a column each: `N` by `3 M`.
+    /// $q, v, a$ at each point, one column each: `N` by `3 M`.
     pub states: &'a DMatrix<S>,
 }
 
 impl<'a, S: Scalar> Points<'a, S> {
-    /// How many points there are, `M`.
+    /// The number of points, `M`.
     #[must_use]
     pub fn count(&self) -> usize {
         self.times.len()
     }
 
-    /// Point `g` of them.
+    /// Point `g` of the segment.
     #[must_use]
     pub fn point(&self, g: usize) -> Point<'a, S> {
         let n = self.states.nrows();
@@ -69,13 +69,14 @@ impl<'a, S: Scalar> Points<'a, S> {
     }
 }
 
-/// How many points go through the dynamics side by side.
+/// The number of points that go through the dynamics side by side.
 pub(in crate::relax) const LANES: usize = 4;
-/// The same number at that many points.
+/// The values of a number at these points.
 pub(in crate::relax) type Wide<S> = Lanes<S, LANES>;
 
 impl<S: Scalar> Points<'_, S> {
-    /// Puts $[q; v; a]$ of the points from `start` on into lanes, and that of the last into those that are left; returns how many there are.
+    /// Copies $[q; v; a]$ of the points from `start` on into lanes, and the last point into unused lanes; returns the
+    /// number of used lanes.
     pub(in crate::relax) fn gather(&self, start: usize, state: &mut [Wide<S>]) -> usize {
         Lanes::gather(self.states.as_slice(), start, state)
     }
@@ -88,12 +89,13 @@ pub struct PointDerivatives<S: Scalar> {
     pub gradient: DVector<S>,
     /// $\partial^2 l / \partial z^2$, `3 N` by `3 N`.
     pub hessian: DMatrix<S>,
-    /// A positive semidefinite part of it, that of Gauss and Newton: the steps of the minimiser are damped in it.
+    /// A positive semidefinite approximation of the Hessian (Gauss-Newton), by which the steps of the minimiser are
+    /// damped.
     pub metric: DMatrix<S>,
 }
 
 impl<S: Scalar> PointDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -109,18 +111,19 @@ impl<S: Scalar> PointDerivatives<S> {
 pub struct PointsDerivatives<S: Scalar> {
     /// The costs, `M` entries.
     pub costs: Vec<S>,
-    /// $\partial l / \partial q$, $\partial l / \partial v$ and $\partial l / \partial a$ at each point, a column each: `N` by `3 M`.
+    /// $\partial l / \partial q$, $\partial l / \partial v$ and $\partial l / \partial a$ at each point, one column
+    /// each: `N` by `3 M`.
     pub gradients: DMatrix<S>,
     /// The Hessians.
     pub hessians: PackedHessian<S>,
     /// The metrics; see [`PointDerivatives::metric`].
     pub metrics: PackedHessian<S>,
-    /// Whether anybody reads the metrics.
+    /// True if the metrics are needed.
     pub with_metrics: bool,
 }
 
 impl<S: Scalar> PointsDerivatives<S> {
-    /// Room for `points` points of a model with `n` joints.
+    /// Zeros for `points` points of a model with `n` joints.
     #[must_use]
     pub fn new(n: usize, points: usize) -> Self {
         let hessians = PackedHessian::new(n, points);
@@ -133,7 +136,7 @@ impl<S: Scalar> PointsDerivatives<S> {
         }
     }
 
-    /// Files what there is of point `g`.
+    /// Stores the results of point `g`.
     pub fn set(&mut self, g: usize, cost: S, of: &PointDerivatives<S>) {
         let n = self.gradients.nrows();
         self.costs[g] = cost;
@@ -150,33 +153,33 @@ impl<S: Scalar> PointsDerivatives<S> {
 
 /// A running cost $l(q, v, a)$ at the points of a quadrature.
 ///
-/// One point at a time is all that has to be there; a cost that is quicker for many at once says how.
+/// Only the functions of one point are required; a cost that is faster for many points at once overrides the others.
 pub trait PointCost<S: Scalar> {
-    /// $l$.
+    /// Computes $l$.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` has the wrong length.
     fn value(&mut self, point: Point<'_, S>) -> Result<S>;
 
-    /// $l$, and all of `out`.
+    /// Computes $l$, and overwrites all of `out`.
     ///
     /// # Errors
-    /// The point or `out` is for another robot.
+    /// A slice of `point`, or `out`, has the wrong size.
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S>;
 
-    /// $\partial l / \partial t$ where nothing else moves; zero unless `l` depends on time itself.
+    /// Computes the partial derivative $\partial l / \partial t$; zero unless `l` depends explicitly on time.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` has the wrong length.
     fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
         let _ = point;
         Ok(S::zero())
     }
 
-    /// $l$ at all points into `costs`, `M` entries.
+    /// Computes $l$ at all points into `costs`, `M` entries.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// Those of [`value`](Self::value).
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
         for (g, cost) in costs.iter_mut().enumerate() {
             *cost = self.value(points.point(g))?;
@@ -184,10 +187,10 @@ pub trait PointCost<S: Scalar> {
         Ok(())
     }
 
-    /// All of `out`, except the metrics where nobody reads them.
+    /// Computes all of `out`, except metrics that are not needed.
     ///
     /// # Errors
-    /// As [`derivatives`](Self::derivatives).
+    /// Those of [`derivatives`](Self::derivatives).
     fn all_derivatives(
         &mut self,
         points: Points<'_, S>,
@@ -228,20 +231,21 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
     }
 }
 
-/// A running cost that knows the control, so that limits of the control can be kept as well.
+/// A running cost that computes the control, so that limits of the control can be constraints.
 ///
-/// As with [`PointCost`], one point at a time is all that has to be there.
+/// As with [`PointCost`], only the functions of one point are required.
 pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
-    /// The cost, and the control into `u`.
+    /// Computes the cost, and the control into `u`.
     ///
     /// # Errors
-    /// The point is for another robot.
+    /// A slice of `point` has the wrong length.
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64>;
 
-    /// The cost, and all of `out`, of the cost and of another `term` in the control alone; cost and metric are those of the cost.
+    /// Computes the cost, and into `out` the derivatives of the cost plus a `term` in the control alone; cost and
+    /// metric are without the term.
     ///
     /// # Errors
-    /// The point or `out` is for another robot.
+    /// A slice of `point`, or `out`, has the wrong size.
     fn derivatives_with(
         &mut self,
         point: Point<'_, f64>,
@@ -249,10 +253,10 @@ pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
         term: &mut impl ControlTerm<f64>,
     ) -> Result<f64>;
 
-    /// The costs at all points, and the controls there into the columns of `controls`, `N` by `M`.
+    /// Computes the costs at all points, and the controls into the columns of `controls`, `N` by `M`.
     ///
     /// # Errors
-    /// As [`value_with_control`](Self::value_with_control).
+    /// Those of [`value_with_control`](Self::value_with_control).
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,
@@ -265,10 +269,10 @@ pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
         Ok(())
     }
 
-    /// All of `out`, except the metrics where nobody reads them, as [`derivatives_with`](Self::derivatives_with).
+    /// Computes all of `out`, except metrics that are not needed, as [`derivatives_with`](Self::derivatives_with) does.
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`derivatives_with`](Self::derivatives_with).
     fn all_derivatives_with(
         &mut self,
         points: Points<'_, f64>,
@@ -289,9 +293,10 @@ pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
 pub struct ControlDerivatives<S> {
     /// The gradient in `u`, `N` entries.
     pub gradient: Vec<S>,
-    /// The weights of the second derivatives of $u$ in the motion: at a primal-dual iterate these are multipliers and not the gradient.
+    /// The weights of the second derivatives of $u$ in the motion: at a primal-dual iterate these are the multipliers,
+    /// not the gradient.
     pub curvature_weights: Vec<S>,
-    /// The diagonal of the Hessian in `u`, which has nothing else.
+    /// The diagonal of the Hessian in `u`, whose other entries are zero.
     pub hessian: Vec<S>,
 }
 
@@ -307,7 +312,7 @@ impl<S: Scalar> ControlDerivatives<S> {
         }
     }
 
-    /// Zeros again.
+    /// Sets all entries to zero.
     pub fn clear(&mut self) {
         for part in [
             &mut self.gradient,
@@ -319,7 +324,7 @@ impl<S: Scalar> ControlDerivatives<S> {
     }
 }
 
-/// A term in the control: it is handed the index of a point and `u`, and adds its derivatives to zeros. It says whether its Hessian is not
-/// zero.
+/// A term in the control: a function of the index of a point and `u` that adds its derivatives to zeros. It returns
+/// true if its Hessian is not zero.
 pub trait ControlTerm<S>: FnMut(usize, &[S], &mut ControlDerivatives<S>) -> bool {}
 impl<S, F: FnMut(usize, &[S], &mut ControlDerivatives<S>) -> bool> ControlTerm<S> for F {}

@@ -19,32 +19,32 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     /// The controls at the points.
     controls: DMatrix<f64>,
     evaluator: Evaluator<'a, f64, Wide<f64>>,
-    /// $[q; v; a]$ and the rows of the state at the points that are side by side.
+    /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
-    /// The number of each row among those of the constraints, ascending: all of them, or those that are listed.
+    /// The index of each listed row among those of the constraints, ascending.
     pub ids: Vec<usize>,
-    /// The number of them that are rows of the state; those of the torque come after.
+    /// The number of listed rows of the state; those of the torque follow.
     pub states: usize,
     /// The attributes of all rows, listed or not.
     all: Attributes,
-    /// The rows of the state that are not listed, and the largest value of one since this was reset.
+    /// The unlisted rows of the state, and the largest value of one since the last reset.
     unlisted: Vec<usize>,
     pub unlisted_highest: f64,
     /// The attributes of the listed rows.
     of: Attributes,
 }
 
-/// The attributes of rows, an entry each.
+/// The attributes of rows, one entry per row.
 #[derive(Clone, Debug, Default)]
 pub(in crate::relax) struct Attributes {
-    /// The factor of a row: with it the row is of the order of 0.1 where it is badly violated.
+    /// The factor of a row, with which a badly violated row is of the order of 0.1.
     pub scales: Vec<f64>,
     /// True if a row is an equality.
     pub equalities: Vec<bool>,
-    /// One of the multiplied row in rad, rad/s, m, N m or N.
+    /// One unit of the scaled row: rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
-    /// The value of a multiplied row below which its barrier is constant; minus infinity where that is nowhere.
+    /// The value of a scaled row below which its barrier is constant; minus infinity if it never is.
     pub floors: Vec<f64>,
 }
 
@@ -113,7 +113,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         &self.of
     }
 
-    /// The running cost, to be evaluated, beside what the listed rows have.
+    /// The running cost, to be evaluated, and the attributes of the listed rows.
     pub fn cost_and_attributes(&mut self) -> (&mut P, &Attributes) {
         (&mut self.cost, &self.of)
     }
@@ -123,7 +123,8 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.all.scales.len()
     }
 
-    /// Lists these rows of the state, ascending, and all of the torque: nothing is done for the others than to see how large they become.
+    /// Lists these rows of the state, ascending, and all of the torque. Only the largest value of the others is
+    /// computed.
     pub fn list(&mut self, rows: &[usize]) {
         let states = self.constraints.state.dim();
         let mut listed = vec![false; states];
@@ -147,7 +148,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         };
     }
 
-    /// All rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;
         let torque = &self.constraints.torque;
@@ -170,7 +171,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// The same without the running cost, which is not computed where only the state has constraints.
+    /// Computes the rows without the running cost, which is skipped if only the state has constraints.
     pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
         if self.constraints.torque.dim() > 0 {
             self.at(points, h, &mut vec![0.0; points.count()])
@@ -179,7 +180,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         }
     }
 
-    /// The rows of the state alone; those of the control are left as they are.
+    /// Computes the rows of the state alone and leaves those of the control unchanged.
     pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
         let (states, count) = (self.states, self.count());
         if self.wide.is_empty() {
@@ -206,7 +207,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// The weighted derivatives of the rows of the state at the points from `start` on, side by side.
+    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
     pub fn weighted_derivatives(
         &mut self,
         points: Points<'_, f64>,

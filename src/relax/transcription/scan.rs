@@ -1,4 +1,4 @@
-//! Where a curve comes nearest to breaking what is required of it, between the points of a quadrature.
+//! The peaks of the constraint rows along a curve, between the quadrature points.
 
 use super::{CostWithControl, Points, Rows, place};
 use crate::constraint::Constraint;
@@ -15,7 +15,7 @@ pub(in crate::relax) struct Scan {
     intervals: usize,
 }
 
-/// A largest value of a row over time.
+/// A local maximum of a row over time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::relax) struct Peak {
     pub row: usize,
@@ -25,7 +25,7 @@ pub(in crate::relax) struct Peak {
 }
 
 impl Scan {
-    /// `intervals` on each segment.
+    /// Tabulates `basis` at `intervals` intervals per segment.
     pub fn new(basis: &Basis, intervals: usize, horizon: f64) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
         for k in 0..=intervals {
@@ -43,7 +43,8 @@ impl Scan {
         }
     }
 
-    /// The local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola. Equalities have none.
+    /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola.
+    /// Equalities have none.
     pub fn peaks<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,

@@ -13,10 +13,10 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// The step whose boundary states are taken.
+/// The step whose boundary states are used.
 const STEP: &str = "digit_free_step";
 
-/// The links are taken for capsules of this radius, m.
+/// The radius of the capsules that represent the links, m.
 const LINK_RADIUS: f64 = 0.03;
 
 /// A box of spheres on the ground where the line of the step drags the right foot.

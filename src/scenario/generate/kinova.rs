@@ -10,14 +10,14 @@ use crate::scenario::HalfSpaceObstacle;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// The links are taken for capsules of this radius, m.
+/// The radius of the capsules that represent the links, m.
 const LINK_RADIUS: f64 = 0.05;
-/// The least duration, that of the paper's scenarios, s.
+/// The shortest duration, that of the paper's scenarios, s.
 const LEAST_HORIZON: f64 = 2.0;
-/// The share of the torque limits that the bent path takes at most.
+/// The largest share of the torque limits that the bent path uses.
 const TORQUE_SHARE: f64 = 0.9;
 
-/// A random motion at rest at both ends, within the limits on the line and on the bent path beside it.
+/// A random motion at rest at both ends, within the limits on the line and on the bent path next to it.
 fn motion<'a>(model: &'a Model, rng: &mut ChaCha8Rng) -> Result<Option<Paths<'a>>> {
     let (mut start, mut goal, mut wish) = (Vec::new(), Vec::new(), Vec::new());
     for joint in model.joints() {
@@ -39,7 +39,7 @@ fn motion<'a>(model: &'a Model, rng: &mut ChaCha8Rng) -> Result<Option<Paths<'a>
     Paths::new(witness, LINK_RADIUS).map(Some)
 }
 
-/// Five spheres, at least two of which the line hits.
+/// Five spheres, at least two of which intersect the line.
 pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let Some(paths) = motion(model, rng)? else {
         return Ok(None);
@@ -67,7 +67,7 @@ pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
     Ok(None)
 }
 
-/// Two spheres on either side of a link of the bent path, so that it has little room, and the line hits one of them.
+/// Two spheres on either side of a link of the bent path, so that the gap is narrow; the line hits one of them.
 pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let Some(paths) = motion(model, rng)? else {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Motions that are hard for the limits of a robot, whichever it is.
+//! Motions that are difficult for the limits of any robot.
 
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
@@ -14,28 +14,29 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// The least duration, s. Shorter ones, of robots with high velocity limits, ask for too much torque.
+/// The shortest duration, s. Shorter ones need too much torque for robots with high velocity limits.
 const LEAST_HORIZON: f64 = 0.5;
-/// The part of the range of a joint from which its ends are drawn, about the middle.
+/// The central part of the range of a joint from which its ends are drawn.
 const RANGE: f64 = 0.9;
-/// The share of the torque limits that the known motion takes at most without obstacle, and with one.
+/// The largest shares of the torque limits that the known motion uses, without and with an obstacle.
 const TORQUE_SHARES: [f64; 2] = [0.9, 0.95];
 /// The largest distance of the path around an obstacle from the line, rad or m.
 const BEND: f64 = 0.9;
-/// The radius of the links of a robot that reaches 1 m or more, m; links, obstacles and margins of others are smaller by their reach.
+/// The radius of the links of a robot with a reach of 1 m or more, m; links, obstacles and margins of smaller robots
+/// are scaled by their reach.
 const LINK_RADIUS: f64 = 0.05;
-/// The radii of its obstacles, m.
+/// The radii of the obstacles, m.
 const RADII: Range<f64> = 0.04..0.12;
-/// The largest distance of their centres from the links, m.
+/// The largest distance of the obstacle centres from the links, m.
 const OFF: f64 = 0.1;
-/// The reach below which a robot has no links to speak of, m.
+/// The reach below which a robot gets no obstacles, m.
 const LEAST_REACH: f64 = 0.05;
-/// The number of bent paths that are tried for a pair.
+/// The number of bent paths tried for a pair.
 const BENDS: usize = 8;
-/// The number of places that are tried for the obstacle of one path.
+/// The number of places tried for the obstacle of one path.
 const PLACES: usize = 20;
 
-/// The range from which the ends of a joint are drawn: most of its own, of at most one turn.
+/// The range from which the ends of a joint are drawn: most of the joint's range, and at most one turn.
 fn range(joint: &Joint<f64>) -> [f64; 2] {
     let limits = joint.limits();
     let (lower, upper) = match (limits.lower.max(-PI), limits.upper.min(PI)) {
@@ -48,7 +49,7 @@ fn range(joint: &Joint<f64>) -> [f64; 2] {
     [middle - half, middle + half]
 }
 
-/// Random ends within the limits, and the duration that they get.
+/// Random ends within the limits, and the duration of the motion between them.
 fn pair(model: &Model, rng: &mut ChaCha8Rng) -> ([Vec<f64>; 2], f64) {
     let mut configuration = || -> Vec<f64> {
         let draw = |joint: &Joint<f64>| {
@@ -62,7 +63,7 @@ fn pair(model: &Model, rng: &mut ChaCha8Rng) -> ([Vec<f64>; 2], f64) {
     (ends, round_up(HORIZON_RATIO * least).max(LEAST_HORIZON))
 }
 
-/// A random pair, rest to rest, for which a polynomial on the straight line keeps all limits.
+/// A random pair, rest to rest, for which a polynomial on the straight line satisfies all limits.
 pub(super) fn without_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let (ends, horizon) = pair(model, rng);
     let witness = Witness {
@@ -94,7 +95,8 @@ fn reach(model: &Model) -> f64 {
     tips.chain(reaches.iter().copied()).fold(0.0, f64::max)
 }
 
-/// A random pair and a sphere that the links hit on the straight line, while a polynomial beside it keeps clear and within all limits.
+/// A random pair and a sphere that the links hit on the straight line, while a polynomial next to it is clear and
+/// within all limits.
 pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let scale = reach(model).min(1.0);
     if scale < LEAST_REACH {
@@ -134,12 +136,12 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
     Ok(None)
 }
 
-/// A random one of the capsules but for the first ones, which hardly move.
+/// A random capsule, except the first ones, which hardly move.
 pub(super) fn moving_capsule(capsules: usize, rng: &mut ChaCha8Rng) -> usize {
     rng.random_range(2.min(capsules - 1)..capsules)
 }
 
-/// A sphere whose centre is at most `off` from a link on its way along the line.
+/// A sphere whose centre is at most `off` from a link while it moves along the line.
 pub(super) fn near_line(
     paths: &Paths,
     capsule: usize,

@@ -1,8 +1,9 @@
-//! Scenarios made from a seed: obstacles that stand in the way, and motions that are hard for the limits of a robot.
+//! Scenarios generated from a seed: obstacles across the straight line, and motions that are difficult for the limits
+//! of a robot.
 //!
-//! The paper's scenarios with obstacles are clear along the straight line already. Here the line hits something, and a bent path that is
-//! known when the obstacles are placed does not. Where limits are enforced that path is a motion within them ([`witness`]), so each
-//! scenario can be solved. `NAME_NN` is made from seed `NN`.
+//! The straight line is already free in the paper's scenarios with obstacles. Here the line hits an obstacle, and a
+//! bent path, known when the obstacles are placed, does not. If limits are enforced, that path is a motion within them
+//! ([`witness`]), so each scenario has a solution. `NAME_NN` is generated from seed `NN`.
 
 mod digit;
 mod kinova;
@@ -25,41 +26,42 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use witness::Witness;
 
-/// The number of draws of a motion and obstacles before a family gives a seed up.
+/// The number of draws of a motion and obstacles before a family gives up on a seed.
 const ATTEMPTS: usize = 5000;
-/// The number of scenarios of a family that are listed.
+/// The number of listed scenarios per family.
 const LISTED: u64 = 10;
-/// The path that is known to be free stays this far from every obstacle, m.
+/// The smallest distance of the known free path from every obstacle, m.
 const CLEAR: f64 = 0.03;
-/// The line goes at least this deep into an obstacle, m.
+/// The smallest depth of the line in an obstacle, m.
 const HIT: f64 = 0.02;
-/// Numbers in a file are rounded to this many parts of a metre, radian or second.
+/// The number of parts of a metre, radian or second to which numbers in a file are rounded.
 const ROUND: f64 = 1000.0;
 
-/// The weight of squared accelerations beside squared torques. Motions of least effort alone swing to and fro on a way many times as
-/// long as the straight one, since a light link accelerates at next to no cost; this little makes them go there directly.
+/// The weight of squared accelerations relative to squared torques. Motions of least effort alone oscillate along a
+/// path many times longer than the straight one, because accelerating a light link costs almost nothing; this small
+/// weight makes the motions direct.
 const SMALL_ACCELERATION: f64 = 0.1;
 
-/// Scenarios of one kind.
+/// A family of generated scenarios of one kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
     /// The start of their names.
     pub name: &'static str,
     /// A description of them.
     pub about: &'static str,
-    /// The robot, where no other is asked for.
+    /// The default robot.
     robot: &'static str,
-    /// True if another one may be.
+    /// True if the family accepts any robot.
     any_robot: bool,
-    /// True if the limits of the robot are enforced; what is known to be a solution keeps them then.
+    /// True if the limits of the robot are enforced; the known solution then satisfies them.
     within_limits: bool,
     flow: FlowParameters,
     feedback: Feedback,
-    /// Boundary states, obstacles and half-spaces, if the random choices go together.
+    /// Draws boundary states, obstacles and half-spaces; `None` if the random choices are unsuitable.
     attempt: fn(&Model, &mut ChaCha8Rng) -> Result<Option<Candidate>>,
 }
 
-/// The choices of a family.
+/// The random choices of a family.
 struct Candidate {
     ends: [Vec<f64>; 2],
     /// The velocities at start and goal.
@@ -71,7 +73,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// The problem that `witness` solves, with links of this radius and no obstacle yet.
+    /// A candidate that `witness` solves, with links of this radius and no obstacle yet.
     fn new(witness: Witness, link_radius: f64) -> Self {
         let rest = vec![0.0; witness.model.dof()];
         Self {
@@ -136,7 +138,7 @@ const KINOVA: Family = Family {
     attempt: kinova::cross,
 };
 
-/// The families of generated scenarios, ten of each are listed.
+/// The families of generated scenarios; ten scenarios of each are listed.
 pub const FAMILIES: [Family; 6] = [
     Family {
         name: "kinova_cross",
@@ -193,27 +195,28 @@ pub const FAMILIES: [Family; 6] = [
     },
 ];
 
-/// The names of the generated scenarios that are listed.
+/// The names of the listed generated scenarios.
 pub fn generated_scenarios() -> impl Iterator<Item = String> {
     let of_family =
         |family: &'static Family| (1..=LISTED).map(|seed| format!("{}_{seed:02}", family.name));
     FAMILIES.iter().flat_map(of_family)
 }
 
-/// Tells whether a scenario is generated under this name, listed or not.
+/// Returns true if a scenario is generated under this name, listed or not.
 #[must_use]
 pub fn is_generated(name: &str) -> bool {
     family_and_seed(name).is_some()
 }
 
-/// The family that has scenarios of such names, and the seed.
+/// The family and the seed of a name.
 fn family_and_seed(name: &str) -> Option<(&'static Family, u64)> {
     let (family, seed) = name.rsplit_once('_')?;
     let family = FAMILIES.iter().find(|f| f.name == family)?;
     Some((family, seed.parse().ok()?))
 }
 
-/// The scenario that is generated under this name, such as `kinova_gap_03`; `None` if no family has such names. Any seed will do.
+/// Generates the scenario of this name, such as `kinova_gap_03`; `None` if no family has such names. Any seed is
+/// accepted.
 ///
 /// # Errors
 /// No motion with such obstacles was found for this seed.
@@ -221,11 +224,11 @@ pub fn generate(name: &str) -> Option<Result<ScenarioFile>> {
     generate_for(name, None, Mimic::default())
 }
 
-/// As [`generate`], for another robot where the family is for any: one that is built in, or the path of a URDF file, with what becomes of
-/// its mimic joints.
+/// Generates as [`generate`] does, for another robot if the family accepts any: a built-in name or the path of a URDF
+/// file, with a treatment of its mimic joints.
 ///
 /// # Errors
-/// The robot cannot be loaded, the family has its own, or no such motion was found for this seed.
+/// The robot cannot be loaded, the family has a fixed robot, or no such motion was found for this seed.
 pub fn generate_for(name: &str, robot: Option<&str>, mimic: Mimic) -> Option<Result<ScenarioFile>> {
     let (family, seed) = family_and_seed(name)?;
     Some(family.scenario(name, seed, robot, mimic))

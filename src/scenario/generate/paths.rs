@@ -1,4 +1,4 @@
-//! What the links of a robot sweep on the line between two configurations and on a bent path beside it.
+//! The space that the links of a robot sweep on the line between two configurations and on a bent path next to it.
 
 use super::witness::Witness;
 use crate::constraint::{Capsule, HalfSpace, Sphere};
@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 
-/// At how many places the paths are looked at.
+/// The number of places at which the paths are sampled.
 const PLACES: usize = 61;
 
-/// Where the bodies are along a path, and the shape they have.
+/// The placements of the bodies along a path, and their shape.
 pub(super) struct Swept {
     places: Vec<Vec<Placement<f64>>>,
     capsules: Vec<Capsule>,
@@ -22,12 +22,12 @@ pub(super) struct Paths<'a> {
     pub witness: Witness<'a>,
     /// Straight in the configuration.
     pub line: Swept,
-    /// The path that is to be free.
+    /// The path that must be free.
     pub bent: Swept,
 }
 
 impl<'a> Paths<'a> {
-    /// The line between the ends of `witness`, and its own path. The shape has links of this radius.
+    /// Samples the line between the ends of `witness`, and its own path. The links have this radius.
     pub(super) fn new(mut witness: Witness<'a>, radius: f64) -> Result<Self> {
         let bent = Swept::new(&witness, radius)?;
         let straight = vec![0.0; witness.bend.len()];
@@ -41,14 +41,14 @@ impl<'a> Paths<'a> {
         })
     }
 
-    /// Tells whether the bent path stays `margin` clear of a sphere, m.
+    /// Returns true if the bent path stays `margin` clear of a sphere, m.
     pub(super) fn free(&self, centre: Vector3<f64>, radius: f64, margin: f64) -> Result<bool> {
         Ok(self.bent.clearance(centre, radius)? >= margin)
     }
 }
 
 impl Swept {
-    /// The space that a robot with links of this radius sweeps.
+    /// Samples the space that a robot with links of this radius sweeps.
     fn new(witness: &Witness, radius: f64) -> Result<Self> {
         let model = witness.model;
         let places = (0..PLACES).map(|k| {
@@ -64,13 +64,13 @@ impl Swept {
         })
     }
 
-    /// How far the sphere is from all that is swept, m.
+    /// The distance of the sphere from the swept space, m.
     pub(super) fn clearance(&self, centre: Vector3<f64>, radius: f64) -> Result<f64> {
         let sphere = Sphere { centre, radius };
         self.smallest(|capsule, placements| capsule.clearance(placements, &sphere))
     }
 
-    /// The lowest point that is swept, m.
+    /// The lowest point of the swept space, m.
     pub(super) fn lowest(&self) -> Result<f64> {
         let ground = HalfSpace {
             normal: Vector3::z(),

@@ -1,32 +1,33 @@
-//! A motion that is known, and shows that a scenario has a solution.
+//! A known motion that proves that a scenario has a solution.
 
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scenario::preflight::slowest;
 
-/// The peak of the velocity of [`progress`] over its mean.
+/// The ratio of peak to mean velocity of [`progress`].
 const PEAK: f64 = 1.25;
-/// The share of the velocity limits that a known motion takes at most.
+/// The largest share of the velocity limits that a known motion uses.
 const VELOCITY_SHARE: f64 = 0.98;
-/// By how much the horizon of a generated scenario exceeds the least one of the velocity limits. [`PEAK`] is below it.
+/// The ratio of the horizon of a generated scenario to the shortest one that the velocity limits allow. [`PEAK`] is
+/// smaller.
 pub(super) const HORIZON_RATIO: f64 = 1.3;
 /// The velocity limit of a joint that has none, rad/s or m/s.
 const NOMINAL_SPEED: f64 = 3.0;
-/// At how many times the limits are looked at.
+/// The number of times at which the limits are checked.
 const TIMES: usize = 241;
-/// The parts of a bend that are tried until one breaks no limit; the line is the last resort.
+/// The fractions of a bend tried until one satisfies all limits; the line is the last resort.
 const PARTS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.08, 0.0];
-/// Every so many times first, where most motions that break a limit do so already.
+/// The stride of the first pass over the times, which already rejects most motions that violate a limit.
 const STRIDE: usize = 24;
 
-/// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\\, h(t / T)$, a polynomial of degree 5 in every joint, so that the
-/// relaxation has it among its motions.
+/// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\\, h(t / T)$, a polynomial of degree 5 per joint, so
+/// that the relaxation can represent it.
 pub(super) struct Witness<'a> {
     pub model: &'a Model,
     /// Its start and its end.
     pub ends: [Vec<f64>; 2],
-    /// The distance of each joint from the line in the middle.
+    /// The distance of each joint from the line at half time.
     pub bend: Vec<f64>,
     /// Its duration, s.
     pub horizon: f64,
@@ -52,7 +53,7 @@ fn bump(tau: f64) -> [f64; 3] {
     ]
 }
 
-/// The least horizon at the velocity limits; a joint without one has [`NOMINAL_SPEED`].
+/// The shortest horizon at the velocity limits; [`NOMINAL_SPEED`] is used for a joint without one.
 pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64 {
     let speed = |i: usize| {
         let limit = model.joints()[i].limits().velocity;
@@ -66,7 +67,8 @@ pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64
 }
 
 impl<'a> Witness<'a> {
-    /// That with each joint bent by as much of `wish` as its limits of position and velocity leave room for.
+    /// Builds the motion with each joint bent by the largest part of `wish` that its limits of position and velocity
+    /// allow.
     pub(super) fn bent(
         model: &'a Model,
         ends: [Vec<f64>; 2],
@@ -91,7 +93,7 @@ impl<'a> Witness<'a> {
         witness
     }
 
-    /// Position, velocity and acceleration of a joint at the part `tau` of the horizon.
+    /// Position, velocity and acceleration of a joint at the fraction `tau` of the horizon.
     pub(super) fn joint(&self, i: usize, tau: f64) -> [f64; 3] {
         let (s, h) = (progress(tau), bump(tau));
         let [start, goal] = [self.ends[0][i], self.ends[1][i]];
@@ -100,14 +102,15 @@ impl<'a> Witness<'a> {
         [start + along(0), along(1) * rate, along(2) * rate * rate]
     }
 
-    /// Tells whether a joint keeps its limits of position and velocity at the time `k` of [`TIMES`].
+    /// Returns true if a joint satisfies its limits of position and velocity at time `k` of [`TIMES`].
     fn joint_keeps(&self, i: usize, k: usize) -> bool {
         let [q, v, _] = self.joint(i, k as f64 / (TIMES - 1) as f64);
         let limits = self.model.joints()[i].limits();
         v.abs() <= VELOCITY_SHARE * limits.velocity && (limits.lower..=limits.upper).contains(&q)
     }
 
-    /// Tells whether it keeps all limits, those of the torques with the share `torque` of them, and those torques hold both ends at rest.
+    /// Returns true if the motion satisfies all limits, those of the torques scaled by `torque`, and the torques can
+    /// hold both ends at rest.
     pub(super) fn keeps_limits(&self, torque: f64) -> Result<bool> {
         let mut data = Data::new(self.model);
         let n = self.model.dof();

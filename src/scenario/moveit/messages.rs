@@ -1,4 +1,4 @@
-//! The parts of a planning scene and of a planning request of MoveIt that are read, as YAML writes these messages.
+//! The parts of MoveIt's planning scenes and requests that are read, in the YAML form of these messages.
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -53,7 +53,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The name, that of a number of the message included.
+    /// The name of the kind, also if the message has its number.
     pub fn name(&self) -> String {
         match self {
             Self::Name(name) => name.to_lowercase(),
@@ -68,7 +68,7 @@ impl Kind {
     }
 }
 
-/// The place of a shape.
+/// The pose of a shape.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub(super) struct Pose {
     pub position: Position,
@@ -129,14 +129,14 @@ pub(super) struct JointState {
     pub position: Vec<f64>,
 }
 
-/// The places of what moves with several degrees of freedom, such as the base.
+/// The poses of joints with several degrees of freedom, such as a floating base.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct MultiDofJointState {
     #[serde(default)]
     pub transforms: Vec<Transform>,
 }
 
-/// The place of a frame.
+/// The pose of a frame.
 #[derive(Debug, Deserialize)]
 pub(super) struct Transform {
     pub translation: Position,

@@ -1,4 +1,4 @@
-//! Scenarios from the planning scenes and requests of MoveIt.
+//! Scenarios from MoveIt's planning scenes and requests.
 
 mod messages;
 mod obstacles;
@@ -20,26 +20,25 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use yaml::read_yaml;
 
-/// The shortest horizon that is chosen where none is given, s.
+/// The shortest default horizon, s.
 const SHORTEST: f64 = 0.1;
 
-/// The horizon with which a search begins where none is given, and the longest, as multiples of the least that the
-/// velocity limits allow.
+/// The default first and longest horizon of a search, as multiples of the shortest one that the velocity limits allow.
 const FIRST: f64 = 2.0;
 const LONGEST: f64 = 15.0;
 
-/// The files of a planning problem of MoveIt, and how to make a scenario of it.
+/// The files of a MoveIt planning problem, and the options for converting it to a scenario.
 #[derive(Clone, Debug)]
 pub struct MoveIt {
     /// The planning scene, YAML.
     pub scene: PathBuf,
     /// The planning request, YAML.
     pub request: PathBuf,
-    /// A robot that is built in, or the path of a URDF file.
+    /// The name of a built-in robot, or the path of a URDF file.
     pub urdf: String,
-    /// The treatment of its mimic joints.
+    /// The treatment of mimic joints.
     pub mimic: Mimic,
-    /// The SRDF, whose disabled pairs of links are not checked; without one these are found by
+    /// The SRDF, whose disabled pairs of links are not checked; without one the pairs are found by
     /// [sampling](IgnoredPairs::by_sampling).
     pub srdf: Option<PathBuf>,
     /// The spacing of the balls that cover shapes other than spheres, m.
@@ -48,26 +47,26 @@ pub struct MoveIt {
     pub horizon: MoveItHorizon,
 }
 
-/// The horizon of a scenario that is made.
+/// The horizon of a converted scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveItHorizon {
-    /// Free, from the least that the velocity limits allow, but 0.1 s at least, to fifteen times that.
+    /// Free, from the shortest one that the velocity limits allow, but at least 0.1 s, to fifteen times that.
     Free,
     /// Free between these bounds, s.
     Between(f64, f64),
-    /// Given, s.
+    /// Fixed, s.
     Given(f64),
 }
 
 impl MoveIt {
-    /// The scenario of a problem: from the joint state of the request to its goal in joint space, at rest at both ends,
-    /// within all limits of the robot, with the boxes, cylinders and spheres of the scene as obstacles, the collision
-    /// shapes of the robot, and the pairs of links that may overlap. Joints that are not in the goal are locked where
-    /// the request has them, or else the scene. `path` is that of the scenario to be, which is loaded once to see that
-    /// it is one.
+    /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space, at
+    /// rest at both ends, within all limits of the robot, with the boxes, cylinders and spheres of the scene as
+    /// obstacles, the collision shapes of the robot, and the pairs of links that may overlap. Joints that are not in
+    /// the goal are locked at their position in the request, or otherwise in the scene. `path` is the future path of
+    /// the scenario, which is loaded once as a check.
     ///
     /// # Errors
-    /// Names the file, the element and what is wrong with it: among others goals, obstacles and frames that no scenario has.
+    /// Names the file, the element and the fault, such as a goal, an obstacle or a frame that scenarios do not support.
     pub fn scenario(&self, path: &str) -> Result<Scenario> {
         let [scene_name, request_name] =
             [&self.scene, &self.request].map(|path| path.display().to_string());
@@ -158,7 +157,7 @@ impl MoveIt {
         IgnoredPairs::by_sampling(model, &balls)
     }
 
-    /// The horizon to begin with, and its bounds if it is free.
+    /// The initial horizon, and its bounds if it is free.
     fn horizon(
         &self,
         joints: &[&Joint<f64>],
@@ -186,12 +185,12 @@ impl MoveIt {
     }
 }
 
-/// The positions of joints by name.
+/// Joint positions by name.
 struct Positions(BTreeMap<String, f64>);
 
 impl Positions {
-    /// Those of a state, whose joints have to be some of the robot, fixed ones included. `key` is where it is in
-    /// `file`.
+    /// Reads the positions of a state. Each joint must be one of the robot, fixed ones included. `key` is the position
+    /// of the state in `file`.
     fn of(state: &RobotState, model: &Model, file: &str, key: &str) -> Result<Self> {
         let refuse = |what: &str, condition: String| {
             Err(Error::input(file, format!("{key}.{what}"), condition))
@@ -229,7 +228,7 @@ impl Positions {
     }
 }
 
-/// Tells whether the robot has a joint of this name, one that moves or a fixed one.
+/// Returns true if the robot has a moving or fixed joint of this name.
 fn has_joint(model: &Model, name: &str) -> bool {
     let carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
     let mut names = carriers.map(|carrier| carrier.joint.as_str());
@@ -275,7 +274,7 @@ fn goal_of(request: &Request, model: &Model, file: &str) -> Result<BTreeMap<Stri
     Ok(positions)
 }
 
-/// Tells whether anything in a message is no empty list or text.
+/// Returns true if a message contains anything but empty lists and texts.
 fn has_entries(value: &serde_json::Value) -> bool {
     use serde_json::Value;
     match value {

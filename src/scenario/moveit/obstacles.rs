@@ -6,7 +6,7 @@ use crate::scenario::obstacles::{Obstacle, unit_quaternion};
 use crate::scenario::{BoxObstacle, CylinderObstacle, ScenarioFile, SphereObstacle};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Adds the obstacles of a scene to a scenario; `file` names the scene in errors.
+/// Adds the obstacles of a scene to a scenario. `file` names the scene in errors.
 pub(super) fn add_obstacles(scene: &Scene, file: &str, to: &mut ScenarioFile) -> Result<()> {
     let octomap = scene.world.octomap.as_ref();
     let data = octomap.and_then(|map| map.pointer("/octomap/data"));
@@ -52,7 +52,7 @@ pub(super) fn add_obstacles(scene: &Scene, file: &str, to: &mut ScenarioFile) ->
     Ok(())
 }
 
-/// The pose of a shape in the frame of the scene: at its pose in that of the object.
+/// The pose of a shape in the frame of the scene.
 type Placed = (Vector3<f64>, UnitQuaternion<f64>);
 
 fn place(object: Option<&Pose>, primitive: &Pose) -> std::result::Result<Placed, String> {
@@ -68,7 +68,7 @@ fn place(object: Option<&Pose>, primitive: &Pose) -> std::result::Result<Placed,
     Ok((outer + turn * inner, turn * inner_turn))
 }
 
-/// Adds a shape; the error says what is wrong with it.
+/// Adds a shape; an error describes its fault.
 fn add(
     primitive: &Primitive,
     name: String,

@@ -1,14 +1,14 @@
-//! Reading YAML, with errors that name the key.
+//! YAML input with errors that name the key.
 
 use crate::error::{Error, Result};
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-/// The most lists and mappings in each other. Messages of MoveIt have ten.
+/// The largest nesting depth of lists and mappings. MoveIt's messages have ten.
 const DEEPEST: usize = 64;
 
-/// Reads a value from the only document of a YAML text; an error names the key that is wrong. `what` is in the file,
+/// Reads a value from the only document of a YAML text; an error names the faulty key. `what` describes the contents,
 /// such as a scene.
 pub(super) fn read_yaml<T: DeserializeOwned>(text: &str, file: &str, what: &str) -> Result<T> {
     let refuse = |key: &str, condition: String| Err(Error::input(file, key, condition));
@@ -24,17 +24,17 @@ pub(super) fn read_yaml<T: DeserializeOwned>(text: &str, file: &str, what: &str)
     })
 }
 
-/// A list or a mapping that is not complete yet.
+/// An unfinished list or mapping.
 enum Open {
     List(Vec<Value>),
-    /// With the key whose value is to come.
+    /// A mapping and the key whose value comes next.
     Mapping(Map<String, Value>, Option<String>),
 }
 
-/// The value of the only document of a text, in the model of JSON, or what is wrong.
+/// The value of the only document of a text in the JSON data model, or the fault.
 ///
-/// The events of the parser come one by one and are put together here: deep nesting and references, which can stand for
-/// more than any memory holds, are refused.
+/// The events of the parser are assembled here; deep nesting and references, which can expand beyond any memory, are
+/// refused.
 fn value_of(text: &str) -> std::result::Result<Value, String> {
     let mut open: Vec<Open> = Vec::new();
     let mut whole = None;
@@ -88,7 +88,7 @@ fn value_of(text: &str) -> std::result::Result<Value, String> {
     whole.ok_or_else(|| "it is empty".to_owned())
 }
 
-/// The value of a word, by the core schema of YAML; `None` for a number that is not finite.
+/// The value of a scalar by the core schema of YAML; `None` for a number that is not finite.
 fn scalar(text: &str, style: ScalarStyle) -> Option<Value> {
     if style != ScalarStyle::Plain {
         return Some(Value::from(text));

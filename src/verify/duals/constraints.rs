@@ -1,4 +1,4 @@
-//! The derivatives of constraints against dual numbers, and the Jacobians of the constrained flow.
+//! Checks of the derivatives of constraints and of the Jacobians of the constrained flow by dual numbers.
 
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
@@ -19,12 +19,12 @@ use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Rotation3, Vector3};
 use num_dual::Dual64;
 
-/// Compares the weighted derivatives of every kind of constraint with duals, and the analytic Jacobians of the constrained
-/// flow with duals of its right-hand side. The constraints are made up from the first random state, so that on any robot about
-/// half of the rows are violated there.
+/// Compares the weighted derivatives of every kind of constraint with dual numbers, and the analytic Jacobians of the
+/// constrained flow with dual numbers of its right-hand side. The constraints are derived from the first random state,
+/// so that on any robot about half of the rows are violated there.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let made_up = made_up(model, &State::random(model, options.seed, 0))?;
     let states = options.states(model)?;
@@ -52,11 +52,11 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     Ok(all)
 }
 
-/// Compares the weighted derivatives of a constraint, whether by hand or by the default, with duals of its value and of its gradient at
-/// random states. `name` stands before the names of the quantities.
+/// Compares the weighted derivatives of a constraint, analytic or by default, with dual numbers of its value and of its
+/// gradient at random states. `name` is the prefix of the quantities.
 ///
 /// # Errors
-/// The constraint is for another robot.
+/// The constraint refers to a joint or body that the robot does not have.
 pub fn check_constraint(
     model: &Model,
     name: &str,
@@ -71,13 +71,13 @@ pub fn check_constraint(
     Ok(findings.all)
 }
 
-/// Nothing is divided here; what is small beside metres and radians may be what rounding leaves of zero.
+/// The tolerance: without divisions, entries that are small relative to metres and radians may be rounding errors.
 const TOLERANCE: Tolerance = Tolerance {
     bound: BOUND,
     floor: VANISHING,
 };
 
-/// The kinds of constraints on the state, in the order in which they are made up.
+/// The kinds of constraints on the state, in the order of their construction.
 const KINDS: [&str; 5] = [
     "spheres",
     "half-space",
@@ -86,7 +86,7 @@ const KINDS: [&str; 5] = [
     "bounds",
 ];
 
-/// A box, a cylinder, a capsule and a ball about `mean`, turned, of sizes that go with `reach`.
+/// A box, a cylinder, a capsule and a ball about `mean`, rotated, of sizes in proportion to `reach`.
 fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
     let size = |part: f64| part * reach;
     let shapes = [
@@ -210,8 +210,9 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
     })
 }
 
-/// Weighted sums of derivatives: the gradient against duals of the rows, the Hessian with the products of gradients against
-/// duals of a gradient whose weights move with the rows, $w_j + c_j (g_j(x) - g_j)$.
+/// Compares weighted sums of derivatives: the gradient with dual numbers of the rows, the Hessian including the
+/// products of gradients with dual numbers of a gradient whose weights change with the rows,
+/// $w_j + c_j (g_j(x) - g_j)$.
 fn contractions(
     model: &Model,
     name: &str,

@@ -1,4 +1,4 @@
-//! The derivatives of the dynamics against dual numbers.
+//! Checks of the derivatives of the dynamics by dual numbers.
 
 use super::tensors::second_derivatives;
 use super::{At, CheckOptions, Finding, Findings, State};
@@ -14,15 +14,15 @@ use crate::verify::reference::{self, entries, jacobian, mass, vector};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
-/// Compares the derivatives of the dynamics with duals, and the two forms of $\Omega$ with each other.
+/// Compares the derivatives of the dynamics with dual numbers, and the two forms of $\Omega$ with each other.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     check_dynamics_at(model, &options.states(model)?, &options.penalties)
 }
 
-/// Does the same at given states, such as those where terms vanish or coincide.
+/// Performs [`check_dynamics`] at given states, such as those at which terms vanish or coincide.
 ///
 /// # Errors
 /// A state does not have `2 N` entries in each of its parts.
@@ -112,7 +112,8 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     Ok(())
 }
 
-/// The gradient of `w^T ID` against duals of `rnea`, its Hessian against duals of the products with `rnea_derivatives`.
+/// Compares the gradient of `w^T ID` with dual numbers of `rnea`, and its Hessian with dual numbers of the products
+/// with `rnea_derivatives`.
 fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
     let n = model.dof();
     let state = state_of(at);
@@ -175,7 +176,7 @@ fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<(
     Ok(())
 }
 
-/// `q`, `v` and `a` behind one another.
+/// `q`, `v` and `a`, concatenated.
 pub(super) fn state_of(at: At<'_>) -> Vec<f64> {
     let node = at.state.node();
     [node.x, node.xdot_p2()].concat()

@@ -1,4 +1,4 @@
-//! The flow of any Lagrangian in any metric, and its Jacobian.
+//! Checks of the flow of any Lagrangian in any metric, and of its Jacobian.
 
 use super::{At, CheckOptions, Finding, Findings, State, compare_jacobians};
 use crate::constraint::TorqueLimits;
@@ -14,23 +14,24 @@ use crate::scalar::{AlgebraOver, Tanh};
 use crate::verify::reference::{gradient_and_rate, variation};
 use nalgebra::{DMatrix, DVector};
 
-/// A flow of one's own, to be held against the definition of the flow.
+/// A user-defined flow, which is compared with the definition of the flow.
 pub struct FlowUnderTest<'a, L, M> {
-    /// The words before the names of the quantities.
+    /// The prefix of the names of the quantities.
     pub name: &'a str,
     /// The Lagrangian.
     pub lagrangian: &'a L,
     /// The metric.
     pub metric: &'a M,
-    /// Their supposed $\Omega$.
+    /// The implementation of $\Omega$ under test.
     pub right_hand_side: &'a mut dyn RightHandSide<f64, f64>,
-    /// Its supposed Jacobian.
+    /// The implementation of the Jacobian under test.
     pub jacobian: &'a mut dyn NodeJacobian,
 }
 
-/// Compares a right-hand side with the definition $G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$ by nested duals of the Lagrangian, and a
-/// Jacobian with duals of that, at random states and times: the worst of each at each penalty, the rows of $\Omega_{P1}$ and
-/// $\Omega_{P2}$ apart. Cost: third derivatives, `3 N^2` evaluations of the Lagrangian per state and penalty.
+/// Compares a right-hand side with the definition $G^{-1} (\frac{d}{dt} L_{\dot x} - L_x)$ by nested dual numbers of
+/// the Lagrangian, and a Jacobian with dual numbers of that, at random states and times: the worst of each at each
+/// penalty, separately for the rows of $\Omega_{P1}$ and $\Omega_{P2}$. Cost: third derivatives, `3 N^2` evaluations of
+/// the Lagrangian per state and penalty.
 ///
 /// # Errors
 /// Those of the flow, the Lagrangian or the metric.
@@ -60,7 +61,7 @@ pub fn check_flow<L: Lagrangian, M: Metric>(
     Ok(findings)
 }
 
-/// The first half of [`check_flow`], for a Lagrangian and a metric.
+/// Performs the first half of [`check_flow`], for a Lagrangian and a metric.
 fn check_right_hand_side<L: Lagrangian, M: Metric>(
     model: &Model,
     name: &str,
@@ -90,7 +91,7 @@ fn check_right_hand_side<L: Lagrangian, M: Metric>(
     Ok(findings.all)
 }
 
-/// A running cost of the state: distance from rest, which counts more as time goes on.
+/// A running cost of the state: the distance from rest, with a weight that grows with time.
 struct LateRest;
 
 impl StateCost for LateRest {
@@ -100,12 +101,12 @@ impl StateCost for LateRest {
     }
 }
 
-/// Checks the flow beyond the paper's by what is built in: a [`ControlLagrangian`] with every third joint passive, dual trajectories of
-/// the slip and of the torque, torque limits as penalties, and a [`StateCost`]; the [`AffineLagrangian`] of the free dynamics; and the
-/// metric.
+/// Checks the flow beyond the paper's for the built-in extensions: a [`ControlLagrangian`] with every third joint
+/// passive, dual trajectories of the slip and of the torque, torque limits as penalties, and a [`StateCost`]; the
+/// [`AffineLagrangian`] of the free dynamics; and the metric.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_general_flow(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let (n, control) = (model.dof(), made_up(model.dof())?);
     let (weights, metric) = (&control.weights, control.metric());
@@ -138,12 +139,12 @@ pub fn check_general_flow(model: &Model, options: &CheckOptions) -> Result<Vec<F
     Ok(all)
 }
 
-/// Numbers that are neither zero nor alike.
+/// Distinct numbers, none of which is zero.
 pub(super) fn wave(i: usize, j: usize) -> f64 {
     (1.0 + i as f64 + 0.7 * j as f64).sin()
 }
 
-/// A Lagrangian with all that [`ControlLagrangian`] can have, for `n` joints.
+/// A Lagrangian with all features of [`ControlLagrangian`], for `n` joints.
 fn made_up(n: usize) -> Result<ControlLagrangian<f64, (ControlDual, TorquePenalty)>> {
     let trajectory = |shift: usize| {
         let coefficients = DMatrix::from_fn(n, 5, |i, j| wave(i + shift, j));
@@ -171,8 +172,8 @@ fn made_up(n: usize) -> Result<ControlLagrangian<f64, (ControlDual, TorquePenalt
     })
 }
 
-/// The affine Lagrangian against that of the control, and twice the metric against the Hessian of the Lagrangian in $\dot x$, along
-/// $\ddot x$.
+/// Compares the affine Lagrangian with that of the control, and twice the metric with the Hessian of the Lagrangian in
+/// $\dot x$, along $\ddot x$.
 fn metric_and_affine(
     model: &Model,
     weights: &ActuationWeights,

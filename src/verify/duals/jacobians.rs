@@ -1,4 +1,4 @@
-//! Jacobians of the right-hand side against each other.
+//! Comparison of Jacobians of the right-hand side.
 
 use super::{
     At, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, LARGEST_DIFFERENCE_BOUND, State,
@@ -12,11 +12,11 @@ use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use nalgebra::DMatrix;
 
-/// Compares a Jacobian with duals of the control form at random states: the worst of each block at each penalty, the rows
-/// of $\Omega_{P1}$ and $\Omega_{P2}$ apart. `name` stands before the names of the blocks.
+/// Compares a Jacobian with dual numbers of the control form at random states: the worst of each block at each penalty,
+/// separately for the rows of $\Omega_{P1}$ and $\Omega_{P2}$. `name` is the prefix of the names of the blocks.
 ///
 /// # Errors
-/// `jacobian` is for another model.
+/// `jacobian` has another number of joints than `model`.
 pub fn check_jacobian(
     model: &Model,
     name: &str,
@@ -32,10 +32,10 @@ pub fn check_jacobian(
     )
 }
 
-/// Does the same at given states, such as those where terms vanish or coincide.
+/// Performs [`check_jacobian`] at given states, such as those at which terms vanish or coincide.
 ///
 /// # Errors
-/// `jacobian` is for another model, or a state does not have `2 N` entries in each of its parts.
+/// `jacobian` has another number of joints than `model`, or a state does not have `2 N` entries in each of its parts.
 pub fn check_jacobian_at(
     model: &Model,
     name: &str,
@@ -74,8 +74,8 @@ pub(super) fn compare_jacobians(
 /// The step of central differences at an argument up to one.
 const STEP: f64 = 7.4e-4;
 
-/// Central differences are held to less: they lose what is small beside the largest entry of all blocks. Where they say nothing
-/// they are not compared.
+/// Checks central differences with a larger bound: they lose entries that are small relative to the largest one of all
+/// blocks. They are not compared at states where they are meaningless.
 pub(super) fn check_differences(
     model: &Model,
     name: &str,
@@ -114,7 +114,7 @@ pub(super) fn check_differences(
     Ok(findings.all)
 }
 
-/// The blocks of two Jacobians by the name of what they are derivatives in.
+/// The blocks of two Jacobians with the names of their variables.
 fn pairs<'a>(
     a: &'a NodeBlocks,
     b: &'a NodeBlocks,
@@ -126,7 +126,7 @@ fn pairs<'a>(
     ]
 }
 
-/// Evaluates two Jacobians at all states and penalties and shows what they give to `look`.
+/// Evaluates two Jacobians at all states and penalties and passes the results to `look`.
 fn each_pair(
     model: &Model,
     jacobian: &mut dyn NodeJacobian,
@@ -148,8 +148,8 @@ fn each_pair(
     Ok(())
 }
 
-/// The Jacobian of Algorithm B1 but for $d\Omega / d\ddot x = 2 I$ (B80): multiplying by $H H$ what is divided by it again
-/// leaves little of numbers that are known.
+/// The Jacobian of Algorithm B1 with the exact $d\Omega / d\ddot x = 2 I$ (B80): multiplying by $H H$ and dividing by
+/// it again would lose most digits of these known numbers.
 pub(super) struct Printed<J>(pub J);
 
 impl<J: NodeJacobian> NodeJacobian for Printed<J> {
@@ -161,8 +161,9 @@ impl<J: NodeJacobian> NodeJacobian for Printed<J> {
     }
 }
 
-/// Checks every Jacobian of a list with [`check_jacobian`]. Two that are built in are compared otherwise: differences with a bound
-/// of their own, and duals of the control form, which are the truth for the others, with duals of Algorithm B1.
+/// Checks every Jacobian of a list with [`check_jacobian`]. Two built-in ones are compared differently: differences
+/// with a separate bound, and dual numbers of the control form, which are the reference for the others, with dual
+/// numbers of Algorithm B1.
 ///
 /// # Errors
 /// An implementation refuses the model.

@@ -1,8 +1,9 @@
 //! Analytic derivatives against dual numbers, at random states of any robot.
 //!
-//! The dual numbers are those of `num-dual`, which nothing analytic here is built from, and in the weak form of the flow the library's
-//! [`Jet`](crate::scalar::Jet). Errors are relative to the largest entry of what is compared. The rows of $\Omega_{P1}$ and of
-//! $\Omega_{P2}$ are compared apart, since the first have the size `1 / k`, in which a wrong term of the others would drown.
+//! The dual numbers are those of `num-dual`, on which no analytic derivative here is based, and for the weak form of
+//! the flow the library's [`Jet`](crate::scalar::Jet). Errors are relative to the largest compared entry. The rows of
+//! $\Omega_{P1}$ and of $\Omega_{P2}$ are compared separately, because the former have the size `1 / k` and a wrong
+//! term in them would be hidden by the others.
 
 mod constraints;
 mod dynamics;
@@ -62,20 +63,22 @@ impl<T: DualNum + Copy> Differentiable for Dual<T> {
     type Dual = Dual<Self>;
 }
 
-/// The largest relative error that rounding explains; more where what is divided by a mass matrix of large condition number.
+/// The largest relative error that rounding explains; larger for divisions by an ill-conditioned mass matrix.
 pub const BOUND: f64 = 1e-9;
-/// No bound is larger, however ill-conditioned the mass matrix is: a state at which rounding takes more cannot be judged in double
-/// precision, and is reported.
+/// The largest bound for any condition number of the mass matrix: a state with larger rounding errors cannot be judged
+/// in double precision, and is reported.
 pub const LARGEST_BOUND: f64 = 1e-5;
-/// The same of what is divided by the mass matrix twice and then multiplied by it twice, as the weak form of the relaxation.
+/// The largest bound for quantities that are divided by the mass matrix twice and then multiplied by it twice, such as
+/// the weak form of the relaxation.
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
-/// What is so small beside the inertia of the robot may be what rounding leaves of zero: with [`BOUND`] errors of 50 units of rounding
-/// pass there, as sums of several products have them.
+/// Entries below this fraction of the inertia may be rounding errors of zero: with [`BOUND`] 50 units of rounding pass there, as sums of
+/// several products have them.
 const VANISHING: f64 = 1e-5;
-/// The largest error that central differences may have, relative to the largest entry of all blocks: they are there for comparison only.
+/// The largest error of central differences, relative to the largest entry of all blocks; they serve only for
+/// comparison.
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
-/// The same where the step of a difference is not small beside the distance over which the mass matrix loses rank. States at which
-/// differences may be off by more say nothing, and are not compared with them.
+/// The bound for central differences whose step is not small relative to the distance over which the mass matrix loses
+/// rank. States at which they may be less accurate are not compared.
 pub const LARGEST_DIFFERENCE_BOUND: f64 = 0.1;
 
 /// The settings of a check.
@@ -85,7 +88,7 @@ pub struct CheckOptions {
     pub samples: usize,
     /// The seed of the states: the same seed gives the same states.
     pub seed: u64,
-    /// The penalties at which Jacobians are checked; at 1 no term hides behind `1 / k`.
+    /// The penalties at which Jacobians are checked; at 1 no term is hidden by `1 / k`.
     pub penalties: Vec<f64>,
 }
 
@@ -101,13 +104,13 @@ impl Default for CheckOptions {
 }
 
 impl CheckOptions {
-    /// The most random states: those of Digit, with 22 joints, are 100 MB and take hours to look at.
+    /// The largest number of random states: for Digit, with 22 joints, these take 100 MB and hours of computation.
     pub const MOST_SAMPLES: usize = 100_000;
 
-    /// The random states of `model` that these options ask for.
+    /// The random states of `model` for these options.
     ///
     /// # Errors
-    /// No states, or more than [`MOST_SAMPLES`](Self::MOST_SAMPLES).
+    /// The number of states is zero or above [`MOST_SAMPLES`](Self::MOST_SAMPLES).
     pub fn states(&self, model: &Model) -> Result<Vec<State>> {
         check_count("samples", self.samples, 1..=Self::MOST_SAMPLES)?;
         let states = (0..self.samples).map(|sample| State::random(model, self.seed, sample));
@@ -115,22 +118,22 @@ impl CheckOptions {
     }
 }
 
-/// A state: what the flow reads at a node, a time and `2 N` entries each.
+/// A state for a check: a time, and three slices of `2 N` entries, the input of the flow at a node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct State {
-    /// $t$, in s.
+    /// The time $t$, in s.
     pub t: f64,
-    /// $x = [q; v]$.
+    /// The state $x = [q; v]$.
     pub x: Vec<f64>,
-    /// $\dot x$.
+    /// The rate $\dot x$.
     pub xdot: Vec<f64>,
-    /// $\ddot x$.
+    /// The second derivative $\ddot x$.
     pub xddot: Vec<f64>,
 }
 
 impl State {
-    /// State number `sample` of those that `seed` gives for `model`: positions within the limits of the joints, or within
-    /// half a turn where there are none, the time from 0 to 3 s, everything else from -3 to 3.
+    /// Draws state number `sample` of the sequence of `seed` for `model`: positions within the limits of the joints, or
+    /// within half a turn without limits, the time from 0 to 3 s, everything else from -3 to 3.
     #[must_use]
     pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -152,7 +155,7 @@ impl State {
         Self { t, x, xdot, xddot }
     }
 
-    /// The state as the flow reads it.
+    /// The state as the input of the flow.
     #[must_use]
     pub fn node(&self) -> Node<'_, f64> {
         Node {
@@ -164,56 +167,56 @@ impl State {
     }
 }
 
-/// The worst that was seen of one quantity.
+/// The worst error of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The quantity that was compared.
     pub quantity: String,
-    /// The penalty, where it matters.
+    /// The penalty, if the quantity depends on it.
     pub k: Option<f64>,
     /// The worst relative error.
     pub error: f64,
-    /// The largest error that is allowed.
+    /// The largest allowed error.
     pub bound: f64,
     /// Row and column of the worst entry.
     pub entry: (usize, usize),
-    /// The number of the state that gave it, counted from zero.
+    /// The index of the state, counted from zero.
     pub sample: usize,
-    /// That state.
+    /// The state.
     pub state: State,
 }
 
 impl Finding {
-    /// Tells whether the error is within its bound; one that is not a number is not.
+    /// Returns true if the error is within its bound; NaN is not.
     #[must_use]
     pub fn passes(&self) -> bool {
         self.error <= self.bound
     }
 }
 
-/// Collects the worst of each quantity, in the order of first sight.
+/// A collector of the worst error of each quantity, in the order of their first check.
 #[derive(Default)]
 pub(crate) struct Findings {
     place: BTreeMap<(String, u64), usize>,
     pub(crate) all: Vec<Finding>,
 }
 
-/// What an error may be, and how small entries may get before they count as zero.
+/// The largest allowed error, and the size below which entries count as zero.
 #[derive(Clone, Copy)]
 pub(crate) struct Tolerance {
     bound: f64,
     floor: f64,
 }
 
-/// Where a comparison is made.
+/// The place of a comparison.
 #[derive(Clone, Copy)]
 pub(crate) struct At<'a> {
     k: Option<f64>,
     sample: usize,
     state: &'a State,
-    /// The smallest and the largest eigenvalue of the mass matrix there, by magnitude.
+    /// The smallest and the largest absolute eigenvalue of the mass matrix there.
     eigenvalues: [f64; 2],
-    /// The inertia of all bodies about the origin of the base, in which everything is computed.
+    /// The inertia of all bodies about the origin of the base, the frame of all computations.
     inertia: f64,
 }
 
@@ -236,7 +239,7 @@ impl<'a> At<'a> {
         })
     }
 
-    /// The same under a penalty.
+    /// The same place with a penalty.
     pub(crate) fn under(self, k: f64) -> Self {
         Self { k: Some(k), ..self }
     }
@@ -247,7 +250,7 @@ impl<'a> At<'a> {
         largest / smallest
     }
 
-    /// Of sums of products with inertias.
+    /// The tolerance of sums of products with inertias.
     fn direct(&self) -> Tolerance {
         Tolerance {
             bound: BOUND,
@@ -255,7 +258,7 @@ impl<'a> At<'a> {
         }
     }
 
-    /// Of what is divided by the mass matrix: rounding grows with its condition number.
+    /// The tolerance of quantities divided by the mass matrix: rounding grows with its condition number.
     fn divided(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
@@ -263,10 +266,10 @@ impl<'a> At<'a> {
         }
     }
 
-    /// Of what is divided by it twice. The worst case of rounding grows with the square of the condition number, but rounding
-    /// changes `H` in a way that both solves see, and what is measured grows linearly: on the URDFs of example-robot-data, on
-    /// random trees and on arms of condition numbers up to `1e10` errors stay below 70 units of rounding times the condition
-    /// number, of which seven times as much is allowed.
+    /// The tolerance of quantities divided by it twice. The worst case of rounding grows with the square of the
+    /// condition number, but rounding changes `H` in a way that both solves share, and the measured growth is linear:
+    /// on the URDFs of example-robot-data, on random trees and on arms of condition numbers up to `1e10` errors stay
+    /// below 70 units of rounding times the condition number, of which seven times as much is allowed.
     pub(crate) fn divided_twice(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND + 1e-13 * self.condition()).min(LARGEST_BOUND),
@@ -274,7 +277,8 @@ impl<'a> At<'a> {
         }
     }
 
-    /// Of what is divided by it twice and then multiplied by it twice, which leaves rounding of the square of the condition number.
+    /// The tolerance of quantities divided by it twice and then multiplied by it twice, whose rounding grows with the
+    /// square of the condition number.
     pub(crate) fn multiplied_again(&self) -> Tolerance {
         Tolerance {
             bound: (BOUND * self.squared_rounding()).min(LARGEST_BOUND_MULTIPLIED),
@@ -282,20 +286,20 @@ impl<'a> At<'a> {
         }
     }
 
-    /// By how much two divisions by the mass matrix make rounding larger.
+    /// The growth of rounding by two divisions by the mass matrix.
     fn squared_rounding(&self) -> f64 {
         1.0 + 1e-9 * self.condition().powi(2)
     }
 }
 
-/// The smallest and the largest eigenvalue of a symmetric matrix, by magnitude.
+/// The smallest and the largest absolute eigenvalue of a symmetric matrix.
 fn extreme_eigenvalues(h: &DMatrix<f64>) -> [f64; 2] {
     let eigenvalues = h.symmetric_eigenvalues().abs();
     [eigenvalues.min(), eigenvalues.max()]
 }
 
 impl Findings {
-    /// Compares derivatives by their names with the blocks of `n` columns of `expected`, in the same order.
+    /// Compares named derivatives with the blocks of `n` columns of `expected`, in the same order.
     fn compare_columns(
         &mut self,
         tolerance: Tolerance,
@@ -311,7 +315,8 @@ impl Findings {
         }
     }
 
-    /// Compares `a` with `b`, which is right. Of several findings the one that is worst beside its bound is kept.
+    /// Compares `a` with the reference `b`. Of several findings the one with the largest error relative to its bound is
+    /// kept.
     pub(crate) fn compare(
         &mut self,
         tolerance: Tolerance,
@@ -355,13 +360,13 @@ impl Findings {
     }
 }
 
-/// Checks everything that is analytic: the derivatives of the dynamics, the two forms of $\Omega$ against each other, every
-/// Jacobian of [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, the
-/// derivatives of constraints, and the gradient of the relaxation against the flow. Duals of the control form are themselves
-/// compared with duals of Algorithm B1.
+/// Checks all analytic derivatives: those of the dynamics, the two forms of $\Omega$ with each other, every Jacobian of
+/// [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, those of
+/// constraints, and the gradient of the relaxation with the flow. Dual numbers of the control form are in turn compared
+/// with dual numbers of Algorithm B1.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = check_dynamics(model, options)?;
     findings.extend(check_jacobians(model, &Jacobians::built_in(), options)?);

@@ -1,4 +1,4 @@
-//! What ties the relaxation to the flow, on any robot.
+//! The relation between the relaxation and the flow, checked on any robot.
 
 use super::{At, CheckOptions, Finding, Findings, State, extreme_eigenvalues};
 use crate::curve::{Basis, gauss_legendre};
@@ -10,22 +10,23 @@ use crate::motion::{Path, Problem, curve_of};
 use crate::relax::{ControlEffort, Derivatives, Grid, Objective};
 use nalgebra::{DMatrix, DVector};
 
-/// Points on each segment: on curves that turn by a few radians their quadrature is exact to rounding.
+/// The number of points per segment: on curves that turn by a few radians their quadrature is exact up to rounding.
 const POINTS: usize = 40;
 
-/// By how much rounding along a curve may exceed that at its start.
+/// The largest growth of rounding along a curve relative to its start.
 const ROUNDING_GROWTH: f64 = 10.0;
 
-/// Compares the gradient of the control effort on random curves of two segments with the right-hand side of the flow there, in the
-/// weak form: for each function $\varphi$ of the basis and each joint of the robot, with $\delta x = (\varphi, \dot \varphi)$,
+/// Compares the gradient of the control effort on random curves of two segments with the right-hand side of the flow
+/// there, in the weak form: for each function $\varphi$ of the basis and each joint of the robot, with
+/// $\delta x = (\varphi, \dot \varphi)$,
 ///
 /// $$ \delta \int |u|^2 dt = -\int \delta x^T G\\, \Omega\\, dt - 2 \dot \varphi^T H\\, \Delta u, $$
 ///
-/// where $\Delta u$ is by how much the control jumps from the first segment to the second. So where the effort is least, the flow is at rest
-/// for all variations that keep $v = \dot q$.
+/// where $\Delta u$ is the jump of the control from the first segment to the second. At a minimum of the effort the
+/// flow is therefore at rest for all variations that keep $v = \dot q$.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let n = model.dof();
     let mut findings = Findings::default();
@@ -52,11 +53,11 @@ pub fn check_relaxation(model: &Model, options: &CheckOptions) -> Result<Vec<Fin
     Ok(findings.all)
 }
 
-/// A random curve along which the products of the weak form keep their digits, and its tolerances.
+/// A random curve along which the products of the weak form are accurate, and its tolerances.
 ///
-/// $G \Omega$ is bounded where the mass matrix is singular, but $\Omega$ is not, and $H H \Omega$ then consists of rounding.
-/// Robots whose hinges imitate ball joints have such configurations, and a curve of a few radians crosses them. It is halved in
-/// extent about its start until the condition number along it is about that at the start, to which it tends.
+/// $G \Omega$ is bounded where the mass matrix is singular, but $\Omega$ is not, and $H H \Omega$ then consists of
+/// rounding errors. Robots whose hinges imitate ball joints have such configurations, and a curve of a few radians
+/// crosses them. Its extent about the start is halved until the condition number along it is about that at the start.
 fn regular_curve<'a>(model: &Model, start: At<'a>) -> Result<(Path, At<'a>)> {
     let mut extent = 1.0;
     loop {
@@ -69,7 +70,7 @@ fn regular_curve<'a>(model: &Model, start: At<'a>) -> Result<(Path, At<'a>)> {
     }
 }
 
-/// The tolerances of what is divided by the mass matrix at the points of the quadrature on a curve.
+/// The tolerances of quantities divided by the mass matrix at the quadrature points of a curve.
 fn along<'a>(model: &Model, path: &Path, start: At<'a>) -> Result<At<'a>> {
     let (n, basis) = (model.dof(), &path.basis);
     let (mut data, mut h) = (Data::new(model), DMatrix::zeros(n, n));
@@ -91,8 +92,8 @@ fn along<'a>(model: &Model, path: &Path, start: At<'a>) -> Result<At<'a>> {
     Ok(worst)
 }
 
-/// Two segments of degree 5 that begin in a random state and go on at random, in one second. All but the start is scaled by
-/// `extent`.
+/// A random curve of two segments of degree 5 that begins in a random state and lasts one second. Everything but the
+/// start is scaled by `extent`.
 fn curve_about(state: &State, extent: f64) -> Path {
     let basis = Basis::new(2, 5, false);
     let n = state.x.len() / 2;
@@ -120,7 +121,7 @@ fn curve_about(state: &State, extent: f64) -> Path {
     }
 }
 
-/// The right side of the formula, a column for each free function.
+/// The right-hand side of the formula, one column per free function.
 fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
     let (n, basis) = (model.dof(), &path.basis);
     let end = |time: f64| {

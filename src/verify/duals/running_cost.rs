@@ -1,4 +1,4 @@
-//! The derivatives of a user's running cost.
+//! Checks of the derivatives of user-defined running costs.
 
 use super::{At, BOUND, CheckOptions, Finding, Findings, Tolerance, VANISHING};
 use crate::dynamics::{Data, rnea};
@@ -7,11 +7,11 @@ use crate::model::Model;
 use crate::relax::{AutodiffCost, HyperDual64, RunningCost, StageDerivatives, StageInput};
 use nalgebra::DMatrix;
 
-/// Compares value, gradient and Hessian of a [`RunningCost`] whose derivatives are written by hand with hyper-dual numbers of the same
-/// cost as a closure, at random states with the control that they take. `name` stands before the names of the quantities.
+/// Compares value, gradient and Hessian of a [`RunningCost`] with analytic derivatives with hyper-dual numbers of the
+/// same cost as a closure, at random states with their control. `name` is the prefix of the names of the quantities.
 ///
 /// # Errors
-/// What the cost returns.
+/// Those of the cost.
 pub fn check_running_cost(
     model: &Model,
     name: &str,

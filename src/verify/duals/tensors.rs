@@ -1,4 +1,4 @@
-//! The explicit tensors of second derivatives against dual numbers of the first ones.
+//! Checks of the explicit tensors of second derivatives by dual numbers of the first ones.
 
 use super::dynamics::{split, state_of};
 use super::{At, Findings, Tolerance};
@@ -52,7 +52,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
     Ok(())
 }
 
-/// The second derivatives of forward dynamics at a given torque.
+/// Compares the second derivatives of forward dynamics at a given torque.
 fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
     let n = model.dof();
     let state = state_of(at);
@@ -112,7 +112,8 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     Ok(())
 }
 
-/// All second derivatives of the mass matrix, those in one joint in one column. They are symmetric, so half are computed.
+/// All second derivatives of the mass matrix, those in one joint in one column. They are symmetric, so that half are
+/// computed.
 fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> {
     let n = model.dof();
     let mut q: Vec<HyperDual64> = q.iter().map(|q| HyperDual64::from(*q)).collect();
@@ -136,8 +137,8 @@ fn mass_matrix_by_hyper_duals(model: &Model, q: &[f64]) -> Result<DMatrix<f64>> 
     Ok(expected)
 }
 
-/// Compares tensors, each with its name, with blocks of the derivatives `expected` of the matrices of first derivatives behind one
-/// another: the number of the matrix, and the first column.
+/// Compares named tensors with blocks of the derivatives `expected` of the concatenated matrices of first derivatives.
+/// A block is given by the number of the matrix and its first column.
 fn compare(
     tolerance: Tolerance,
     of: &str,
@@ -154,12 +155,12 @@ fn compare(
     }
 }
 
-/// The entries of matrices behind one another, columns first.
+/// The entries of concatenated matrices in column-major order.
 fn all<const M: usize>(matrices: [&DMatrix<Dual64>; M]) -> DVector<Dual64> {
     vector(&matrices.map(DMatrix::as_slice).concat())
 }
 
-/// A tensor as a matrix with a column for each value of the last index.
+/// A tensor as a matrix with one column per value of the last index.
 fn unfold(tensor: &Tensor3<f64>, n: usize) -> DMatrixView<'_, f64> {
     DMatrixView::from_slice(tensor.entries(), n * n, n)
 }

@@ -1,4 +1,4 @@
-//! The Lagrangian of the weak form of the flow, on any robot.
+//! Checks of the Lagrangian of the weak form of the flow.
 
 use super::general_flow::wave;
 use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING};
@@ -12,12 +12,12 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
-/// The number of states that are looked at together: one more than go through the dynamics side by side.
+/// The number of states that are evaluated together: one more than go through the dynamics side by side.
 const TOGETHER: usize = 5;
 /// The parts of $[x; \dot x]$.
 const PARTS: [&str; 4] = ["x_P1", "x_P2", "xdot_P1", "xdot_P2"];
 
-/// The Lagrangian of [`AnalyticLagrangian`] by its value alone,
+/// The Lagrangian of [`AnalyticLagrangian`] implemented only by its value,
 /// $k |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}$.
 pub(crate) struct Written<C: Scalar> {
     /// $W$, $W_v$ and $W_a$, `N` entries each.
@@ -48,11 +48,11 @@ impl<C: Scalar> Lagrangian<C> for Written<C> {
     }
 }
 
-/// Compares the analytic Lagrangian of the weak form of the flow, with weights and a dual of the slip that are all there, and its metric
-/// with dual numbers of the value: the worst of each part at each penalty.
+/// Compares the analytic Lagrangian of the weak form of the flow, with all weights and a dual of the slip, and its
+/// metric with dual numbers of the value: the worst of each part at each penalty.
 ///
 /// # Errors
-/// None that a loaded model gives.
+/// None for a loaded model.
 pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let n = model.dof();
     let mut findings = Findings::default();
@@ -97,7 +97,7 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
 }
 
 impl At<'_> {
-    /// Of sums of products with two inertias.
+    /// The tolerance of sums of products with two inertias.
     fn squared(&self) -> Tolerance {
         Tolerance {
             bound: BOUND,
@@ -112,7 +112,7 @@ fn column(state: &State) -> DVector<f64> {
     DVector::from_vec([&state.x, acceleration, rate].concat())
 }
 
-/// All that a Lagrangian gives at some points.
+/// The values and derivatives of a Lagrangian at several points.
 struct Found {
     values: Vec<f64>,
     derivatives: LagrangianDerivatives<f64>,
@@ -136,7 +136,7 @@ fn looked_at(
 }
 
 impl Found {
-    /// The quantities of point `g`: rows that have the penalty apart from those that do not.
+    /// The quantities of point `g`, with the rows that depend on the penalty separate from the others.
     fn of(&self, g: usize) -> Vec<(String, DMatrix<f64>)> {
         let (all, count) = (&self.derivatives, self.values.len());
         let size = all.gradients.nrows();

@@ -1,4 +1,4 @@
-//! Algorithm B2: what each line leaves behind, against its definition.
+//! Algorithm B2: the result of each line against its definition.
 
 use super::dynamics_derivatives::{aba_2d, of_bias, of_inverse_dynamics, of_mass};
 use super::wrt::{Wrt, derivative, gathered, unfold};
@@ -54,7 +54,7 @@ fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// `C` is what is left of `ID` when `H a` is taken away, whatever `a` is.
+/// `C` equals `ID` minus `H a`, for any `a`.
 fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
     let node = p.node();
     let force = inverse_dynamics(&p.model, node.x_p1(), node.x_p2(), p.w.as_slice())?;

@@ -40,13 +40,13 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// The nodes, and unknowns made of the numbers of `p`.
+/// The nodes, and unknowns from the numbers of `p`.
 fn curve(p: &RandomInstance) -> Result<(Chebyshev, Vec<Gf>)> {
     let nodes = Chebyshev::new(P, 2.0)?;
     Ok((nodes, [p.xddot.as_slice(), p.xdot.as_slice()].concat()))
 }
 
-/// The nodes hold what they are given, the ends the boundary states, and derivatives are those of `D` and `D^2`.
+/// The nodes have the given values, the ends the boundary states, and derivatives are those by `D` and `D^2`.
 fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
     let mut collocation = Collocation::<Gf, Gf>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;
@@ -93,7 +93,8 @@ fn rates_by_definition<S: DifferentiableOver<Gf>>(
     Ok(DVector::from_vec(rates))
 }
 
-/// The rates are Omega at each node; the assembled Jacobian is that of the whole system, for both analytic Jacobians.
+/// The rates are $\Omega$ at each node, and the assembled Jacobian is that of the whole system, for both analytic
+/// Jacobians.
 fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
     let mut collocation = Collocation::<Gf, Gf>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;

@@ -1,4 +1,4 @@
-//! Every kind of constraint: its rows, and its contractions against nested duals of these.
+//! Every kind of constraint: its rows, and its contractions against nested dual numbers of the rows.
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
@@ -32,8 +32,8 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// The constraints of the proofs: two spheres and a half-space for a ball off the origin of every body and one of the base,
-/// bounds on both halves of the state, and limits on every third torque.
+/// The constraints of the proofs: two spheres and a half-space for a ball off the origin of every body and one of the
+/// base, bounds on both halves of the state, and limits on every third torque.
 pub(super) type Set = Penalised<Vec<AnyConstraint<Gf>>, Gf>;
 
 pub(super) fn set(p: &RandomInstance) -> Set {

@@ -1,4 +1,4 @@
-//! A discretised curve with random numbers for everything.
+//! A discretised curve with random numbers.
 
 use super::{Gf, RandomInstance};
 use crate::relax::Grid;
@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
-/// Random numbers that go with an instance.
+/// Random numbers for an instance.
 pub(super) fn numbers(p: &RandomInstance) -> impl FnMut() -> Gf {
     let mut rng = ChaCha8Rng::seed_from_u64(p.k.residue());
     move || Gf::new(rng.random_range(0..Gf::ORDER))
@@ -49,12 +49,12 @@ impl Discretisation {
         }
     }
 
-    /// The functions on a horizon of one second.
+    /// The grid on a horizon of one second.
     pub fn grid(&self) -> Grid<Gf> {
         self.on(num_traits::One::one()).0
     }
 
-    /// The functions on a horizon, and coefficients that are affine in it.
+    /// The grid on a horizon, and coefficients that are affine in it.
     pub fn on<S: AlgebraOver<Gf>>(&self, horizon: S) -> (Grid<S>, DMatrix<S>) {
         let rate = S::one() / horizon;
         let powers = [S::one(), rate, rate * rate];
@@ -75,7 +75,7 @@ impl Discretisation {
         &self.coefficients.as_slice()[Self::FREE.start * n..Self::FREE.end * n]
     }
 
-    /// The coefficients with other unknowns.
+    /// The coefficients with other values of the unknowns.
     pub fn with_unknowns<S: AlgebraOver<Gf>>(&self, unknowns: &[S]) -> DMatrix<S> {
         let first = Self::FREE.start * self.coefficients.nrows();
         let mut coefficients = self.coefficients.map(S::lift);

@@ -1,4 +1,4 @@
-//! The laws of the dynamics themselves.
+//! The laws of the dynamics.
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{
@@ -113,7 +113,7 @@ fn rnea_d(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// A frame off the origin of every body, by duals of forward kinematics.
+/// Tests a frame off the origin of every body by dual numbers of forward kinematics.
 fn frames_move_as_their_jacobian_says(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut claims = Vec::new();

@@ -65,7 +65,7 @@ fn crba_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     of_mass(p, rate, &found)
 }
 
-/// What CRBA_2D gives, against duals.
+/// Compares the results of CRBA_2D with dual numbers.
 pub(super) fn of_mass(
     p: &RandomInstance,
     direction: &[Gf],
@@ -92,7 +92,7 @@ fn rnea_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     of_inverse_dynamics(p, a, &found)
 }
 
-/// What RNEA_2D gives at the acceleration `a`, against duals of duals.
+/// Compares the results of RNEA_2D at the acceleration `a` with nested dual numbers.
 pub(super) fn of_inverse_dynamics(
     p: &RandomInstance,
     a: &[Gf],
@@ -114,7 +114,7 @@ pub(super) fn of_inverse_dynamics(
     ])
 }
 
-/// The second derivatives of the bias force alone, without an acceleration, against those found.
+/// Compares the second derivatives of the bias force, without an acceleration, with `found`.
 pub(super) fn of_bias(
     p: &RandomInstance,
     found: &InverseDynamicsSecondDerivatives<Gf>,
@@ -142,7 +142,8 @@ pub(super) fn aba_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// All second derivatives of `f`: a column for the last coordinate, rows for the function and within for the first one.
+/// All second derivatives of `f`: one column per last coordinate, rows for the function and, within it, for the first
+/// one.
 fn second(x: &[Gf], f: impl Fn(&[Jet2]) -> Result<DVector<Jet2>>) -> Result<DMatrix<Gf>> {
     jacobian(x, |x| Ok(entries(&jacobian(x, &f)?)))
 }
@@ -210,7 +211,7 @@ fn contracted_mass(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::new("K", found, by_duals)])
 }
 
-/// The right-hand side in the control form, whose Jacobian is claimed.
+/// The right-hand side in the control form, whose Jacobian is tested.
 fn control_form_omega(at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
     let mut omega = DVector::zeros(at.node.x.len());
     crate::flow::ControlForm::new(at.model).omega(at.node, at.k, omega.as_mut_slice())?;

@@ -1,4 +1,4 @@
-//! Distances from shapes, and the constraints that are made of them.
+//! Distances from shapes, and the constraints based on them.
 
 use super::constraint_kinds::{centre, contractions, rows};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
@@ -8,7 +8,8 @@ use crate::geometry::{Shape, Solid};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Points for each shape. A sign falls either way at every second one, so all choices of a shape are met many times.
+/// The number of points per shape. A sign is negative at every second one, so that all cases of a shape occur many
+/// times.
 const POINTS: u64 = 128;
 
 /// The identities of this file.
@@ -45,7 +46,7 @@ fn shapes(p: &RandomInstance) -> [Shape<Gf>; 4] {
     ]
 }
 
-/// They, each in the frame of a joint.
+/// The shapes, each in the frame of a joint.
 fn placed(p: &RandomInstance) -> Vec<Solid<Gf>> {
     let placed = |(shape, joint): (Shape<Gf>, &crate::model::Joint<Gf>)| Solid {
         placement: *joint.origin(),
@@ -109,7 +110,7 @@ fn balls(p: &RandomInstance) -> Vec<CollisionSphere<Gf>> {
     bodies.into_iter().enumerate().map(ball).collect()
 }
 
-/// Two balls are enough, and keep the degrees low.
+/// Uses two balls, which are enough and keep the degrees low.
 fn solids(p: &RandomInstance) -> Result<Vec<Equality>> {
     let constraint = SolidClearance {
         balls: balls(p)[..2].to_vec(),
@@ -131,8 +132,8 @@ fn solids(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
-/// All pairs of balls and of two more on the bodies of the fourth joint, beside the third, and of the second, which
-/// carries both.
+/// Tests all pairs of balls and of two more on the bodies of the fourth joint, next to the third, and of the second,
+/// which carries both.
 fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut balls = balls(p);
     for (i, body) in [3, 1].into_iter().enumerate() {

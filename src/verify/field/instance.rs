@@ -13,11 +13,11 @@ use rand_chacha::ChaCha8Rng;
 
 /// The smallest robot.
 const SMALLEST: usize = 5;
-/// The largest robot. Identities that hold for trees of this size have met every case of branching there is in them.
+/// The largest robot. Trees of this size contain every case of branching.
 const LARGEST: usize = 8;
 
-/// A robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity, what the flow reads at a
-/// node, and a penalty, all of them random elements of the field.
+/// A random instance: a robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity,
+/// the input of the flow at a node, and a penalty, all of them random elements of the field.
 pub struct RandomInstance {
     /// The robot.
     pub model: Model<Gf>,
@@ -25,25 +25,25 @@ pub struct RandomInstance {
     pub weightless: Model<Gf>,
     /// The time.
     pub t: Gf,
-    /// $x$, `2 N` entries.
+    /// The state $x$, `2 N` entries.
     pub x: DVector<Gf>,
-    /// $\dot x$.
+    /// The rate $\dot x$, `2 N` entries.
     pub xdot: DVector<Gf>,
-    /// $\ddot x$.
+    /// The second derivative $\ddot x$, `2 N` entries.
     pub xddot: DVector<Gf>,
     /// The penalty.
     pub k: Gf,
     /// Weights of contractions, `N` entries.
     pub w: DVector<Gf>,
-    /// A number for whatever else is needed, such as the constants of a constraint.
+    /// Further random numbers, such as the constants of a constraint.
     pub extra: [Gf; 8],
 }
 
 impl RandomInstance {
-    /// A random instance; the same state of the generator gives the same one.
+    /// Draws a random instance; the same state of the generator gives the same one.
     ///
     /// # Errors
-    /// None: there is a joint, and parents come before children.
+    /// None: there is at least one joint, and parents come before children.
     pub fn random(rng: &mut ChaCha8Rng) -> Result<Self> {
         let n = rng.random_range(SMALLEST..=LARGEST);
         let model = robot(n, rng)?;
@@ -61,13 +61,13 @@ impl RandomInstance {
         })
     }
 
-    /// `N`.
+    /// The number of joints `N`.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.model.dof()
     }
 
-    /// The time, the state and its derivatives, for the flow to read.
+    /// The time, the state and its derivatives as the input of the flow.
     #[must_use]
     pub fn node(&self) -> Node<'_, Gf> {
         Node {
@@ -78,7 +78,7 @@ impl RandomInstance {
         }
     }
 
-    /// The robot, what the flow reads, and the penalty.
+    /// The robot, the input of the flow, and the penalty.
     pub(super) fn at(&self) -> At<'_, Gf, Gf> {
         At {
             model: &self.model,
@@ -103,14 +103,14 @@ fn vector(rng: &mut ChaCha8Rng) -> Vector3<Gf> {
     Vector3::from_fn(|_, _| number(rng))
 }
 
-/// A vector of length one: a rational point of the sphere, by stereographic projection.
+/// A random unit vector: a rational point of the sphere, by stereographic projection.
 fn axis(rng: &mut ChaCha8Rng) -> Vector3<Gf> {
     let (a, b) = (number(rng), number(rng));
     let inverse = (Gf::one() + a * a + b * b).inverse();
     Vector3::new(a + a, b + b, Gf::one() - a * a - b * b) * inverse
 }
 
-/// An orthogonal matrix with determinant one: the rotation of a rational quaternion.
+/// A random orthogonal matrix with determinant one: the rotation of a rational quaternion.
 fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<Gf> {
     let (w, v) = (number(rng), vector(rng));
     let inverse = (w * w + v.dot(&v)).inverse();
@@ -119,8 +119,8 @@ fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<Gf> {
     Matrix3::identity() + (cross * w + cross * cross) * (two * inverse)
 }
 
-/// The first three joints are a chain that turns, the fourth slides on the second body beside the third: so every term of
-/// every equation is there, and nothing holds because it is zero. The other joints are what and where they happen to be.
+/// The first three joints are a revolute chain, the fourth is prismatic on the second body next to the third: no term
+/// of any equation vanishes, and no identity holds only because it is zero. The other joints are random.
 fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
     let mut specs = Vec::with_capacity(n);
     for i in 0..n {

@@ -1,8 +1,8 @@
 //! Every numbered equation as an identity over a prime field.
 //!
-//! Left side and right side of an equation are computed by independent routes at random instances: random robots, states and
-//! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state each
-//! equation with its conventions; a test holds pages and identities together.
+//! The two sides of an equation are computed by independent methods at random instances: random robots, states and
+//! penalties whose numbers are elements of $GF(2^{61} - 1)$. They are compared with `==`. The pages in `proofs/` state
+//! each equation with its conventions; a test checks that pages and identities agree.
 
 mod action;
 mod algorithm_b1;
@@ -65,10 +65,11 @@ impl<S: Scalar> Differentiable for Jet<S, 1> {
     type Dual = Jet<Self, 1>;
 }
 
-/// No identity here has a numerator of a larger degree in the random inputs; `proofs/README.md` works it out.
+/// A bound on the degrees of the numerators of all identities in the random inputs; `proofs/README.md` derives it.
 pub const DEGREE: u64 = 1 << 17;
 
-/// The most random instances: one shows a false identity as well as never, and so many take a quarter of an hour and 100 MB.
+/// The largest number of random instances: one almost always shows a false identity, and this number takes a quarter of
+/// an hour and 100 MB.
 pub const MOST_POINTS: usize = 1000;
 
 /// Two sides that should be equal, entry by entry.
@@ -79,7 +80,7 @@ pub struct Equality {
 }
 
 impl Equality {
-    /// Two matrices that should be equal. `what` names the block where an equation has several.
+    /// Two matrices that should be equal. `what` names the block of an equation with several blocks.
     #[must_use]
     pub fn new(what: &'static str, left: DMatrix<Gf>, right: DMatrix<Gf>) -> Self {
         Self { what, left, right }
@@ -102,7 +103,7 @@ impl Equality {
         )
     }
 
-    /// The first entry that differs, if one does, or the sizes if these do.
+    /// The first entry that differs, if any, or the sizes if these differ.
     fn difference(&self) -> Option<String> {
         if self.left.shape() != self.right.shape() {
             let (left, right) = (self.left.shape(), self.right.shape());
@@ -123,28 +124,28 @@ impl Equality {
 pub struct Identity {
     /// Its label: `B5`, `A1`, `Algorithm B1 line 4`, `rnea`.
     pub label: &'static str,
-    /// The statement of what is equal, in a few words.
+    /// The identity in a few words.
     pub statement: &'static str,
-    /// The index convention, where there is a choice.
+    /// The index convention, if there is a choice.
     pub convention: &'static str,
-    /// Both sides at a random instance.
+    /// Computes both sides at a random instance.
     pub claims: fn(&RandomInstance) -> Result<Vec<Equality>>,
 }
 
-/// The outcome of proving one identity.
+/// The result of proving one identity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// The label of the identity.
     pub label: String,
-    /// The statement of what is equal.
+    /// The identity in a few words.
     pub statement: String,
-    /// At how many random instances.
+    /// The number of random instances.
     pub points: usize,
-    /// The number of entries that were compared.
+    /// The number of compared entries.
     pub entries: usize,
-    /// The largest probability with which a false identity would have passed.
+    /// The largest probability with which a false identity would pass.
     pub bound: f64,
-    /// The first difference of the sides: the conventions, the point and the entry.
+    /// The first difference between the sides: the conventions, the point and the entry.
     pub failure: Option<String>,
 }
 
@@ -170,19 +171,19 @@ pub fn identities() -> Vec<Identity> {
     all
 }
 
-/// Proves every identity at `points` random instances; the same seed gives the same instances.
+/// Tests every identity at `points` random instances; the same seed gives the same instances.
 ///
 /// # Errors
-/// No points, or more than [`MOST_POINTS`].
+/// `points` is zero or above [`MOST_POINTS`].
 pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
     prove_identities(&identities(), points, seed)
 }
 
-/// Proves these identities, such as those of a user's own formulas, otherwise as [`prove`]. Their numerators must not have a larger
-/// degree than [`DEGREE`] in the random inputs.
+/// Tests these identities, such as those of user-defined formulas, in the same way as [`prove`]. The degree of their
+/// numerators in the random inputs must not exceed [`DEGREE`].
 ///
 /// # Errors
-/// As [`prove`], or what the claims of an identity return.
+/// Those of [`prove`] and of the claims.
 pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
     check_count("points", points, 1..=MOST_POINTS)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,4 +1,4 @@
-//! The quantities that Theorem B3 and its proof are written in, by dual numbers: the side that identities are held against.
+//! The quantities of Theorem B3 and its proof by dual numbers: the reference side of the identities.
 
 use super::{Gf, Jet1, RandomInstance};
 use crate::dynamics::Data;
@@ -13,12 +13,12 @@ use crate::verify::reference::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Two.
+/// The number two.
 pub(super) fn two() -> Gf {
     Gf::new(2)
 }
 
-/// One vector on top of another.
+/// Two vectors, concatenated.
 pub(super) fn stack(top: &DVector<Gf>, bottom: &DVector<Gf>) -> DVector<Gf> {
     vector(&[top.as_slice(), bottom.as_slice()].concat())
 }
@@ -49,10 +49,10 @@ pub(super) fn effort<S: AlgebraOver<Gf>>(p: &RandomInstance, x: &[S], xdot: &[S]
     lagrangian(&p.model, &mut Data::new(&p.model), x, xdot, p.k)
 }
 
-/// Every quantity that Theorem B3 is written in, its derivatives by duals and nothing by an analytic derivative.
+/// All quantities of Theorem B3, with derivatives only by dual numbers.
 pub(super) struct Reference<'p> {
     pub p: &'p RandomInstance,
-    /// `N`.
+    /// The number of joints `N`.
     pub n: usize,
     pub h: DMatrix<Gf>,
     pub hdot: DMatrix<Gf>,
@@ -69,7 +69,7 @@ pub(super) struct Reference<'p> {
 }
 
 impl<'p> Reference<'p> {
-    /// At a point.
+    /// Computes the quantities at an instance.
     pub fn at(p: &'p RandomInstance) -> Result<Self> {
         let (n, node, m) = (p.dof(), p.node(), &p.model);
         let fd = f_d(m, node.x)?;
@@ -130,14 +130,14 @@ impl<'p> Reference<'p> {
         self.h.transpose() * &self.h
     }
 
-    /// $G$ of (11).
+    /// The metric $G$ of (11).
     pub fn metric(&self) -> DMatrix<Gf> {
         let zero = DMatrix::zeros(self.n, self.n);
         let top = DMatrix::identity(self.n, self.n) * self.p.k;
         blocks([[&top, &zero], [&zero, &self.hth()]])
     }
 
-    /// $G^{-1}$ times a force, from factors of the whole of $G$.
+    /// Computes $G^{-1}$ times a force, by a factorisation of the full $G$.
     pub fn raise(&self, force: &DVector<Gf>) -> DVector<Gf> {
         let mut ldlt = Ldlt::new(2 * self.n);
         ldlt.factorise(&self.metric());
@@ -146,7 +146,7 @@ impl<'p> Reference<'p> {
         raised
     }
 
-    /// $(H^T H)^{-1}$ times a force.
+    /// Computes $(H^T H)^{-1}$ times a force.
     pub fn solve_hth(&self, force: &DVector<Gf>) -> DVector<Gf> {
         let mut ldlt = Ldlt::new(self.n);
         ldlt.factorise(&self.hth());
@@ -182,12 +182,12 @@ impl<'p> Reference<'p> {
         DMatrix::from_columns(&columns)
     }
 
-    /// The gradient of a number that depends on `x` through $F_d$ alone.
+    /// The gradient of a function of $F_d$ in `x`.
     pub fn by_f_d(&self, value: impl Fn(&DVector<Jet1>) -> Jet1) -> Result<DVector<Gf>> {
         gradient(self.p.x.as_slice(), |x| Ok(value(&f_d(&self.p.model, x)?)))
     }
 
-    /// The gradient of $(\dot x - F_d)^T G(x) (\dot x - F_d)$ with $\dot x - F_d$ held fixed.
+    /// The gradient of $(\dot x - F_d)^T G(x) (\dot x - F_d)$ at constant $\dot x - F_d$.
     pub fn by_metric(&self) -> Result<DVector<Gf>> {
         let slip = self.slip().rows(0, self.n).into_owned();
         let top = Jet1::constant(slip.dot(&slip) * self.p.k);

@@ -1,4 +1,4 @@
-//! The relaxation: the derivatives of its objective, and what it has to do with the flow.
+//! The relaxation: the derivatives of its objective, and its relation to the flow.
 
 use super::discretisation::Discretisation;
 use super::reference::{Reference, stack};
@@ -46,7 +46,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// The effort of a discretised curve with other unknowns, over any number.
+/// The effort of a discretised curve with other values of the unknowns, over any scalar.
 fn effort_of<S: AlgebraOver<Gf>>(
     p: &RandomInstance,
     curve: &Discretisation,
@@ -77,7 +77,8 @@ fn objective_gradient(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// A matrix that is wrong maps a random direction to the right vector with the probability of the bound only.
+/// Tests the Hessian along a random direction: a wrong matrix gives the right vector only with the probability of the
+/// bound.
 fn objective_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let curve = Discretisation::new(p);
     let (_, derivatives) = derivatives(p, &curve)?;
@@ -88,7 +89,7 @@ fn objective_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("Hessian", &left, &right)])
 }
 
-/// The same instance on the manifold $v = \dot q$.
+/// The instance projected on the manifold $v = \dot q$.
 fn on_the_manifold(p: &RandomInstance) -> RandomInstance {
     let n = p.dof();
     let (v, a) = (p.x.rows(n, n), p.xdot.rows(n, n));

@@ -1,4 +1,4 @@
-//! The relaxation with a running cost of one's own and a free horizon.
+//! The relaxation with a user-defined running cost and a free horizon.
 
 use super::discretisation::{Discretisation, numbers};
 use super::{Equality, Gf, Identity, RandomInstance};
@@ -39,7 +39,7 @@ fn cubic<S: AlgebraOver<Gf>>(weights: &[Gf], y: &[S]) -> S {
     })
 }
 
-/// The same with the control for the last entries.
+/// The cubic with the control as the last entries.
 fn along_motions<S: AlgebraOver<Gf>>(p: &RandomInstance, weights: &[Gf], z: &[S]) -> Result<S> {
     let n = p.dof();
     let u = inverse_dynamics(&p.model, &z[..n], &z[n..2 * n], &z[2 * n..])?;

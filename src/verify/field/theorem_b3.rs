@@ -46,7 +46,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// What a right-hand side gives at a point.
+/// The value of a right-hand side at an instance.
 pub(super) fn omega_of(
     p: &RandomInstance,
     mut rhs: impl RightHandSide<Gf, Gf>,
@@ -67,8 +67,9 @@ pub(super) fn terms(p: &RandomInstance, t: &mut TheoremB3<Gf>) -> [DVector<Gf>; 
     terms
 }
 
-/// What the terms of Theorem B3 mean: $G^{-1}$ times the rate of $\partial L / \partial \dot x$, and times gradients of `L`
-/// in `x` through $FD_0$, through $x_{P2}$ (the sign turned) and through $G$, everything else held fixed.
+/// The definitions of the terms of Theorem B3: $G^{-1}$ times the rate of $\partial L / \partial \dot x$, and times
+/// gradients of `L` in `x` through $FD_0$, through $x_{P2}$ (with the opposite sign) and through $G$, everything else
+/// held constant.
 pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<Gf>; 4]> {
     let (n, k) = (reference.n, reference.p.k);
     let xdot = reference.p.xdot.map(Jet1::constant);
@@ -89,7 +90,7 @@ pub(super) fn documentation(reference: &Reference<'_>) -> Result<[DVector<Gf>; 4
     ])
 }
 
-/// Term `i` of Theorem B3 against what it means.
+/// Term `i` of Theorem B3 against its definition.
 fn term(p: &RandomInstance, what: &'static str, i: usize) -> Result<Vec<Equality>> {
     let left = &documentation(&Reference::at(p)?)?[i];
     let right = &omega_terms(&p.at())?[i];
@@ -150,7 +151,7 @@ fn b11(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// $H^{-1}$ column by column from ABA: what each unit torque adds.
+/// $H^{-1}$ column by column from ABA: the change of the acceleration by each unit torque.
 fn h_inverse(p: &RandomInstance) -> Result<DMatrix<Gf>> {
     let (n, node) = (p.dof(), p.node());
     let fd0 = f_d(&p.model, node.x)?.rows(n, n).into_owned();

@@ -34,7 +34,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// `dL/dx` by duals against an expression.
+/// Compares `dL/dx` by dual numbers with an expression.
 fn by_x(
     p: &RandomInstance,
     right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,
@@ -141,7 +141,7 @@ fn slip_force(t: &Reference<'_>) -> DVector<Gf> {
     (xdot_p1 - t.x_p2()) * (t.p.k * two())
 }
 
-/// With `G` held fixed: the gradient of `(xdot - F_d)^T G (xdot - F_d)`.
+/// The gradient of `(xdot - F_d)^T G (xdot - F_d)` at constant `G`.
 fn through_drift(t: &Reference<'_>) -> Result<DVector<Gf>> {
     let (g, xdot) = (t.metric().map(Jet1::constant), t.p.xdot.map(Jet1::constant));
     t.by_f_d(|fd| (&xdot - fd).dot(&(&g * (&xdot - fd))))
@@ -169,7 +169,7 @@ fn b24(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// `dL/dx` through `G` alone, by duals of inverse dynamics, against an expression.
+/// Compares `dL/dx` through `G` alone, by dual numbers of inverse dynamics, with an expression.
 fn by_metric(
     p: &RandomInstance,
     right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// A function of the node over dual numbers.
 pub(super) type NodeFunction = fn(&At<'_, Gf, Jet1>) -> Result<DVector<Jet1>>;
 
-/// What to differentiate with respect to.
+/// The variable of a differentiation.
 #[derive(Clone, Copy)]
 pub(super) enum Wrt {
     X,
@@ -25,7 +25,7 @@ pub(super) enum Wrt {
 }
 
 impl Wrt {
-    /// The entries of $[x; \dot x; \ddot x]$ that are meant.
+    /// The corresponding entries of $[x; \dot x; \ddot x]$.
     fn range(self, n: usize) -> Range<usize> {
         let (first, count) = match self {
             Self::X => (0, 2),
@@ -62,7 +62,7 @@ pub(super) fn derivative(
     })
 }
 
-/// The block by its formula against the derivative of the function.
+/// Compares the block by its formula with the derivative of the function.
 pub(super) fn block(
     p: &RandomInstance,
     part: Wrt,

@@ -19,13 +19,14 @@ pub trait DualNumber: Scalar {
     fn tangent(self) -> Self::Base;
 }
 
-/// A number over which there are dual numbers, and over these again.
+/// A number type with dual numbers over it, and over these again.
 pub trait Differentiable: Scalar {
     /// The dual numbers over it.
     type Dual: DualNumber<Base = Self> + Differentiable;
 }
 
-/// A [`Differentiable`] number such that it and its dual numbers can be multiplied by the constants `C` of a model.
+/// A [`Differentiable`] number type that can be multiplied by the constants `C` of a model, together with its dual
+/// numbers.
 pub trait DifferentiableOver<C>:
     AlgebraOver<C> + Differentiable<Dual: AlgebraOver<C> + Differentiable<Dual: AlgebraOver<C>>>
 {
@@ -50,12 +51,12 @@ pub fn constant<S: Differentiable>(x: &[S]) -> Vec<S::Dual> {
     dual(x, &vec![S::zero(); x.len()])
 }
 
-/// The vector of some numbers.
+/// A vector from a slice.
 pub fn vector<S: Scalar>(x: &[S]) -> DVector<S> {
     DVector::from_column_slice(x)
 }
 
-/// The entries of a matrix, columns first.
+/// The entries of a matrix in column-major order.
 pub fn entries<S: Scalar>(matrix: &DMatrix<S>) -> DVector<S> {
     vector(matrix.as_slice())
 }
@@ -67,7 +68,7 @@ pub fn unit<S: Scalar>(n: usize, index: usize) -> Vec<S> {
     unit
 }
 
-/// The derivative of `f` at `x` along `direction`.
+/// Computes the derivative of `f` at `x` along `direction`.
 ///
 /// # Errors
 /// Those of `f`.
@@ -79,7 +80,7 @@ pub fn rate<S: Differentiable>(
     Ok(f(&dual(x, direction))?.map(DualNumber::tangent))
 }
 
-/// The Jacobian of `f` at `x`: rows are those of `f`, one evaluation per column.
+/// Computes the Jacobian of `f` at `x`: rows are those of `f`, one evaluation per column.
 ///
 /// # Errors
 /// Those of `f`.
@@ -92,7 +93,7 @@ pub fn jacobian<S: Differentiable>(
     Ok(DMatrix::from_columns(&columns?))
 }
 
-/// The gradient of a number `f` at `x`, as a column.
+/// Computes the gradient of a scalar function `f` at `x`, as a column.
 ///
 /// # Errors
 /// Those of `f`.

@@ -1,4 +1,4 @@
-//! The dynamics and the flow over any number.
+//! The dynamics and the flow over any scalar.
 
 use super::differentiation::{
     Differentiable, DifferentiableOver, DualNumber, SecondDual, constant, dual, entries, gradient,
@@ -13,7 +13,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 
-/// The mass matrix $H$ at `q`.
+/// Computes the mass matrix $H$ at `q`.
 ///
 /// # Errors
 /// `q` does not have `N` entries.
@@ -23,7 +23,7 @@ pub fn mass<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, q: &[S]) -> Result<D
     Ok(h)
 }
 
-/// The bias force $C$ at `q` and `v`.
+/// Computes the bias force $C$ at `q` and `v`.
 ///
 /// # Errors
 /// `q` or `v` does not have `N` entries.
@@ -37,7 +37,7 @@ pub fn bias_force<C: Scalar, S: AlgebraOver<C>>(
     Ok(c)
 }
 
-/// Inverse dynamics $ID$ at `q`, `v` and `a`.
+/// Computes inverse dynamics $ID$ at `q`, `v` and `a`.
 ///
 /// # Errors
 /// `q`, `v` or `a` does not have `N` entries.
@@ -52,7 +52,7 @@ pub fn inverse_dynamics<C: Scalar, S: AlgebraOver<C>>(
     Ok(tau)
 }
 
-/// Forward dynamics without a force, $FD_0 = -H^{-1} C$, by ABA.
+/// Computes forward dynamics without a force, $FD_0 = -H^{-1} C$, by ABA.
 ///
 /// # Errors
 /// `q` or `v` does not have `N` entries.
@@ -66,7 +66,7 @@ pub fn fd_0<C: Scalar, S: AlgebraOver<C>>(
     Ok(a)
 }
 
-/// $F_d = [x_{P2}; FD_0]$ at `x`.
+/// Computes $F_d = [x_{P2}; FD_0]$ at `x`.
 ///
 /// # Errors
 /// `x` does not have `2 N` entries.
@@ -80,14 +80,15 @@ pub fn f_d<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, x: &[S]) -> Result<DV
 pub struct At<'a, C: Scalar, S> {
     /// The robot.
     pub model: &'a Model<C>,
-    /// $x$, $\dot x$ and $\ddot x$.
+    /// The state and its derivatives, $x$, $\dot x$ and $\ddot x$.
     pub node: Node<'a, S>,
     /// The penalty.
     pub k: C,
 }
 
 impl<'a, C: Scalar, S: Scalar> At<'a, C, S> {
-    /// At `z` $= [x; \dot x; \ddot x]$, `6 N` entries, at time zero, which the flow of the paper does not read.
+    /// The arguments at `z` $= [x; \dot x; \ddot x]$, `6 N` entries, at time zero, on which the paper's flow does not
+    /// depend.
     pub fn new(model: &'a Model<C>, z: &'a [S], k: C) -> Self {
         let m = z.len() / 3;
         let node = Node {
@@ -100,7 +101,7 @@ impl<'a, C: Scalar, S: Scalar> At<'a, C, S> {
     }
 }
 
-/// $\dot H$ along $\dot x_{P1}$, its entries in columns.
+/// Computes $\dot H$ along $\dot x_{P1}$, its entries in column-major order.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -109,7 +110,7 @@ pub fn mass_rate<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Resu
     rate(q, qdot, |q| Ok(entries(&mass(at.model, q)?)))
 }
 
-/// $\dot C$ along $\dot x$.
+/// Computes $\dot C$ along $\dot x$.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -119,7 +120,7 @@ pub fn bias_rate<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Resu
     rate(at.node.x, at.node.xdot, force)
 }
 
-/// $\gamma$, the rate of $H (H \dot x_{P2} + C)$ along the curve (B15).
+/// Computes $\gamma$, the rate of $H (H \dot x_{P2} + C)$ along the curve (B15).
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -145,7 +146,8 @@ fn twice_h_force<C: Scalar, S: DifferentiableOver<C>>(
     Ok(vector(&constant(twice.as_slice())))
 }
 
-/// $\alpha_1$, the gradient in $x_{P1}$ of $-FD_0$ times $2 H (H \dot x_{P2} + C)$ held fixed.
+/// Computes $\alpha_1$, the gradient in $x_{P1}$ of $-FD_0$ times $2 H (H \dot x_{P2} + C)$ at constant
+/// $2 H (H \dot x_{P2} + C)$.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -154,7 +156,7 @@ pub fn alpha_1<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result
     gradient(at.node.x_p1(), |q| Ok(-fd_0(at.model, q, &v)?.dot(&fixed)))
 }
 
-/// $\alpha_2$, the same gradient in $x_{P2}$.
+/// Computes $\alpha_2$, the same gradient in $x_{P2}$.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -169,7 +171,7 @@ fn fixed_w<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<DVe
     Ok(vector(&constant(w.as_slice())))
 }
 
-/// $\Gamma$, the gradient in $x_{P1}$ of $|H w|^2 / 2$ with $w = \dot x_{P2} - FD_0$ held fixed.
+/// Computes $\Gamma$, the gradient in $x_{P1}$ of $|H w|^2 / 2$ at constant $w = \dot x_{P2} - FD_0$.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -181,7 +183,7 @@ pub fn capital_gamma<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> 
     })
 }
 
-/// Theorem B3 with every quantity by dual numbers.
+/// Computes the quantities of Theorem B3 by dual numbers.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -201,7 +203,7 @@ pub fn theorem_b3<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Res
     Ok(t)
 }
 
-/// $\Omega_1$, $\Omega_2$, $\Omega_3$ and $\Omega_4$ of Theorem B3 (B6) to (B9) by dual numbers.
+/// Computes $\Omega_1$, $\Omega_2$, $\Omega_3$ and $\Omega_4$ of Theorem B3 (B6) to (B9) by dual numbers.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -217,7 +219,7 @@ pub fn omega_terms<C: Scalar, S: DifferentiableOver<C>>(
     Ok(terms)
 }
 
-/// $\Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$ (B5) of Theorem B3 by dual numbers.
+/// Computes $\Omega_1 - (\Omega_2 - \Omega_3 + \Omega_4)$ (B5) of Theorem B3 by dual numbers.
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -229,7 +231,8 @@ pub fn omega_by_theorem_b3<C: Scalar, S: DifferentiableOver<C>>(
     Ok(omega)
 }
 
-/// The gradient of a Lagrangian $L(x, \dot x)$ in $[x; \dot x]$ at `y`, and the rate of that gradient along `along`.
+/// Computes the gradient of a Lagrangian $L(x, \dot x)$ in $[x; \dot x]$ at `y`, and the rate of that gradient along
+/// `along`.
 ///
 /// # Errors
 /// Those of the Lagrangian.
@@ -260,7 +263,7 @@ pub struct Variation<S> {
     pub momentum_rate: DVector<S>,
 }
 
-/// The variation of a Lagrangian $L(t, x, \dot x)$ at a node by nested dual numbers.
+/// Computes the variation of a Lagrangian $L(t, x, \dot x)$ at a node by nested dual numbers.
 ///
 /// # Errors
 /// Those of the Lagrangian.
@@ -284,7 +287,7 @@ pub fn variation<S: Differentiable>(
     })
 }
 
-/// The variation of the Lagrangian (5).
+/// Computes the variation of the Lagrangian (5).
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
@@ -297,8 +300,8 @@ pub fn variation_of_effort<C: Scalar, S: DifferentiableOver<C>>(
     })
 }
 
-/// $\Omega$ by its definition (7), $G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial
-/// x} \right)$ with the Lagrangian (5) and the metric (11).
+/// Computes $\Omega$ by its definition (7), $G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} -
+/// \frac{\partial L}{\partial x} \right)$ with the Lagrangian (5) and the metric (11).
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.

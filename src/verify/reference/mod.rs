@@ -1,10 +1,10 @@
-//! Reference values: the dynamics, Theorem B3, what Theorem B4 differentiates, and $\Omega$ by its definition, from the plain
-//! dynamics and dual numbers alone.
+//! Reference values: the dynamics, Theorem B3, the quantities that Theorem B4 differentiates, and $\Omega$ by its
+//! definition, from the plain dynamics and dual numbers alone.
 //!
-//! No analytic derivative and no tensor of the library is used here: only `crba`, `rnea`, `bias`, `aba`, the Lagrangian by its
-//! definition, and differentiation by dual numbers. The code is generic. Each number names the dual numbers that are made over
-//! it: over `f64` those of `num-dual`, over the prime field [`Jet`](crate::scalar::Jet). So the two witnesses that use it differ
-//! in their numbers, not in a copy of the formulas.
+//! No analytic derivative and no tensor of the library is used here: only `crba`, `rnea`, `bias`, `aba`, the Lagrangian
+//! by its definition, and differentiation by dual numbers. The code is generic. Each number type determines its dual
+//! numbers: over `f64` those of `num-dual`, over the prime field [`Jet`](crate::scalar::Jet). The two witnesses that
+//! use it therefore differ in their numbers, not in a copy of the formulas.
 
 mod differentiation;
 mod flow;

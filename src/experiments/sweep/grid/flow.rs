@@ -14,15 +14,15 @@ pub struct FlowGrid {
     pub p: Vec<usize>,
     /// Penalties of (11).
     pub k: Vec<f64>,
-    /// The values of `s` to which the flow runs.
+    /// The values of `s` at which the flow stops.
     pub s_max: Vec<f64>,
-    /// The curves to start from; the line of the paper's released code where there is no list.
+    /// The initial curves; by default the line of the paper's released code.
     #[serde(default = "line")]
     pub guess: Vec<Guess>,
-    /// Weights (A2) of the constraints; the scenario's where there is no list.
+    /// Weights (A2) of the constraints; by default that of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub k_cons: Option<Vec<f64>>,
-    /// Sharpnesses (A3) of the constraints; the scenario's where there is no list.
+    /// Sharpnesses (A3) of the constraints; by default that of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub c_cons: Option<Vec<f64>>,
 }
@@ -38,13 +38,13 @@ pub struct FlowPoint {
     pub p: usize,
     /// Penalty of (11).
     pub k: f64,
-    /// The `s` to which the flow runs.
+    /// The value of `s` at which the flow stops.
     pub s_max: f64,
-    /// The curve to start from.
+    /// The initial curve.
     pub guess: Guess,
-    /// Weight (A2) of the constraints; the scenario's if `None`.
+    /// Weight (A2) of the constraints; `None` for that of the scenario.
     pub k_cons: Option<f64>,
-    /// Sharpness (A3) of the constraints; the scenario's if `None`.
+    /// Sharpness (A3) of the constraints; `None` for that of the scenario.
     pub c_cons: Option<f64>,
 }
 

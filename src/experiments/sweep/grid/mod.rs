@@ -1,4 +1,4 @@
-//! The grids of the methods: lists of values, every combination of which is a point.
+//! The grids of the methods: lists of values, with a point for every combination.
 
 mod flow;
 mod relax;
@@ -12,26 +12,26 @@ use serde::Serialize;
 use serde::ser::SerializeStruct;
 use std::borrow::Cow;
 
-/// The lists of a sweep, by the method that it is for.
+/// The lists of a sweep, by method.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Grid {
-    /// Of the flow.
+    /// Lists of the flow.
     Flow(FlowGrid),
-    /// Of the relaxation.
+    /// Lists of the relaxation.
     Relax(RelaxGrid),
 }
 
 /// One point of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameters {
-    /// Of the flow.
+    /// Parameters of the flow.
     Flow(FlowPoint),
-    /// Of the relaxation.
+    /// Parameters of the relaxation.
     Relax(RelaxPoint),
 }
 
-/// The key that is wrong, and why.
+/// The faulty key, and the reason.
 pub(super) type Refusal = (String, String);
 
 impl Grid {
@@ -43,7 +43,7 @@ impl Grid {
         }
     }
 
-    /// The method that it is for.
+    /// The method of the grid.
     #[must_use]
     pub fn method(&self) -> Method {
         match self {
@@ -52,7 +52,7 @@ impl Grid {
         }
     }
 
-    /// Refuses values that make no sense for any scenario.
+    /// Refuses values that are invalid for all scenarios.
     pub(super) fn check(&self) -> Result<(), Refusal> {
         match self {
             Self::Flow(grid) => grid.check(),
@@ -60,7 +60,7 @@ impl Grid {
         }
     }
 
-    /// Refuses values that make no sense for this scenario.
+    /// Refuses values that are invalid for this scenario.
     pub(super) fn check_for(&self, scenario: &Scenario) -> Result<(), String> {
         match self {
             Self::Flow(grid) => grid.check_for(scenario),
@@ -68,7 +68,7 @@ impl Grid {
         }
     }
 
-    /// The lengths of the lists, that of the last one first, which runs fastest.
+    /// The lengths of the lists, beginning with the last one, which varies fastest.
     fn lengths(&self) -> Vec<usize> {
         match self {
             Self::Flow(grid) => grid.lengths(),
@@ -76,13 +76,13 @@ impl Grid {
         }
     }
 
-    /// The number of points; `None` where it is beyond all numbers.
+    /// The number of points; `None` on overflow.
     pub(super) fn count(&self) -> Option<usize> {
         let mut lengths = self.lengths().into_iter();
         lengths.try_fold(1, usize::checked_mul)
     }
 
-    /// The number of times that each set of parameters is tried in a scenario: that of seeds.
+    /// The number of repetitions of each set of parameters, which is that of seeds.
     pub(super) fn repetitions(&self) -> usize {
         match self {
             Self::Flow(_) => 1,
@@ -90,7 +90,7 @@ impl Grid {
         }
     }
 
-    /// The point at this place, from 0.
+    /// The point with this index, from 0.
     pub(super) fn point(&self, index: usize) -> Parameters {
         match self {
             Self::Flow(grid) => Parameters::Flow(grid.point(index)),
@@ -100,7 +100,7 @@ impl Grid {
 }
 
 impl Parameters {
-    /// Those of the flow, if it is the flow.
+    /// The parameters of the flow, if it is the method.
     #[must_use]
     pub fn flow(&self) -> Option<&FlowPoint> {
         match self {
@@ -109,7 +109,7 @@ impl Parameters {
         }
     }
 
-    /// Those of the relaxation, if it is the relaxation.
+    /// The parameters of the relaxation, if it is the method.
     #[must_use]
     pub fn relax(&self) -> Option<&RelaxPoint> {
         match self {
@@ -118,7 +118,7 @@ impl Parameters {
         }
     }
 
-    /// The options of a solve with them.
+    /// The options of a solve with these parameters.
     pub(super) fn options(&self) -> SolveOptions {
         match self {
             Self::Flow(point) => point.options(),
@@ -126,7 +126,7 @@ impl Parameters {
         }
     }
 
-    /// `scenario` with what they change of it.
+    /// Applies the parameters to `scenario`.
     pub(super) fn over<'s>(&self, scenario: &'s Scenario) -> Cow<'s, Scenario> {
         match self {
             Self::Flow(_) => Cow::Borrowed(scenario),
@@ -134,7 +134,7 @@ impl Parameters {
         }
     }
 
-    /// The same whatever the seed.
+    /// The parameters without the seed.
     pub(super) fn of_any_seed(self) -> Self {
         match self {
             Self::Flow(_) => self,
@@ -145,7 +145,7 @@ impl Parameters {
         }
     }
 
-    /// Writes them as columns of a row.
+    /// Writes the parameters as columns of a row.
     pub(super) fn columns<S: SerializeStruct>(&self, row: &mut S) -> Result<(), S::Error> {
         match self {
             Self::Flow(point) => point.columns(row),
@@ -153,7 +153,7 @@ impl Parameters {
         }
     }
 
-    /// Names and values for people.
+    /// Names and values of the parameters for a table.
     pub(super) fn cells(&self) -> Vec<(&'static str, String)> {
         match self {
             Self::Flow(point) => point.cells(),
@@ -162,27 +162,27 @@ impl Parameters {
     }
 }
 
-/// The entry of a list at its digit of `index`, which then has the digits of the slower lists.
+/// The entry of a list at its digit of `index`, which is divided to give the digits of the slower lists.
 fn entry<T: Copy>(list: &[T], index: &mut usize) -> T {
     let entry = list[*index % list.len()];
     *index /= list.len();
     entry
 }
 
-/// The same of a list that need not be there.
+/// The entry of an optional list, found as by [`entry`].
 fn optional<T: Copy>(list: &Option<Vec<T>>, index: &mut usize) -> Option<T> {
     list.as_ref().map(|list| entry(list, index))
 }
 
-/// The factor by which a list that need not be there makes the grid larger.
+/// The factor by which an optional list enlarges the grid.
 fn length<T>(list: &Option<Vec<T>>) -> usize {
     list.as_ref().map_or(1, Vec::len)
 }
 
-/// The most values of a list: each is compared with those before it.
+/// The largest number of values in a list: each is compared with those before it.
 const MOST_VALUES: usize = 10_000;
 
-/// Refuses a list that is empty or very long, has a value that `wrong` has something against, or has one twice.
+/// Refuses a list that is empty or too long, has a value that `wrong` rejects, or has a value twice.
 fn check_list<T: PartialEq>(
     key: &str,
     list: &[T],
@@ -208,7 +208,7 @@ fn check_list<T: PartialEq>(
     Ok(())
 }
 
-/// The same for a list that need not be there.
+/// Checks an optional list as [`check_list`] does.
 fn check_optional<T: PartialEq>(
     key: &str,
     list: &Option<Vec<T>>,
@@ -220,7 +220,7 @@ fn check_optional<T: PartialEq>(
     }
 }
 
-/// The fault of a number that has to be positive, if it has one.
+/// The fault of a number that must be positive, if it has one.
 fn not_positive(x: &f64) -> Option<String> {
     let positive = x.is_finite() && *x > 0.0;
     (!positive).then(|| format!("it is {}, a positive number is needed", plain(*x)))

@@ -1,4 +1,4 @@
-//! The grid of the relaxation: its options, and what is asked of a motion.
+//! The grid of the relaxation: its options, its running costs and its limits.
 
 use super::{Refusal, check_optional, length, not_positive, optional};
 use crate::error::{Error, plain};
@@ -8,15 +8,15 @@ use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Lists of options of the relaxation, and of what is asked of a motion. Where there is no list, it is the default of the method or what the
-/// scenario says.
+/// Lists of options of the relaxation, of running costs and of limits. A missing list means the default of the method
+/// or the value of the scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RelaxGrid {
     /// Degrees of the polynomial, or of each segment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<Vec<usize>>,
-    /// Numbers of polynomials of which the motion is made.
+    /// Numbers of polynomial segments of the motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<usize>>,
     /// Numbers of starts.
@@ -25,15 +25,15 @@ pub struct RelaxGrid {
     /// Relative gradient norms at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Vec<f64>>,
-    /// The numbers from which starts are drawn. These are repetitions: a ranking takes all of them together.
+    /// Seeds of the starts. They count as repetitions, which a ranking combines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<Vec<u64>>,
-    /// The starts for which ways around obstacles are planned.
+    /// The starts that follow planned paths around obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planned_starts: Option<Vec<PlannedStarts>>,
     /// Weights of the running cost, each the same for all joints.
     pub running_cost: CostLists,
-    /// The limits that are enforced, each for all joints.
+    /// The enforced limits, each for all joints.
     pub enforced_limits: LimitLists,
 }
 
@@ -41,34 +41,34 @@ pub struct RelaxGrid {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostLists {
-    /// Of squared torques or forces.
+    /// Weights of squared torques or forces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque: Option<Vec<f64>>,
-    /// Of squared velocities.
+    /// Weights of squared velocities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<f64>>,
-    /// Of squared accelerations.
+    /// Weights of squared accelerations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<Vec<f64>>,
 }
 
-/// Lists of limits: `true`, `false` or a share of them. Without a list it is what the scenario says.
+/// Lists of enforced limits: `true`, `false` or a share of them. Limits without a list are those of the scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitLists {
-    /// On positions.
+    /// Limits on positions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<Vec<Enforced>>,
-    /// On velocities.
+    /// Limits on velocities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Enforced>>,
-    /// On torques and forces.
+    /// Limits on torques and forces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque: Option<Vec<Enforced>>,
 }
 
-/// One set of options of the relaxation; `None` is the default of the method, or what the scenario says. The columns of results have the
-/// names of its fields.
+/// One set of options of the relaxation; `None` is the default of the method, or the value of the scenario. The columns
+/// of results have the names of its fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct RelaxPoint {
     /// Degree of the polynomial, or of each segment.
@@ -79,9 +79,9 @@ pub struct RelaxPoint {
     pub starts: Option<usize>,
     /// The relative gradient norm at the end.
     pub tolerance: Option<f64>,
-    /// The number from which starts are drawn.
+    /// The seed of the starts.
     pub seed: Option<u64>,
-    /// The starts for which ways around obstacles are planned.
+    /// The starts that follow planned paths around obstacles.
     pub planned_starts: Option<PlannedStarts>,
     /// The weight of squared torques or forces.
     pub cost_torque: Option<f64>,
@@ -89,11 +89,11 @@ pub struct RelaxPoint {
     pub cost_velocity: Option<f64>,
     /// The weight of squared accelerations.
     pub cost_acceleration: Option<f64>,
-    /// The share of the limits on positions that is enforced, 0 for none.
+    /// The enforced share of the limits on positions, 0 for none.
     pub limit_position: Option<f64>,
-    /// The same of those on velocities.
+    /// The enforced share of the limits on velocities, 0 for none.
     pub limit_velocity: Option<f64>,
-    /// The same of those on torques and forces.
+    /// The enforced share of the limits on torques and forces, 0 for none.
     pub limit_torque: Option<f64>,
 }
 
@@ -144,7 +144,7 @@ impl RelaxGrid {
         Ok(())
     }
 
-    /// Refuses degrees and numbers of segments that cannot be had, alone or together.
+    /// Refuses degrees and numbers of segments that are invalid, alone or in combination.
     fn check_sizes(&self) -> Result<(), Refusal> {
         let usual = RelaxSettings::default();
         let degrees = self.degree.clone().unwrap_or(vec![usual.degree]);
@@ -236,7 +236,7 @@ impl RelaxGrid {
     }
 }
 
-/// The share of limits that is enforced, 0 for none.
+/// The enforced share of limits, 0 for none.
 fn share(enforced: &Enforced) -> f64 {
     match enforced {
         Enforced::No => 0.0,
@@ -275,7 +275,7 @@ impl RelaxPoint {
         }
     }
 
-    /// `scenario` with this running cost and these limits.
+    /// Applies the running cost and the limits to `scenario`.
     pub(super) fn over<'s>(&self, scenario: &'s Scenario) -> Cow<'s, Scenario> {
         let weights = [self.cost_torque, self.cost_velocity, self.cost_acceleration];
         let shares = [self.limit_position, self.limit_velocity, self.limit_torque];
@@ -327,7 +327,7 @@ impl RelaxPoint {
         row.serialize_field("limit_torque", &self.limit_torque)
     }
 
-    /// Those that the grid has a list of.
+    /// Names and values of the parameters for which the grid has a list.
     pub(super) fn cells(&self) -> Vec<(&'static str, String)> {
         let number = |x: Option<f64>| x.map(|x| x.to_string());
         let count = |x: Option<usize>| x.map(|x| x.to_string());

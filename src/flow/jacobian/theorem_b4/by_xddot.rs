@@ -11,8 +11,8 @@ impl<S: Scalar> Quantities<S> {
         self.mass.h.tr_mul(&self.mass.h)
     }
 
-    /// (B78): $\frac{d\Omega}{d\ddot x} = 2 \begin{bmatrix} I & 0 \\\\ 0 & (H^T H)^{-1} \frac{\partial \gamma}{\partial \ddot
-    /// x_{P2}} \end{bmatrix}$, `2 N` by `2 N`, not simplified.
+    /// (B78): $\frac{d\Omega}{d\ddot x} = 2 \begin{bmatrix} I & 0 \\\\ 0 & (H^T H)^{-1} \frac{\partial \gamma}{\partial
+    /// \ddot x_{P2}} \end{bmatrix}$, `2 N` by `2 N`, not simplified.
     #[must_use]
     pub fn domega_dxddot_unsimplified(&self) -> DMatrix<S> {
         let below = self.solve_hth(self.dgamma_dxddot_p2());

@@ -1,4 +1,5 @@
-//! The derivatives in the rate of the state, (B62) to (B70) and (B74) to (B77). Rows are those of what is differentiated.
+//! The derivatives in the rate of the state, (B62) to (B70) and (B74) to (B77). Rows are those of the differentiated
+//! quantity.
 
 use super::{Quantities, of_blocks, scaled};
 use crate::linalg::Tensor3;
@@ -7,8 +8,8 @@ use nalgebra::DMatrix;
 
 /// The four blocks of $\Omega_i$ in the rate, (B62) to (B65), `2 N` by `2 N`.
 impl<S: Scalar> Quantities<S> {
-    /// (B62): $\frac{d\Omega_1}{d\dot x} = 2 \begin{bmatrix} 0 & -I \\\\ (H^T H)^{-1} \frac{\partial \gamma}{\partial \dot x_{P1}} &
-    /// (H^T H)^{-1} \frac{\partial \gamma}{\partial \dot x_{P2}} \end{bmatrix}$.
+    /// (B62): $\frac{d\Omega_1}{d\dot x} = 2 \begin{bmatrix} 0 & -I \\\\ (H^T H)^{-1} \frac{\partial \gamma}{\partial
+    /// \dot x_{P1}} & (H^T H)^{-1} \frac{\partial \gamma}{\partial \dot x_{P2}} \end{bmatrix}$.
     #[must_use]
     pub fn domega_1_dxdot(&self) -> DMatrix<S> {
         let by_p1 = self.solve_hth(self.dgamma_dxdot_p1());
@@ -16,8 +17,8 @@ impl<S: Scalar> Quantities<S> {
         of_blocks([[self.zero(), -self.identity()], [by_p1, by_p2]]) * S::from_f64(2.0)
     }
 
-    /// (B63): $\frac{d\Omega_2}{d\dot x} = \begin{bmatrix} 0 & \frac1k \frac{\partial \alpha_1}{\partial \dot x_{P2}} \\\\ 0 &
-    /// (H^T H)^{-1} \frac{\partial \alpha_2}{\partial \dot x_{P2}} \end{bmatrix}$.
+    /// (B63): $\frac{d\Omega_2}{d\dot x} = \begin{bmatrix} 0 & \frac1k \frac{\partial \alpha_1}{\partial \dot x_{P2}}
+    /// \\\\ 0 & (H^T H)^{-1} \frac{\partial \alpha_2}{\partial \dot x_{P2}} \end{bmatrix}$.
     #[must_use]
     pub fn domega_2_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
@@ -38,8 +39,8 @@ impl<S: Scalar> Quantities<S> {
         of_blocks([[self.zero(), self.zero()], [below, self.zero()]])
     }
 
-    /// (B65): $\frac{d\Omega_4}{d\dot x} = \begin{bmatrix} 0 & \frac2k \frac{\partial \Gamma}{\partial \dot x_{P2}} \\\\ 0 & 0
-    /// \end{bmatrix}$.
+    /// (B65): $\frac{d\Omega_4}{d\dot x} = \begin{bmatrix} 0 & \frac2k \frac{\partial \Gamma}{\partial \dot x_{P2}}
+    /// \\\\ 0 & 0 \end{bmatrix}$.
     #[must_use]
     pub fn domega_4_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
@@ -65,9 +66,9 @@ impl<S: Scalar> Quantities<S> {
         -self.fd0.dv.tr_mul(&self.dgamma_dxddot_p2()) * S::from_f64(2.0)
     }
 
-    /// (B68): $\frac{\partial \gamma}{\partial \dot x_{P1}} = \frac{\partial \dot H^T}{\partial \dot x_{P1}} (H \dot x_{P2} + C) + H^T
-    /// \left( \frac{\partial \dot H}{\partial \dot x_{P1}} \dot x_{P2} + \frac{\partial \dot C}{\partial \dot x_{P1}} \right)$, not
-    /// simplified.
+    /// (B68): $\frac{\partial \gamma}{\partial \dot x_{P1}} = \frac{\partial \dot H^T}{\partial \dot x_{P1}} (H \dot
+    /// x_{P2} + C) + H^T \left( \frac{\partial \dot H}{\partial \dot x_{P1}} \dot x_{P2} + \frac{\partial \dot
+    /// C}{\partial \dot x_{P1}} \right)$, not simplified.
     #[must_use]
     pub fn dgamma_dxdot_p1_unsimplified(&self) -> DMatrix<S> {
         let dhdot = self.dhdot_dxdot_p1();
@@ -75,24 +76,25 @@ impl<S: Scalar> Quantities<S> {
             + (self.mass.h).tr_mul(&(dhdot.times_second(&self.xdot_p2) + self.dcdot_dxdot_p1()))
     }
 
-    /// (B69): $\frac{\partial \gamma}{\partial \dot x_{P2}} = \dot H^T H + H^T \dot H + H^T \frac{\partial \dot C}{\partial \dot
-    /// x_{P2}}$, not simplified.
+    /// (B69): $\frac{\partial \gamma}{\partial \dot x_{P2}} = \dot H^T H + H^T \dot H + H^T \frac{\partial \dot
+    /// C}{\partial \dot x_{P2}}$, not simplified.
     #[must_use]
     pub fn dgamma_dxdot_p2_unsimplified(&self) -> DMatrix<S> {
         let (h, hdot) = (&self.mass.h, &self.mass.hdot);
         (hdot.tr_mul(h) + h.tr_mul(hdot)) + h.tr_mul(self.dcdot_dxdot_p2())
     }
 
-    /// (B70): $\frac{\partial \Gamma}{\partial \dot x_{P2}} = I \frac{\partial H}{\partial x_{P1}} H w + w^T \frac{\partial H}{\partial
-    /// x_{P1}} H$ with $w = \dot x_{P2} - FD_0$; rows are the derivative index of the tensor, as in (B59).
+    /// (B70): $\frac{\partial \Gamma}{\partial \dot x_{P2}} = I \frac{\partial H}{\partial x_{P1}} H w + w^T
+    /// \frac{\partial H}{\partial x_{P1}} H$ with $w = \dot x_{P2} - FD_0$; rows are the derivative index of the
+    /// tensor, as in (B59).
     #[must_use]
     pub fn dcapital_gamma_dxdot_p2(&self) -> DMatrix<S> {
         let (h, dh, w) = (&self.mass.h, &self.mass.dq, self.w());
         dh.times_first(&(h * &w)).transpose() + dh.times_second(&w).tr_mul(h)
     }
 
-    /// (B74): $\frac{\partial \dot H}{\partial \dot x_{P1}} = \frac{\partial H}{\partial x_{P1}}$, the last index that of the
-    /// derivative.
+    /// (B74): $\frac{\partial \dot H}{\partial \dot x_{P1}} = \frac{\partial H}{\partial x_{P1}}$, the last index that
+    /// of the derivative.
     #[must_use]
     pub fn dhdot_dxdot_p1(&self) -> &Tensor3<S> {
         &self.mass.dq
@@ -104,23 +106,24 @@ impl<S: Scalar> Quantities<S> {
         &self.dc.dq
     }
 
-    /// $\frac{\partial \dot C}{\partial \dot x_{P2}} = \frac{\partial C}{\partial x_{P2}}$, which follows from (B72) as (B75)
-    /// does.
+    /// $\frac{\partial \dot C}{\partial \dot x_{P2}} = \frac{\partial C}{\partial x_{P2}}$, which follows from (B72) as
+    /// (B75) does.
     #[must_use]
     pub fn dcdot_dxdot_p2(&self) -> &DMatrix<S> {
         &self.dc.dv
     }
 
-    /// (B76): $\frac{\partial \gamma}{\partial \dot x_{P1}} = \frac{\partial H}{\partial x_{P1}} (H \dot x_{P2} + C) + H \left(
-    /// \frac{\partial H}{\partial x_{P1}} \dot x_{P2} + \frac{\partial C}{\partial x_{P1}} \right)$; products with tensors sum over
-    /// the second index. This is (B68) with (B73) to (B75).
+    /// (B76): $\frac{\partial \gamma}{\partial \dot x_{P1}} = \frac{\partial H}{\partial x_{P1}} (H \dot x_{P2} + C) +
+    /// H \left( \frac{\partial H}{\partial x_{P1}} \dot x_{P2} + \frac{\partial C}{\partial x_{P1}} \right)$; products
+    /// with tensors sum over the second index. This is (B68) with (B73) to (B75).
     #[must_use]
     pub fn dgamma_dxdot_p1(&self) -> DMatrix<S> {
         let (h, dh) = (&self.mass.h, &self.mass.dq);
         dh.times_second(&self.force()) + h * (dh.times_second(&self.xdot_p2) + &self.dc.dq)
     }
 
-    /// (B77): $\frac{\partial \gamma}{\partial \dot x_{P2}} = \dot H H + H \left( \dot H + \frac{\partial C}{\partial x_{P2}} \right)$.
+    /// (B77): $\frac{\partial \gamma}{\partial \dot x_{P2}} = \dot H H + H \left( \dot H + \frac{\partial C}{\partial
+    /// x_{P2}} \right)$.
     #[must_use]
     pub fn dgamma_dxdot_p2(&self) -> DMatrix<S> {
         let (h, hdot) = (&self.mass.h, &self.mass.hdot);

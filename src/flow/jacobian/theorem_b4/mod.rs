@@ -1,8 +1,8 @@
-//! The Jacobian as Theorem B4 composes it from explicit tensors: the reference for faster ways.
+//! The Jacobian composed from explicit tensors as in Theorem B4: the reference for faster methods.
 //!
-//! The quantities of Algorithm B2 are gathered in [`Quantities`]; every numbered block of the theorem is a method of it:
-//! (B49) to (B52) in `terms`, (B45) to (B48) and (B53) to (B60) in `by_x`, (B62) to (B77) in `by_xdot`, (B78) to (B80) in
-//! `by_xddot`. This file composes them.
+//! [`Quantities`] holds the quantities of Algorithm B2; every numbered block of the theorem is one of its methods:
+//! (B49) to (B52) in `terms`, (B45) to (B48) and (B53) to (B60) in `by_x`, (B62) to (B77) in `by_xdot`, (B78) to (B80)
+//! in `by_xddot`. This file composes them.
 
 mod by_x;
 mod by_xddot;
@@ -39,10 +39,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
         }
     }
 
-    /// The three blocks (B38), (B39) and (B40) of (B37) at `node` with penalty `k`, into `out`.
+    /// Computes the three blocks (B38), (B39) and (B40) of (B37) at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` was made for a model of another size.
+    /// `node` or `out` has the wrong size.
     pub fn blocks(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         self.gather(node)?;
@@ -53,10 +53,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
         Ok(())
     }
 
-    /// Lines 1 to 10 of Algorithm B2: the quantities at `node`.
+    /// Computes lines 1 to 10 of Algorithm B2: the quantities at `node`.
     ///
     /// # Errors
-    /// `node` was made for a model of another size.
+    /// `node` has the wrong size.
     pub fn gather(&mut self, node: Node<'_, S>) -> Result<&Quantities<S>> {
         self.quantities.gather(self.model, &mut self.data, node)?;
         Ok(&self.quantities)
@@ -79,8 +79,8 @@ impl<S: Scalar> Quantities<S> {
         self.domega_1_dx() - (self.domega_2_dx(k) - self.domega_3_dx(k) + self.domega_4_dx(k))
     }
 
-    /// $d\Omega / d\dot x = d\Omega_1/d\dot x - (d\Omega_2/d\dot x - d\Omega_3/d\dot x + d\Omega_4/d\dot x)$, (B39) and (B61),
-    /// `2 N` by `2 N`.
+    /// $d\Omega / d\dot x = d\Omega_1/d\dot x - (d\Omega_2/d\dot x - d\Omega_3/d\dot x + d\Omega_4/d\dot x)$, (B39) and
+    /// (B61), `2 N` by `2 N`.
     #[must_use]
     pub fn domega_dxdot<C: Scalar>(&self, k: C) -> DMatrix<S>
     where
@@ -91,7 +91,7 @@ impl<S: Scalar> Quantities<S> {
     }
 }
 
-/// The matrix of four `N` by `N` blocks, in rows.
+/// The matrix of two by two blocks of size `N` by `N`, by rows.
 fn of_blocks<S: Scalar>([[a, b], [c, d]]: [[DMatrix<S>; 2]; 2]) -> DMatrix<S> {
     let n = a.nrows();
     let mut whole = DMatrix::zeros(2 * n, 2 * n);

@@ -1,4 +1,4 @@
-//! What Theorem B4 is written in, gathered as Algorithm B2 says.
+//! The quantities of Theorem B4, computed by Algorithm B2.
 
 use crate::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
@@ -13,11 +13,11 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{DMatrix, DVector};
 
-/// The quantities that Theorem B4 is written in, at one node.
+/// The quantities of Theorem B4 at one node.
 ///
 /// Vectors have `N` entries, matrices are `N` by `N`. Tensors follow the convention of [`Tensor3`]: a derivative index
-/// comes last. The blocks of the theorem are methods; they return new matrices and cost O(N^3), (B59) and what uses it
-/// O(N^4).
+/// comes last. The blocks of the theorem are methods that return new matrices at a cost of O(N^3), or O(N^4) for (B59)
+/// and everything that uses it.
 #[derive(Clone, Debug)]
 pub struct Quantities<S: Scalar> {
     /// $x_{P2}$.
@@ -52,7 +52,7 @@ pub struct Quantities<S: Scalar> {
 }
 
 impl<S: Scalar> Quantities<S> {
-    /// Room for a model with `n` joints.
+    /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let vector = DVector::zeros(n);
@@ -75,7 +75,7 @@ impl<S: Scalar> Quantities<S> {
         }
     }
 
-    /// Lines 1 to 10 of Algorithm B2.
+    /// Computes lines 1 to 10 of Algorithm B2.
     pub(super) fn gather<C: Scalar>(
         &mut self,
         model: &Model<C>,
@@ -118,17 +118,19 @@ impl<S: Scalar> Quantities<S> {
         Ok(())
     }
 
-    /// $(H^T H)^{-1} M$.
+    /// Computes $(H^T H)^{-1} M$.
     pub(super) fn solve_hth(&self, mut m: DMatrix<S>) -> DMatrix<S> {
         self.ldlt.solve_columns(&mut m);
         self.ldlt.solve_columns(&mut m);
         m
     }
 
-    /// $\frac{\partial (H^T H)^{-1}}{\partial x_{P1}} w$ as the matrix $\sum_j \partial (H^T H)^{-1}_{ij} / \partial q_k\\, w_j$.
+    /// $\frac{\partial (H^T H)^{-1}}{\partial x_{P1}} w$ as the matrix
+    /// $\sum_j \partial (H^T H)^{-1}_{ij} / \partial q_k\\, w_j$.
     ///
     /// With $M = H^T H$ it is $-M^{-1} \frac{\partial M}{\partial x_{P1}} y$ at $y = M^{-1} w$, and
-    /// $\frac{\partial M}{\partial x_{P1}} y = \frac{\partial H^T}{\partial x_{P1}} H y + H^T \frac{\partial H}{\partial x_{P1}} y$.
+    /// $\frac{\partial M}{\partial x_{P1}} y = \frac{\partial H^T}{\partial x_{P1}} H y + H^T \frac{\partial
+    /// H}{\partial x_{P1}} y$.
     #[must_use]
     pub fn dhth_inverse_dx_p1(&self, w: &DVector<S>) -> DMatrix<S> {
         let (h, dh) = (&self.mass.h, &self.mass.dq);

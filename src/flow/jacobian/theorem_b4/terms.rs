@@ -1,4 +1,4 @@
-//! The vectors that the right-hand side is made of, (B49) to (B52). `N` entries each.
+//! The vectors of the right-hand side, (B49) to (B52). `N` entries each.
 
 use super::Quantities;
 use crate::scalar::Scalar;

@@ -1,4 +1,4 @@
-//! The action of a curve in the state, the matrix of the flow's metric, and the Lagrangian at the points of a quadrature.
+//! The action of a curve in the state, the matrix of the flow's metric, and the Lagrangian at quadrature points.
 
 mod point;
 
@@ -98,7 +98,7 @@ impl RandomCurve {
         &all[rows..all.len() - rows]
     }
 
-    /// The sum over all points of the weights times what `at` makes of the number of a point, its time, $x$ and $\dot x$.
+    /// The sum over all points of the weights times `at` of the index of a point, its time, $x$ and $\dot x$.
     fn sum<S: AlgebraOver<Gf>>(
         &self,
         unknowns: &[S],
@@ -120,12 +120,12 @@ impl RandomCurve {
     }
 }
 
-/// The weights of an instance, a vector each.
+/// The weights of an instance, one vector each.
 fn weights(p: &RandomInstance) -> [DVector<Gf>; 3] {
     [3, 4, 5].map(|i| p.w.map(|w| w * w + p.extra[i]))
 }
 
-/// The analytic Lagrangian with everything it can have.
+/// The analytic Lagrangian with all features.
 fn analytic<'a>(p: &'a RandomInstance, duals: &DMatrix<Gf>) -> AnalyticLagrangian<'a, Gf> {
     let mut lagrangian = AnalyticLagrangian::new(&p.model, p.k);
     lagrangian.weights = weights(p);
@@ -134,7 +134,7 @@ fn analytic<'a>(p: &'a RandomInstance, duals: &DMatrix<Gf>) -> AnalyticLagrangia
     lagrangian
 }
 
-/// Its value at point `index` by its definition.
+/// The Lagrangian at point `index` by its definition.
 fn written(p: &RandomInstance, duals: &DMatrix<Gf>, index: usize) -> Written<Gf> {
     Written {
         weights: weights(p),
@@ -163,7 +163,7 @@ impl<L: Lagrangian<Gf>> PointLagrangian<Gf> for ByDuals<'_, L> {
     }
 }
 
-/// A Lagrangian that changes with time and couples everything, by duals.
+/// A time-dependent Lagrangian that couples all variables, by dual numbers.
 fn any_lagrangian(p: &RandomInstance) -> Result<impl Lagrangian<Gf>> {
     Ok(WithStateCost {
         lagrangian: lagrangian(p)?,
@@ -222,7 +222,8 @@ fn action_gradient(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(equalities)
 }
 
-/// A matrix that is wrong maps a random direction to the right vector with the probability of the bound only.
+/// Tests the Hessian along a random direction: a wrong matrix gives the right vector only with the probability of the
+/// bound.
 fn action_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let curve = &RandomCurve::new(p);
     let any = &any_lagrangian(p)?;

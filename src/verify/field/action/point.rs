@@ -13,7 +13,7 @@ use crate::verify::reference::{gradient, jacobian, rate, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::{One, Zero};
 
-/// Five points, so that one does not fill what goes through the dynamics side by side; the Lagrangian is silent at one of them.
+/// Uses five points, which do not fill the lanes; the Lagrangian is silent at one of them.
 pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     const POINTS: usize = 5;
     const SILENT: usize = 3;

@@ -54,7 +54,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// $\Omega$ by its definition: the variation by nested duals, raised with the matrix of the metric.
+/// $\Omega$ by its definition: the variation by nested dual numbers, times the inverse of the metric.
 fn definition(
     p: &RandomInstance,
     lagrangian: &impl Lagrangian<Gf>,
@@ -91,7 +91,7 @@ fn control_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// The blocks of a Jacobian against duals of a right-hand side.
+/// Compares the blocks of a Jacobian with dual numbers of a right-hand side.
 fn blocks<R: RightHandSide<Gf, Jet1>>(
     p: &RandomInstance,
     mut jacobian: impl NodeJacobian<Gf, Gf>,

@@ -1,4 +1,4 @@
-//! Lagrangians, metrics and drifts made of the numbers of an instance, so that every term of an identity is there.
+//! Lagrangians, metrics and drifts from the numbers of an instance, in which no term of an identity vanishes.
 
 use crate::error::Result;
 use crate::flow::{
@@ -16,7 +16,7 @@ pub(super) fn weights(p: &RandomInstance) -> Result<ActuationWeights<Gf>> {
     ActuationWeights::diagonal(p.w.as_slice().to_vec())
 }
 
-/// A trajectory of degree 3 with a component per joint; `skip` of the random numbers are left out.
+/// A trajectory of degree 3 with one component per joint; the first `skip` random numbers are not used.
 pub(super) fn trajectory(p: &RandomInstance, skip: usize) -> Result<DualTrajectory<Gf>> {
     let mut number = numbers(p);
     let all: Vec<Gf> = (0..skip + 4 * p.dof()).map(|_| number()).collect();
@@ -24,7 +24,7 @@ pub(super) fn trajectory(p: &RandomInstance, skip: usize) -> Result<DualTrajecto
     DualTrajectory::new(p.extra[0], coefficients)
 }
 
-/// The cost $(a t + b)\\, u^3 + t^2 u$ with numbers of each joint: no derivative that the flow reads vanishes.
+/// The cost $(a t + b)\\, u^3 + t^2 u$ with numbers of each joint: no derivative in the flow vanishes.
 #[derive(Clone)]
 pub(in crate::verify::field) struct Cubic(DVector<Gf>);
 
@@ -49,7 +49,7 @@ pub(in crate::verify::field) fn lagrangian(
     })
 }
 
-/// The metric $\mathrm{blockdiag}(k I, H W H)$ by its matrix alone, without the solves that [`ActuationMetric`] knows.
+/// The metric $\mathrm{blockdiag}(k I, H W H)$ by its matrix alone, without the solves of [`ActuationMetric`].
 pub(super) struct MatrixAlone(pub ActuationMetric<Gf>);
 
 impl Metric<Gf> for MatrixAlone {
@@ -81,7 +81,7 @@ impl Metric<Gf> for Coupled {
     }
 }
 
-/// The free dynamics in a wind that rises, $F_d + t^2 x$.
+/// The free dynamics with a time-dependent wind, $F_d + t^2 x$.
 pub(super) struct Windy;
 
 impl Drift<Gf> for Windy {
@@ -95,7 +95,7 @@ impl Drift<Gf> for Windy {
     }
 }
 
-/// A cubic of the state that grows with time, which couples each entry with others.
+/// A time-dependent cubic of the state, which couples each entry with others.
 pub(in crate::verify::field) struct Place;
 
 impl StateCost<Gf> for Place {

@@ -1,4 +1,5 @@
-//! The flow of Lagrangians beyond the paper's: weights of the actuation, dual trajectories, running costs, any metric and drift.
+//! The flow of Lagrangians beyond the paper's: weights of the actuation, dual trajectories, running costs, any metric
+//! and drift.
 
 mod control_form;
 pub(super) mod made_up;

@@ -1,4 +1,4 @@
-//! The flow under an integral with a test function.
+//! The flow in an integral with a test function.
 
 use super::made_up::{Coupled, MatrixAlone, Windy, lagrangian};
 use crate::error::Result;

@@ -62,7 +62,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// A quantity by its formula against what it means.
+/// Compares a quantity by its formula with its definition.
 fn value(
     p: &RandomInstance,
     meaning: fn(&At<'_, Gf, Gf>) -> Result<DVector<Gf>>,

@@ -107,7 +107,7 @@ fn b72(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("Cdot", &left, &right)])
 }
 
-/// The tensor of `H^T` by duals against ours of `H`.
+/// Compares the tensor of `H^T` by dual numbers with the one of `H` here.
 fn b73(p: &RandomInstance) -> Result<Vec<Equality>> {
     let right = jacobian(p.node().x_p1(), |q| {
         Ok(entries(&mass(&p.model, q)?.transpose()))
@@ -122,7 +122,7 @@ fn b74(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::new("dHdot/dxdot_P1", left, right)])
 }
 
-/// With it the step that has no label, $\partial \dot C / \partial \dot x_{P2} = \partial C / \partial x_{P2}$.
+/// Includes the step without a label, $\partial \dot C / \partial \dot x_{P2} = \partial C / \partial x_{P2}$.
 fn b77(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = gathered(p)?;
     let (dgamma, dcdot) = (t.dgamma_dxdot_p2(), t.dcdot_dxdot_p2().clone());

@@ -35,7 +35,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// The Jacobian of `f` in $\xi_i$ where `xdot` and `xddot` move along with the entries of `D` and `D^2`.
+/// The Jacobian of `f` in $\xi_i$ if `xdot` and `xddot` change with the entries of `D` and `D^2`.
 fn collocated(p: &RandomInstance, f: NodeFunction) -> Result<DMatrix<Gf>> {
     let (z, m) = (p.z(), 2 * p.dof());
     jacobian(&z[..m], |xi| {
@@ -83,7 +83,8 @@ fn b43(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("Omega", &left, &right)])
 }
 
-/// The derivative of the omega_by_definition, and our composition, against the sum of the derivatives of the four terms.
+/// The derivative of the omega_by_definition, and our composition, against the sum of the derivatives of the four
+/// terms.
 pub(super) fn of_terms(
     p: &RandomInstance,
     part: Wrt,

@@ -1,4 +1,4 @@
-//! What the text says where it is wrong or leaves a choice: read literally it fails over the field.
+//! Statements of the text that are wrong or ambiguous: read literally they fail over the field.
 
 use crate::dynamics::{InverseDynamicsSecondDerivatives, bias_rate_derivatives};
 use crate::flow::jacobian::theorem_b4::Quantities;
@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// An instance whose robot has enough joints, and not all of them prismatic: on some small robots nothing shows.
+/// An instance whose robot has enough joints, not all of them prismatic: some small robots do not show the failure.
 fn instance() -> (RandomInstance, Quantities<Gf>) {
     let p = RandomInstance::random(&mut ChaCha8Rng::seed_from_u64(1)).expect("there is a joint");
     let quantities = gathered(&p).expect("sizes agree");

@@ -16,7 +16,7 @@ pub(super) fn identities() -> Vec<Identity> {
     all
 }
 
-/// An identity whose rows are those of what is differentiated.
+/// An identity whose rows are those of the differentiated quantity.
 fn law(
     label: &'static str,
     statement: &'static str,
