@@ -1,41 +1,45 @@
-//! Trajectory optimisation with the **Affine Geometric Heat Flow** (AGHF), on rigid-body dynamics that are written once, generically over the
-//! scalar, and whose every analytic derivative is checked by three witnesses.
+//! Trajectory optimisation with the **Affine Geometric Heat Flow** (AGHF), on rigid-body dynamics that are generic over
+//! the scalar, with every analytic derivative checked by three witnesses.
 //!
-//! The mathematics is that of *Bring the Heat: Rapid Trajectory Optimization with Pseudospectral Techniques and the Affine Geometric Heat
-//! Flow Equation* (PHLAME, arXiv 2411.12962). Equation and algorithm numbers are those of the paper and its supplement.
+//! The mathematics is that of *Bring the Heat: Rapid Trajectory Optimization with Pseudospectral Techniques and the
+//! Affine Geometric Heat Flow Equation* (PHLAME, arXiv 2411.12962). Equation and algorithm numbers are those of the
+//! paper and its supplement.
 //!
 //! # Two methods
 //!
-//! [`relax`] minimises the control effort, or any [running cost](guide::running_cost), over motions in a polynomial basis, by Newton's
-//! method with exact Hessians and an interior point for limits and clearances. It is where the flow of an infinite penalty comes to rest,
-//! and the method to take for a motion. [`flow`] is the flow itself, as published and to rest, and the method to take for its mathematics.
+//! [`relax`] minimises the control effort, or any [running cost](guide::running_cost), over motions in a polynomial
+//! basis, by Newton's method with exact Hessians and an interior-point method for limits and clearances. Its minimum is
+//! the limit of the flow for an infinite penalty. Use it to find motions. [`flow`] is the flow itself, as published and
+//! to rest. Use it to study the flow.
 //!
 //! # The book
 //!
 //! 1. [A first motion](guide::first_motion): from a URDF to a plot.
 //! 2. [The notation](guide::notation) of the paper, the code and Pinocchio.
 //! 3. [The keys of a scenario](mod@scenario): limits, obstacles, running costs, horizons.
-//! 4. [How every derivative is checked](verify), and what each witness cannot see.
-//! 5. How to extend: a [constraint](guide::constraint), a [running cost](guide::running_cost), a [Jacobian](guide::jacobian), a
-//!    [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an [integrator](guide::integrator), a
-//!    [joint](guide::joint).
+//! 4. [Verification](verify) of every derivative, and what each witness cannot see.
+//! 5. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
+//!    [Jacobian](guide::jacobian), a [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an
+//!    [integrator](guide::integrator), a [joint](guide::joint).
 //! 6. [The command line](guide::command_line), [many solves](guide::sweeps), [the variants of the flow](guide::variants).
-//! 7. [A crate of your own](guide::your_crate): what its `Cargo.toml` needs, and how fast code stays fast.
+//! 7. [A crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep the code fast.
 //!
 //! # The modules
 //!
-//! Each knows only those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`], [`names`], [`urdf`], [`curve`],
-//! [`constraint`], [`ode`], [`motion`], [`flow`], [`plan`], [`relax`], [`verify`], [`scenario`], [`judge`], [`output`], [`report`],
-//! [`experiments`], [`cli`]; [`guide`] has the pages.
+//! Each depends only on those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`],
+//! [`names`], [`urdf`], [`curve`], [`constraint`], [`ode`], [`motion`], [`flow`], [`plan`], [`relax`], [`verify`],
+//! [`scenario`], [`judge`], [`output`], [`report`], [`experiments`], [`cli`]; [`guide`] has the pages of the book.
 //!
-//! Without default features the crate is robots, their dynamics and the derivatives of these. The feature `solvers` adds everything up to
-//! [`verify`], `output` scenarios, sweeps and reports, `cli`, the default, the command line.
+//! Without default features the crate contains robots, their dynamics and the derivatives of the dynamics. The feature
+//! `solvers` adds everything up to [`verify`]; `output` adds scenarios, sweeps and reports; `cli`, the default, adds
+//! the command line.
 //!
 //! # Limits
 //!
-//! The base is fixed, joints have one degree of freedom, links are rigid. There is no contact, no friction, no damping and no closed loop.
+//! The base is fixed, joints have one degree of freedom, and links are rigid. Contact, friction, damping and closed
+//! loops are not modelled.
 
-/// The code of the README, which is run as a test.
+/// The code of the README, run as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 mod readme {}

@@ -1,15 +1,15 @@
-//! Sums of columns, a few rows at a time.
+//! Sums of columns in tiles of a few rows.
 
 use crate::scalar::Scalar;
 use std::ops::{Index, IndexMut};
 
-/// How many rows stay in registers together.
+/// The number of rows that stay in registers together.
 pub(crate) const TILE: usize = 4;
 
-/// A square matrix by columns, which zeros fill up to whole tiles of rows.
+/// A square matrix by columns, padded with zeros to whole tiles of rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Tiled<S: Scalar> {
-    /// The number of tiles of a column.
+    /// The number of tiles per column.
     tiles: usize,
     entries: Vec<[S; TILE]>,
 }
@@ -24,7 +24,7 @@ impl<S: Scalar> Tiled<S> {
         }
     }
 
-    /// Makes every entry zero.
+    /// Sets every entry to zero.
     pub(crate) fn clear(&mut self) {
         self.entries.fill([S::zero(); TILE]);
     }
@@ -34,12 +34,12 @@ impl<S: Scalar> Tiled<S> {
         &mut self.entries[j * self.tiles..][..self.tiles]
     }
 
-    /// All columns one after the other.
+    /// All columns in order.
     pub(crate) fn columns(&self) -> impl Iterator<Item = &[[S; TILE]]> {
         self.entries.chunks_exact(self.tiles.max(1))
     }
 
-    /// One tile of $-\sum_j f_j x_j$ with the columns $x_j$ that are listed and for each of `M` lists of factors $f_j$.
+    /// Computes one tile of $-\sum_j f_j x_j$ for the listed columns $x_j$ and each of `M` lists of factors $f_j$.
     #[inline]
     pub(crate) fn minus_sum<const M: usize>(
         &self,

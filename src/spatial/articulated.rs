@@ -1,12 +1,12 @@
-//! The inertia of a body that carries others by joints which may move.
+//! The inertia of a body with moving bodies attached to it.
 
 use super::{Force, Inertia, Motion, apply, apply_transpose, cross_matrix, matrix, symmetric};
 use crate::scalar::Scalar;
 use nalgebra::Matrix3;
 use std::ops::AddAssign;
 
-/// The articulated-body inertia $I^A$ (7.1 in Featherstone's book), about the origin: a symmetric 6 by 6 matrix, whose blocks are
-/// those of table 2.5. Unlike those of an [`Inertia`] they are independent of each other.
+/// The articulated-body inertia $I^A$ (7.1 in Featherstone's book), about the origin: a symmetric 6 by 6 matrix, whose
+/// blocks are those of table 2.5. Unlike those of an [`Inertia`] they are independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArticulatedInertia<S: Scalar> {
     /// The block that maps an angular acceleration to a moment, symmetric.
@@ -18,7 +18,7 @@ pub struct ArticulatedInertia<S: Scalar> {
 }
 
 impl<S: Scalar> ArticulatedInertia<S> {
-    /// That of a body alone.
+    /// The inertia of a single body.
     #[inline(always)]
     #[must_use]
     pub fn new(inertia: &Inertia<S>) -> Self {
@@ -29,7 +29,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The force that the acceleration `m` takes: $I^A m$.
+    /// Computes $I^A m$, the force that the acceleration `m` requires.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
@@ -39,8 +39,8 @@ impl<S: Scalar> ArticulatedInertia<S> {
         )
     }
 
-    /// $I^A - \gamma\\, u u^T$ for a force `u`: what is left of it beyond a joint with $u = I^A S$ and $\gamma = 1 / (S^T u)$, that
-    /// gives way (7.2.1 in the book).
+    /// Computes $I^A - \gamma\\, u u^T$, the inertia beyond a joint that moves freely, with the force $u = I^A S$ and
+    /// $\gamma = 1 / (S^T u)$ (7.2.1 in the book).
     #[inline(always)]
     #[must_use]
     pub fn without(&self, u: &Force<S>, gamma: S) -> Self {

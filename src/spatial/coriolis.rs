@@ -67,7 +67,8 @@ impl<S: Scalar> Coriolis<S> {
         apply_transpose(&self.moment, &m.angular) + cross(&self.momentum, &m.linear)
     }
 
-    /// $m \times^* B - B\\, m \times$: how fast `B` changes when the bodies are carried along with velocity `m`, velocities and all.
+    /// Computes $m \times^* B - B\\, m \times$, the rate of change of `B` when the bodies, with their velocities, move
+    /// with velocity `m`.
     #[inline(always)]
     #[must_use]
     pub fn carried(&self, m: &Motion<S>) -> Self {

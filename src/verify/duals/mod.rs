@@ -71,8 +71,8 @@ pub const LARGEST_BOUND: f64 = 1e-5;
 /// The largest bound for quantities that are divided by the mass matrix twice and then multiplied by it twice, such as
 /// the weak form of the relaxation.
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
-/// Entries below this fraction of the inertia may be rounding errors of zero: with [`BOUND`] 50 units of rounding pass there, as sums of
-/// several products have them.
+/// Entries below this fraction of the inertia may be rounding errors of zero: with [`BOUND`], 50 units of rounding pass
+/// there, as in sums of several products.
 const VANISHING: f64 = 1e-5;
 /// The largest error of central differences, relative to the largest entry of all blocks; they serve only for
 /// comparison.
