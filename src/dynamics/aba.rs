@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::ArticulatedInertia;
 
-/// Forward dynamics $a = H^{-1} (\tau - C(q, v))$; arguments as in [`rnea`](super::rnea). Cost O(N).
+/// Forward dynamics $a = H^{-1} (\tau - C(q, v))$; arguments as in [`rnea`](super::rnea()). Cost O(N).
 ///
 /// # Errors
 /// An argument does not have one entry a joint.

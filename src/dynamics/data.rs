@@ -18,7 +18,7 @@ pub struct Data<S: Scalar = f64> {
     pub(super) velocities: Vec<Motion<S>>,
     /// Body accelerations, gravity taken in.
     pub(super) accelerations: Vec<Motion<S>>,
-    /// $\ddot\Psi$ of the joints, see [`rnea_derivatives`](super::rnea_derivatives).
+    /// $\ddot\Psi$ of the joints, see [`rnea_derivatives`](super::rnea_derivatives()).
     pub(super) psi_ddot: Vec<Motion<S>>,
     /// Body inertias, then those of subtrees.
     pub(super) inertias: Vec<Inertia<S>>,
@@ -42,7 +42,7 @@ pub struct Data<S: Scalar = f64> {
     pub(super) articulated: Vec<ArticulatedInertia<S>>,
     /// $U_i = I^A_i S_i$, articulated-body inertias times axes.
     pub(super) articulated_axes: Vec<Force<S>>,
-    /// One number per joint; after [`aba`](super::aba) $D_i = S_i^T U_i$.
+    /// One number per joint; after [`aba`](super::aba()) $D_i = S_i^T U_i$.
     pub(super) scalar_scratch: Vec<S>,
     /// The inverse of the mass matrix.
     pub(super) h_inverse: Tiled<S>,

@@ -9,14 +9,14 @@
 //! $$ B_v = B(I, S_k), \quad B_q = S_k \times^* B - B\\, S_k \times + B(I, \dot\Psi_k), \quad \dot I = B_v + B_v^T. $$
 //!
 //! With $F_q, F_v, F_a$ the derivatives of `F` in the coordinates of joint `k`, as in
-//! [`rnea_derivatives`](super::rnea_derivatives), and with joints `i` and `j` that are not after `k`,
+//! [`rnea_derivatives`](super::rnea_derivatives()), and with joints `i` and `j` that are not after `k`,
 //!
-//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial q_k} = S_i \cdot (2 B_q \dot\Psi_j + \dot I \ddot\Psi_j + [i < j]\\, S_j \times^* F_q), $$
-//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial v_k} = S_i \cdot (2 B_v \dot\Psi_j + [i < j]\\, S_j \times^* F_v), \quad
+//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial q_k} = S_i \cdot (2 B_q \dot\Psi_j + \dot I \ddot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_q), $$
+//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial v_k} = S_i \cdot (2 B_v \dot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_v), \quad
 //!    \frac{\partial^2 ID_i}{\partial q_k \partial v_j} = S_i \cdot (2 B_q S_j + 2 \dot I \dot\Psi_j), $$
 //! $$ \frac{\partial^2 ID_i}{\partial v_j \partial v_k} = S_i \cdot 2 B_v S_j, \quad
 //!    \frac{\partial^2 ID_i}{\partial a_j \partial q_k} = S_i \cdot \dot I S_j, \quad
-//!    \frac{\partial^2 ID_i}{\partial a_k \partial q_j} = [i < j]\\, S_i \cdot (S_j \times^* F_a), $$
+//!    \frac{\partial^2 ID_i}{\partial a_k \partial q_j} = \lbrack i < j \rbrack\\, S_i \cdot (S_j \times^* F_a), $$
 //!
 //! where `i < j` says that `i` is nearer to the base. What joint `k` itself feels of joints `i` and `j` before it needs the couples
 //! $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$. For `i` not after `j`

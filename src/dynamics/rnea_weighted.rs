@@ -97,7 +97,7 @@ impl<S: Scalar> RneaWeightedHessian<S> {
     }
 }
 
-/// The gradient of $w^T ID$ at `(q, v, a)`, `N` entries each, by a hand-written adjoint of [`rnea`](super::rnea). Cost O(N).
+/// The gradient of $w^T ID$ at `(q, v, a)`, `N` entries each, by a hand-written adjoint of [`rnea`](super::rnea()). Cost O(N).
 ///
 /// # Errors
 /// An argument does not have one entry a joint, or `out` was made for another size.
@@ -159,7 +159,7 @@ pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
 }
 
 /// Inverse dynamics at `[q, v, a]`, `N` entries each, with its first derivatives, and the Hessian of $w^T ID$ for the weights `w`
-/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives) and [`rnea_weighted_hessian`], which have most
+/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives()) and [`rnea_weighted_hessian`], which have most
 /// of their work in common. Cost O(N d) with d the depth of the tree.
 ///
 /// # Errors
