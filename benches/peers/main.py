@@ -1,0 +1,40 @@
+"""Runs the comparisons that are asked for, one after the other on one core, and writes their tables."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import ipopt
+import report
+from common import WORK, Table
+
+SECTIONS = {"ipopt": ipopt}
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="benches/peers/run", description=__doc__)
+    parser.add_argument("sections", nargs="*", help=f"some of {', '.join(SECTIONS)}; all if none is named")
+    parser.add_argument("--quick", action="store_true", help="a part of each section, five minutes in all")
+    parser.add_argument("--repeats", type=int, default=0, help="solves of each scenario that are timed, 3 in a quick run, else 5")
+    parser.add_argument("--resume", action="store_true", help="keep the rows of results.csv that are there")
+    parser.add_argument("--out", type=Path, default=WORK / "out", help="the folder for RESULTS.md, index.html and CSV")
+    options = parser.parse_args()
+    options.repeats = options.repeats or (3 if options.quick else 5)
+    unknown = [name for name in options.sections if name not in SECTIONS]
+    if unknown:
+        parser.error(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
+    # On one core, the last of those that this process may use.
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    table = Table(options.out / "results.csv", options.resume)
+    notes = {name: module.NOTE for name, module in SECTIONS.items()}
+    command = " ".join(["benches/peers/run", *sys.argv[1:]])
+    for name in options.sections or SECTIONS:
+        SECTIONS[name].run(table, options)
+        report.write(table, notes, options.out, command)
+    print(f"wrote {options.out}/RESULTS.md, index.html and results.csv")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
