@@ -185,15 +185,15 @@ def gains(name):
     return 100.0 if name.startswith("digit") else 10.0
 
 
-def simulated_error(model, motion, goal, gain):
-    """The largest entry of the final state's error after forward simulation with feedback: the paper's measure of success.
+def simulated(model, motion, goal, gain):
+    """Forward simulation with feedback, the paper's measure of success: the largest entry of the final state's error, and the motion.
 
     The torques of the motion and `-gain` times what position and velocity are off drive the model without friction; implicit
     steps of variable order (BDF) with the analytic Jacobian.
     """
     data, n = model.createData(), model.nv
     if not all(np.isfinite(x).all() for x in (motion.q, motion.v, motion.a, motion.u)):
-        return math.inf
+        return math.inf, None
     if motion.hold:
         lines = [interp1d(motion.t, x, axis=0, assume_sorted=True) for x in (motion.q, motion.v)]
         steps = interp1d(motion.t, motion.u, axis=0, kind="previous", assume_sorted=True)
@@ -209,13 +209,15 @@ def simulated_error(model, motion, goal, gain):
             q, v, a = (x(t) for x in curves)
             return q, v, pin.rnea(model, data, q, v, a)
 
-    def rate(t, x):
+    def applied(t, x):
         q, v, u = wanted(t)
-        return np.r_[x[n:], pin.aba(model, data, x[:n], x[n:], u - gain * (x[:n] - q) - gain * (x[n:] - v))]
+        return u - gain * (x[:n] - q) - gain * (x[n:] - v)
+
+    def rate(t, x):
+        return np.r_[x[n:], pin.aba(model, data, x[:n], x[n:], applied(t, x))]
 
     def jacobian(t, x):
-        q, v, u = wanted(t)
-        pin.computeABADerivatives(model, data, x[:n], x[n:], u - gain * (x[:n] - q) - gain * (x[n:] - v))
+        pin.computeABADerivatives(model, data, x[:n], x[n:], applied(t, x))
         inverse = np.triu(data.Minv) + np.triu(data.Minv, 1).T
         below = np.hstack([data.ddq_dq - gain * inverse, data.ddq_dv - gain * inverse])
         return np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), below])
@@ -224,18 +226,22 @@ def simulated_error(model, motion, goal, gain):
     # The torques that are held jump: no step may be much longer than they are held.
     step = max(2e-3, 2 * (motion.t[1] - motion.t[0])) if motion.hold else 2e-2
     options = {"method": "BDF", "jac": jacobian, "rtol": 1e-7, "atol": 1e-9, "max_step": step}
-    end = solve_ivp(rate, (motion.t[0], motion.t[-1]), began, **options)
-    return float(abs(end.y[:, -1] - goal).max()) if end.success else math.inf
+    times = np.linspace(motion.t[0], motion.t[-1], 2001)
+    run = solve_ivp(rate, (motion.t[0], motion.t[-1]), began, t_eval=times, **options)
+    if not run.success:
+        return math.inf, None
+    x = run.y.T
+    u = np.array([applied(t, state) for t, state in zip(times, x)])
+    a = np.array([pin.aba(model, data, state[:n], state[n:], torques) for state, torques in zip(x, u)])
+    return float(abs(x[-1] - goal).max()), Motion(times, x[:, :n], x[:, n:], a, u, names=motion.names)
 
 
-def judge(scenario_file, motion, tolerance=1e-3, overlap=1e-4, every=1):
+def judge(scenario_file, motion, tolerance=1e-3, overlap=1e-4, kinds="qvau"):
     """Whether `aghf judge` accepts a motion, and which checks fail with their worst values."""
     with tempfile.TemporaryDirectory() as folder:
         table, verdict = Path(folder) / "trajectory.csv", Path(folder) / "verdict.json"
-        rows = np.hstack([motion.t[:, None], motion.q, motion.v, motion.a, motion.u])
-        if every > 1:
-            rows = rows[np.unique(np.r_[np.arange(0, len(rows), every), len(rows) - 1])]
-        heads = ["t"] + [f"{kind}_{joint}" for kind in "qvau" for joint in motion.names]
+        rows = np.hstack([motion.t[:, None], *(getattr(motion, kind) for kind in kinds)])
+        heads = ["t"] + [f"{kind}_{joint}" for kind in kinds for joint in motion.names]
         np.savetxt(table, rows, delimiter=",", header=",".join(heads), comments="", fmt="%.17g")
         options = ["--tolerance", tolerance, "--overlap", overlap, "--json", verdict]
         aghf("judge", scenario_file, table, *options)
@@ -283,8 +289,12 @@ def add_ours(table, section, family, values, method, options, repeats, tolerance
     table.add(row)
 
 
-def finish(row, values, motion, tolerance=1e-3, every=1):
-    """Fills in what is measured of a motion in the same way for all methods."""
+def finish(row, values, motion, tolerance=1e-3):
+    """Fills in what is measured of a motion in the same way for all methods.
+
+    Knots with torques that are held are no motion between them: of those the judge gets positions and velocities of the simulated motion, with
+    its feedback, and derives the rest, since accelerations jump with the torques.
+    """
     if motion is None or not np.isfinite(motion.u).all():
         row.note = row.note or "no motion"
         return
@@ -295,9 +305,10 @@ def finish(row, values, motion, tolerance=1e-3, every=1):
     weight = values.get("running_cost", {}).get("acceleration", 0.0)
     squares = (motion.a**2).sum(axis=1)
     row.cost = row.effort + weight * float(np.trapezoid(squares, motion.t))
-    row.error = simulated_error(model, motion, goal, gains(values["robot"]))
+    row.error, driven = simulated(model, motion, goal, gains(values["robot"]))
     row.success = bool(row.error < values["success_threshold"])
-    row.valid, fault = judge(values["file"], motion, tolerance, every=every)
+    judged = driven if motion.hold else motion
+    row.valid, fault = judge(values["file"], judged, tolerance, kinds="qv" if motion.hold else "qvau") if judged else (False, "the simulation fails")
     row.note = "; ".join(filter(None, [row.note, fault]))
 
 

@@ -5,11 +5,13 @@ import os
 import sys
 from pathlib import Path
 
+import crocoddyl_paper
 import ipopt
 import report
+import vamp_toppra
 from common import WORK, Table
 
-SECTIONS = {"ipopt": ipopt}
+SECTIONS = {"paper": crocoddyl_paper, "ipopt": ipopt, "mbm": vamp_toppra}
 
 
 def main():
@@ -17,6 +19,9 @@ def main():
     parser.add_argument("sections", nargs="*", help=f"some of {', '.join(SECTIONS)}; all if none is named")
     parser.add_argument("--quick", action="store_true", help="a part of each section, five minutes in all")
     parser.add_argument("--repeats", type=int, default=0, help="solves of each scenario that are timed, 3 in a quick run, else 5")
+    parser.add_argument("--grid", action="store_true", help="of the paper's experiments all sets of the tables too; takes days, use --resume")
+    parser.add_argument("--limit", type=float, default=0, help="seconds for each set, the paper's 180 and 300 if not given")
+    parser.add_argument("--stride", type=int, default=10, help="of MotionBenchMaker every so many problems of each family")
     parser.add_argument("--resume", action="store_true", help="keep the rows of results.csv that are there")
     parser.add_argument("--out", type=Path, default=WORK / "out", help="the folder for RESULTS.md, index.html and CSV")
     options = parser.parse_args()
@@ -24,6 +29,8 @@ def main():
     unknown = [name for name in options.sections if name not in SECTIONS]
     if unknown:
         parser.error(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
+    if options.quick:
+        options.limit = options.limit or 20
     # On one core, the last of those that this process may use.
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     table = Table(options.out / "results.csv", options.resume)

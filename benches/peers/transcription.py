@@ -52,7 +52,10 @@ class Transcription:
     frames keep clear (by `clear`, m, as nothing is asked between the points; of velocities and torques `margin` of their limits is left), and `acceleration` is the weight of squared accelerations beside squared torques.
     """
 
-    def __init__(self, expressions, limits=(), spheres=0, acceleration=0.0, iterations=1000, margin=0.005, clear=0.01):
+    # Settings of IPOPT beside the common ones.
+    settings = {}
+
+    def __init__(self, expressions, limits=(), spheres=0, acceleration=0.0, iterations=1000, margin=0.01, clear=0.01):
         self.expressions, self.n, self.limits, self.spheres = expressions, expressions.n, tuple(limits), spheres
         self.acceleration, self.iterations, self.margin, self.clear = acceleration, iterations, margin, clear
         self.lay_out()
@@ -133,6 +136,7 @@ class Transcription:
             "calc_lam_p": False,
             "ipopt.max_iter": self.iterations,
             "ipopt.tol": 1e-6,
+            **self.settings,
         }
         self.solver = ca.nlpsol("solver", "ipopt", programme, options)
 
@@ -233,6 +237,9 @@ class Polynomial(Transcription):
 
 class Shooting(Transcription):
     """Equal intervals with linear accelerations, joined by equations, with three points of Gauss in each."""
+
+    # Seven times as fast among spheres as with MUMPS' own scaling, and no slower elsewhere.
+    settings = {"ipopt.mumps_permuting_scaling": 0, "ipopt.mumps_scaling": 0}
 
     def __init__(self, expressions, intervals=40, **options):
         self.intervals, self.points = intervals, 3 * intervals

@@ -1,0 +1,21 @@
+"""Our small C++ programs that use the peers' headers, built by CMake."""
+
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+from common import HERE, WORK
+
+
+def built(name, **definitions):
+    """The program of the folder `name`, built if it is not up to date."""
+    cmake = Path(sys.executable).parent / "cmake"
+    folder = WORK / f"build_{name}"
+    cmeel = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix"
+    settings = [f"-D{key}={value}" for key, value in {"CMEEL": cmeel, **definitions}.items()]
+    for command in ([cmake, "-S", HERE / name, "-B", folder, *settings], [cmake, "--build", folder]):
+        run = subprocess.run(command, capture_output=True, text=True)
+        if run.returncode:
+            raise RuntimeError(f"{name} does not build:\n{run.stdout}\n{run.stderr}")
+    return next(path for path in folder.iterdir() if path.is_file() and path.name in ("vamp_plan", "aligator_solve"))
