@@ -269,7 +269,8 @@ def read_motion(path):
 def ours(values, options, repeats):
     """Our solver on a scenario: the summary, the seconds of `repeats` solves, and the motion at 2001 times."""
     with tempfile.TemporaryDirectory() as folder:
-        common = ["solve", values["file"], "--threads", 1, "--json", "--no-report", "--force", "--out", folder, "--samples", 2001]
+        threads = [] if "flow" in options else ["--threads", 1]
+        common = ["solve", values["file"], *threads, "--json", "--no-report", "--force", "--out", folder, "--samples", 2001]
         runs = [json.loads(aghf(*common, *options)) for _ in range(repeats)]
         name = "trajectory.csv" if runs[0]["success"] else "trajectory.failed.csv"
         path = Path(folder) / name
@@ -282,9 +283,9 @@ def add_ours(table, section, family, values, method, options, repeats, tolerance
     if table.has(section, values["name"], method):
         return
     summary, seconds, motion = ours(values, options, repeats)
-    row = Row(section, family, values["name"], method, repeats=len(seconds), duration=summary["horizon_s"])
+    row = Row(section, family, values["name"], method, repeats=len(seconds), duration=values["horizon_s"])
     row.seconds, row.seconds_90 = percentile(seconds, 0.5), percentile(seconds, 0.9)
-    row.iterations = summary["iterations"] or 0
+    row.iterations = summary.get("iterations") or 0
     finish(row, values, motion, tolerance)
     table.add(row)
 

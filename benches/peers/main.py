@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -9,14 +10,22 @@ import crocoddyl_paper
 import ipopt
 import report
 import vamp_toppra
-from common import WORK, Table
+from common import HERE, WORK, Table
 
-SECTIONS = {"paper": crocoddyl_paper, "ipopt": ipopt, "mbm": vamp_toppra}
+SECTIONS = {"paper": crocoddyl_paper, "mbm": vamp_toppra, "ipopt": ipopt}
+DYNAMICS = HERE / "dynamics" / "run"
+
+
+def dynamics(folder, quick):
+    """The table of the dynamics, which a program of its own makes."""
+    command = [DYNAMICS, *(["--quick"] if quick else []), "--out", folder]
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
 
 
 def main():
+    known = [*SECTIONS, "dynamics"]
     parser = argparse.ArgumentParser(prog="benches/peers/run", description=__doc__)
-    parser.add_argument("sections", nargs="*", help=f"some of {', '.join(SECTIONS)}; all if none is named")
+    parser.add_argument("sections", nargs="*", help=f"some of {', '.join(known)}; all if none is named")
     parser.add_argument("--quick", action="store_true", help="a part of each section, five minutes in all")
     parser.add_argument("--repeats", type=int, default=0, help="solves of each scenario that are timed, 3 in a quick run, else 5")
     parser.add_argument("--grid", action="store_true", help="of the paper's experiments all sets of the tables too; takes days, use --resume")
@@ -26,9 +35,9 @@ def main():
     parser.add_argument("--out", type=Path, default=WORK / "out", help="the folder for RESULTS.md, index.html and CSV")
     options = parser.parse_args()
     options.repeats = options.repeats or (3 if options.quick else 5)
-    unknown = [name for name in options.sections if name not in SECTIONS]
+    unknown = [name for name in options.sections if name not in known]
     if unknown:
-        parser.error(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
+        parser.error(f"no section {', '.join(unknown)}: there are {', '.join(known)}")
     if options.quick:
         options.limit = options.limit or 20
     # On one core, the last of those that this process may use.
@@ -36,9 +45,13 @@ def main():
     table = Table(options.out / "results.csv", options.resume)
     notes = {name: module.NOTE for name, module in SECTIONS.items()}
     command = " ".join(["benches/peers/run", *sys.argv[1:]])
-    for name in options.sections or SECTIONS:
-        SECTIONS[name].run(table, options)
-        report.write(table, notes, options.out, command)
+    told = ""
+    for name in options.sections or known:
+        if name != "dynamics":
+            SECTIONS[name].run(table, options)
+        elif DYNAMICS.exists():
+            told = dynamics(options.out, options.quick)
+        report.write(table, notes, options.out, command, told)
     print(f"wrote {options.out}/RESULTS.md, index.html and results.csv")
     return 0
 

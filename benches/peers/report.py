@@ -4,6 +4,7 @@ import datetime
 import html
 import importlib.metadata
 import math
+import os
 import platform
 import re
 import subprocess
@@ -75,7 +76,8 @@ def machine():
     own = subprocess.run([AGHF, "--version"], capture_output=True, text=True).stdout.strip()
     date = datetime.date.today().isoformat()
     return (
-        f"{own} at {commit}, {versions}, Python {platform.python_version()}, gcc {compiler}, on one core of {cpu}, {date}."
+        f"{own} at {commit}, {versions}, Python {platform.python_version()}, gcc {compiler}, on one core of {cpu}, {date}; "
+        f"load at the end {os.getloadavg()[1]:.1f} on {os.cpu_count()} cores, so other work ran beside where it is above 1."
     )
 
 
