@@ -1,4 +1,5 @@
-"""What all sections share: paths, robots, scenarios, our own program, the judge, the simulation of the paper, rows of results."""
+"""What all sections share: paths, robots, scenarios, our own program, the judge, the simulation of the paper, rows of
+results."""
 
 import csv
 import json
@@ -146,7 +147,8 @@ def scenario(name):
 
 
 def robot(name):
-    """A built-in robot as a Pinocchio model whose positions are one number per joint, without friction, damping and meshes."""
+    """A built-in robot as a Pinocchio model whose positions are one number per joint, without friction, damping and
+    meshes."""
     tree = ElementTree.parse(ROBOTS / name / f"{name}.urdf")
     for joint in tree.iter("joint"):
         for dynamics in joint.findall("dynamics"):
@@ -186,9 +188,11 @@ def gains(name):
 
 
 def simulated(model, motion, goal, gain):
-    """Forward simulation with feedback, the paper's measure of success: the largest entry of the final state's error, and the motion.
+    """Forward simulation with feedback, the paper's measure of success: the largest entry of the final state's error,
+    and the motion.
 
-    The torques of the motion and `-gain` times what position and velocity are off drive the model without friction; implicit
+    The torques of the motion and `-gain` times what position and velocity are off drive the model without friction;
+    implicit
     steps of variable order (BDF) with the analytic Jacobian.
     """
     data, n = model.createData(), model.nv
@@ -199,10 +203,13 @@ def simulated(model, motion, goal, gain):
         steps = interp1d(motion.t, motion.u, axis=0, kind="previous", assume_sorted=True)
         wanted = lambda t: (lines[0](t), lines[1](t), steps(t))
     else:
-        # Of a smooth motion the curve of degree five through the samples and its own torques: between samples linear torques are
+        # Of a smooth motion the curve of degree five through the samples and its own torques: between samples linear
+        # torques are
         # off by enough to matter, as these arms drift away from any curve.
         some = np.unique(np.linspace(0, len(motion.t) - 1, 401).round().astype(int))
-        curve = BPoly.from_derivatives(motion.t[some], np.stack([motion.q[some], motion.v[some], motion.a[some]], axis=1))
+        curve = BPoly.from_derivatives(
+            motion.t[some], np.stack([motion.q[some], motion.v[some], motion.a[some]], axis=1)
+        )
         curves = [curve, curve.derivative(), curve.derivative(2)]
 
         def wanted(t):
@@ -270,7 +277,18 @@ def ours(values, options, repeats):
     """Our solver on a scenario: the summary, the seconds of `repeats` solves, and the motion at 2001 times."""
     with tempfile.TemporaryDirectory() as folder:
         threads = [] if "flow" in options else ["--threads", 1]
-        common = ["solve", values["file"], *threads, "--json", "--no-report", "--force", "--out", folder, "--samples", 2001]
+        common = [
+            "solve",
+            values["file"],
+            *threads,
+            "--json",
+            "--no-report",
+            "--force",
+            "--out",
+            folder,
+            "--samples",
+            2001,
+        ]
         runs = [json.loads(aghf(*common, *options)) for _ in range(repeats)]
         name = "trajectory.csv" if runs[0]["success"] else "trajectory.failed.csv"
         path = Path(folder) / name
@@ -293,7 +311,8 @@ def add_ours(table, section, family, values, method, options, repeats, tolerance
 def finish(row, values, motion, tolerance=1e-3):
     """Fills in what is measured of a motion in the same way for all methods.
 
-    Knots with torques that are held are no motion between them: of those the judge gets positions and velocities of the simulated motion, with
+    Knots with torques that are held are no motion between them: of those the judge gets positions and velocities of
+    the simulated motion, with
     its feedback, and derives the rest, since accelerations jump with the torques.
     """
     if motion is None or not np.isfinite(motion.u).all():
@@ -309,7 +328,11 @@ def finish(row, values, motion, tolerance=1e-3):
     row.error, driven = simulated(model, motion, goal, gains(values["robot"]))
     row.success = bool(row.error < values["success_threshold"])
     judged = driven if motion.hold else motion
-    row.valid, fault = judge(values["file"], judged, tolerance, kinds="qv" if motion.hold else "qvau") if judged else (False, "the simulation fails")
+    row.valid, fault = (
+        judge(values["file"], judged, tolerance, kinds="qv" if motion.hold else "qvau")
+        if judged
+        else (False, "the simulation fails")
+    )
     row.note = "; ".join(filter(None, [row.note, fault]))
 
 

@@ -16,7 +16,9 @@ class Expressions:
     def __init__(self, model):
         self.model, self.n, data = model, model.nv, model.createData()
         pin.computeJointJacobians(model, data, np.zeros(model.nq))
-        local = [pin.getJointJacobian(model, data, i + 1, pin.LOCAL).reshape(6, -1)[:, i].round(12) for i in range(self.n)]
+        local = [
+            pin.getJointJacobian(model, data, i + 1, pin.LOCAL).reshape(6, -1)[:, i].round(12) for i in range(self.n)
+        ]
         self.slides, self.turns = [s[:3] for s in local], [s[3:] for s in local]
         x = np.random.default_rng(0).normal(size=(3, self.n))
         symbols = [ca.SX.sym(name, self.n) for name in "qva"]

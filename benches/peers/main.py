@@ -27,10 +27,20 @@ def main():
     parser = argparse.ArgumentParser(prog="benches/peers/run", description=__doc__)
     parser.add_argument("sections", nargs="*", help=f"some of {', '.join(known)}; all if none is named")
     parser.add_argument("--quick", action="store_true", help="a part of each section, five minutes in all")
-    parser.add_argument("--repeats", type=int, default=0, help="solves of each scenario that are timed, 3 in a quick run, else 5")
-    parser.add_argument("--grid", action="store_true", help="of the paper's experiments all sets of the tables too; takes days, use --resume")
-    parser.add_argument("--limit", type=float, default=0, help="seconds for each set, the paper's 180 and 300 if not given")
-    parser.add_argument("--stride", type=int, default=10, help="of MotionBenchMaker every so many problems of each family")
+    parser.add_argument(
+        "--repeats", type=int, default=0, help="solves of each scenario that are timed, 3 in a quick run, else 5"
+    )
+    parser.add_argument(
+        "--grid",
+        action="store_true",
+        help="of the paper's experiments all sets of the tables too; takes days, use --resume",
+    )
+    parser.add_argument(
+        "--limit", type=float, default=0, help="seconds for each set, the paper's 180 and 300 if not given"
+    )
+    parser.add_argument(
+        "--stride", type=int, default=10, help="of MotionBenchMaker every so many problems of each family"
+    )
     parser.add_argument("--resume", action="store_true", help="keep the rows of results.csv that are there")
     parser.add_argument("--out", type=Path, default=WORK / "out", help="the folder for RESULTS.md, index.html and CSV")
     options = parser.parse_args()

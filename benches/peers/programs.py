@@ -1,4 +1,4 @@
-"""Our small C++ programs that use the peers' headers, built by CMake."""
+"""The C++ program that uses a peer's headers, built by CMake."""
 
 import subprocess
 import sys
@@ -18,4 +18,4 @@ def built(name, **definitions):
         run = subprocess.run(command, capture_output=True, text=True)
         if run.returncode:
             raise RuntimeError(f"{name} does not build:\n{run.stdout}\n{run.stderr}")
-    return next(path for path in folder.iterdir() if path.is_file() and path.name in ("vamp_plan", "aligator_solve"))
+    return folder / f"{name}_plan"

@@ -17,7 +17,7 @@ TITLES = {
     "mbm": "MotionBenchMaker",
 }
 HEADS = ["family", "method", "success", "valid", "effort, N²m²s", "of the best", "duration, s", "median ms", "90 %"]
-PACKAGES = ["casadi", "crocoddyl", "libaligator", "pin", "toppra"]
+PACKAGES = ["casadi", "crocoddyl", "pin", "toppra"]
 
 
 def number(value, digits=4):
@@ -86,7 +86,9 @@ def failures(rows):
     for row in rows:
         if not (row.success and row.valid):
             what = "valid" if row.valid else "not valid"
-            yield f"{row.scenario}, {row.method}: final error {number(row.error, 2)}, {what}" + (f"; {row.note}" if row.note else "")
+            yield f"{row.scenario}, {row.method}: final error {number(row.error, 2)}, {what}" + (
+                f"; {row.note}" if row.note else ""
+            )
 
 
 def sections(table, notes):
@@ -98,10 +100,11 @@ def sections(table, notes):
 
 
 COLUMNS = (
-    "Success: the forward simulation of the paper, with its feedback, ends within 0.05 of the goal (MotionBenchMaker: valid). Valid: `aghf judge` accepts the "
-    "table of the motion. Effort is the integral of |u|², the mean over successes; \"of the best\" the geometric mean of the ratio to the least effort that any "
-    "method of the section found for the same scenario. Times are of the solves alone, the median of repeated ones for each scenario; median and 90th percentile "
-    "over the scenarios."
+    "Success: the forward simulation of the paper, with its feedback, ends within 0.05 of the goal "
+    "(MotionBenchMaker: valid). Valid: `aghf judge` accepts the table of the motion. Effort is the integral "
+    'of |u|², the mean over successes; "of the best" the geometric mean of the ratio to the least effort that '
+    "any method of the section found for the same scenario. Times are of the solves alone, the median of "
+    "repeated ones for each scenario; median and 90th percentile over the scenarios."
 )
 
 
@@ -133,7 +136,9 @@ def plot(rows):
         if row.success and row.effort > 0:
             best[row.scenario] = min(best.get(row.scenario, math.inf), row.effort)
     methods = list(dict.fromkeys(row.method for row in rows))
-    points = [(row, 1e3 * row.seconds, row.effort / best[row.scenario]) for row in rows if row.success and row.effort > 0]
+    points = [
+        (row, 1e3 * row.seconds, row.effort / best[row.scenario]) for row in rows if row.success and row.effort > 0
+    ]
     points = [point for point in points if point[1] > 0]
     if not points:
         return ""
@@ -153,7 +158,9 @@ def plot(rows):
     for row, time, ratio in points:
         colour = COLOURS[methods.index(row.method) % len(COLOURS)]
         tip = html.escape(f"{row.scenario}, {row.method}: {time:.3g} ms, effort {row.effort:.4g}")
-        parts.append(f'<circle cx="{x(time):.1f}" cy="{y(ratio):.1f}" r="4" fill="{colour}" fill-opacity=".7"><title>{tip}</title></circle>')
+        parts.append(
+            f'<circle cx="{x(time):.1f}" cy="{y(ratio):.1f}" r="4" fill="{colour}" fill-opacity=".7"><title>{tip}</title></circle>'
+        )
     for i, method in enumerate(methods):
         parts.append(f'<circle cx="645" cy="{40 + 20 * i}" r="5" fill="{COLOURS[i % len(COLOURS)]}"/>')
         parts.append(f'<text x="656" y="{44 + 20 * i}">{html.escape(method)}</text>')
@@ -163,7 +170,12 @@ def plot(rows):
 def table_html(heads, body):
     """An HTML table."""
     line = lambda cells, tag: "<tr>" + "".join(f"<{tag}>{html.escape(str(cell))}</{tag}>" for cell in cells) + "</tr>"
-    return '<div class="scroll"><table>' + line(heads, "th") + "".join(line(cells, "td") for cells in body) + "</table></div>"
+    return (
+        '<div class="scroll"><table>'
+        + line(heads, "th")
+        + "".join(line(cells, "td") for cells in body)
+        + "</table></div>"
+    )
 
 
 def marked(text):
@@ -188,12 +200,16 @@ def page(table, notes, command, extra):
     parts = ["<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"]
     parts.append(f"<title>aghf side by side</title><style>{STYLE}</style><h1>Side by side</h1>")
     parts.append(f"<p>{marked(f'`{command}`: ' + machine())}</p><p>{marked(COLUMNS)}</p>")
-    for (title, note, body, bad), name in zip(sections(table, notes), [k for k in TITLES if any(r.section == k for r in table.rows)]):
+    for (title, note, body, bad), name in zip(
+        sections(table, notes), [k for k in TITLES if any(r.section == k for r in table.rows)]
+    ):
         parts.append(f"<h2>{title}</h2><p>{marked(note)}</p>{table_html(HEADS, body)}")
         parts.append(plot([row for row in table.rows if row.section == name]))
         if bad:
             items = "".join(f"<li>{marked(line)}</li>" for line in bad)
-            parts.append(f"<details><summary>{len(bad)} not a success, or not valid</summary><ul>{items}</ul></details>")
+            parts.append(
+                f"<details><summary>{len(bad)} not a success, or not valid</summary><ul>{items}</ul></details>"
+            )
     if extra:
         parts.append(f"<h2>Dynamics</h2>{from_markdown(extra)}")
     return "\n".join(parts) + "</html>\n"

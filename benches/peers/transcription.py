@@ -1,10 +1,13 @@
 """Direct transcription: a motion as a nonlinear programme for IPOPT, all derivatives exact and in compiled C.
 
-Two of them share the code. `Polynomial` is one polynomial for each joint in Legendre's basis, with points of Gauss and Legendre;
-`Shooting` has positions, velocities and accelerations at the ends of equal intervals as unknowns, within which accelerations
+Two of them share the code. `Polynomial` is one polynomial for each joint in Legendre's basis, with points of Gauss and
+Legendre;
+`Shooting` has positions, velocities and accelerations at the ends of equal intervals as unknowns, within which
+accelerations
 are linear and what follows from them is exact, with equations that join the intervals and the rule of trapezoids.
 
-At each point unknowns give `z = (q, v, a)` linearly. What is not linear, torques and distances, is a function of one point, mapped
+At each point unknowns give `z = (q, v, a)` linearly. What is not linear, torques and distances, is a function of one
+point, mapped
 over all, so that the Hessian is made of small dense blocks.
 """
 
@@ -24,7 +27,8 @@ LARGE = ["-O1", "-march=native", "-fPIC", "-shared"]
 
 
 def compiled(name, functions):
-    """Compiles CasADi functions as C; the functions of the library by name and the seconds of `gcc`, zero if it was there."""
+    """Compiles CasADi functions as C; the functions of the library by name and the seconds of `gcc`, zero if it was
+    there."""
     folder = WORK / "generated"
     folder.mkdir(parents=True, exist_ok=True)
     generator = ca.CodeGenerator(f"{name}.c", {"with_header": False})
@@ -48,8 +52,10 @@ def compiled(name, functions):
 class Transcription:
     """A robot's nonlinear programme, to be solved for any horizon, ends and obstacles of the same number.
 
-    `limits` are those of `position`, `velocity` and `torque` that are kept, `spheres` how many obstacles there are, from which the joint
-    frames keep clear (by `clear`, m, as nothing is asked between the points; of velocities and torques `margin` of their limits is left), and `acceleration` is the weight of squared accelerations beside squared torques.
+    `limits` are those of `position`, `velocity` and `torque` that are kept, `spheres` how many obstacles there are,
+    from which the joint frames keep clear, and `acceleration` is the weight of squared accelerations beside squared
+    torques. As nothing is asked between the points, `margin` is the share of the limits of velocity and torque, and
+    `clear` the distance from the spheres in m, that is left.
     """
 
     # Settings of IPOPT beside the common ones.
@@ -252,7 +258,8 @@ class Shooting(Transcription):
         return horizon / 2
 
     def lay_out(self):
-        """Unknowns are `q`, `v`, `a` at the ends of the intervals, with half of the horizon as the unit of time, node by node."""
+        """Unknowns are `q`, `v`, `a` at the ends of the intervals, with half of the horizon as the unit of time, node
+        by node."""
         self.unknowns = 3 * self.n * (self.intervals + 1)
         h = 2 / self.intervals
         nodes, weights = legendre.leggauss(3)

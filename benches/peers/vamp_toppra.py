@@ -19,15 +19,26 @@ from programs import built
 
 SECTION = "mbm"
 NOTE = (
-    "The problems of MotionBenchMaker for the Panda as the sources of vamp-planner 0.6.4 have them. VAMP: RRT-Connect with a Halton sequence and its "
-    "simplification, the settings of its own `evaluate_mbm.py`, compiled with its own flags but for nearest neighbours, which go through all nodes as the library it uses is in no "
-    "registry. TOPP-RA: the fastest timing of a cubic spline through the path, at 200 points with its scheme `Interpolation`, within 98 % of the limits of velocity, 90 % of those of torque and, as the "
-    "URDF has none, 10 rad/s² of acceleration; with the whole of the limits most motions exceed them between the points. \"Corners\" are the path as it is, stopping at each waypoint: it stays where VAMP proved it free; the spline leaves "
-    "it. Ours minimises effort within the same limits of position, velocity and torque, without one of acceleration, in a duration of its own choice, so a "
-    "shorter duration is the peer's aim and a smaller effort ours. Times: planning, simplification, spline and timing; TOPP-RA's part is Python and C."
+    "The problems of MotionBenchMaker for the Panda as the sources of vamp-planner 0.6.4 have them. VAMP: "
+    "RRT-Connect with a Halton sequence and its simplification, the settings of its own `evaluate_mbm.py`, "
+    "compiled with its own flags but for nearest neighbours, which go through all nodes as the library it "
+    "uses is in no registry. TOPP-RA: the fastest timing of a cubic spline through the path, at 200 points "
+    "with its scheme `Interpolation`, within 98 % of the limits of velocity, 90 % of those of torque and, as "
+    "the URDF has none, 10 rad/s² of acceleration; with the whole of the limits most motions exceed them "
+    'between the points. "Corners" are the path as it is, stopping at each waypoint: it stays where VAMP '
+    "proved it free; the spline leaves it. Ours minimises effort within the same limits of position, velocity "
+    "and torque, without one of acceleration, in a duration of its own choice, so a shorter duration is the "
+    "peer's aim and a smaller effort ours. Times: planning, simplification, spline and timing; TOPP-RA's part "
+    "is Python and C."
 )
 FAMILIES = [
-    "bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage", "table_pick", "table_under_pick",
+    "bookshelf_small",
+    "bookshelf_tall",
+    "bookshelf_thin",
+    "box",
+    "cage",
+    "table_pick",
+    "table_under_pick",
 ]
 ACCELERATION = 10.0
 # Its recommended way to keep limits between the points of the grid as well.
@@ -40,7 +51,17 @@ def sources():
     folder = WORK / PACKAGE
     panda = folder / "resources" / "panda"
     if not (panda / "problems").exists():
-        command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--no-binary", "vamp-planner", "vamp-planner==0.6.4"]
+        command = [
+            sys.executable,
+            "-m",
+            "pip",
+            "download",
+            "--quiet",
+            "--no-deps",
+            "--no-binary",
+            "vamp-planner",
+            "vamp-planner==0.6.4",
+        ]
         subprocess.run([*command, "--dest", WORK], check=True)
         with tarfile.open(WORK / f"{PACKAGE}.tar.gz") as archive:
             archive.extractall(WORK, filter="data")
@@ -64,7 +85,8 @@ def imported(family, number, panda):
 
 
 def words(name, values, box_family):
-    """A problem as the words that `plan.cc` reads. Cylinders become capsules, in the family `box` cuboids, as VAMP's own script does."""
+    """A problem as the words that `plan.cc` reads. Cylinders become capsules, in the family `box` cuboids, as VAMP's
+    own script does."""
     turned = lambda solid: Rotation.from_quat(solid.get("orientation_xyzw", [0, 0, 0, 1]))
     boxes = [(b["center_m"], turned(b), np.divide(b["size_m"], 2)) for b in values.get("box_obstacles", [])]
     capsules = []
@@ -74,7 +96,9 @@ def words(name, values, box_family):
             boxes.append((solid["center_m"], turned(solid), [radius, radius, solid["length_m"] / 2]))
         else:
             axis = turned(solid).apply([0, 0, solid["length_m"] / 2])
-            capsules.append([*np.subtract(solid["center_m"], axis), *np.add(solid["center_m"], axis), solid["radius_m"]])
+            capsules.append(
+                [*np.subtract(solid["center_m"], axis), *np.add(solid["center_m"], axis), solid["radius_m"]]
+            )
     told = [name, *values["q_start"], *values["q_goal"], len(boxes)]
     for center, rotation, half in boxes:
         told += [*center, *rotation.as_euler("xyz"), *half]
@@ -83,7 +107,8 @@ def words(name, values, box_family):
 
 
 def planned(problems, repeats):
-    """VAMP's paths: for each problem the seconds, median and 90th percentile, and the waypoints, none where it found no path."""
+    """VAMP's paths: for each problem the seconds, median and 90th percentile, and the waypoints, none where it found
+    no path."""
     program = built("vamp", VAMP_SOURCES=sources())
     lines = [words(name, values, name.startswith("box")) for name, _, values in problems]
     run = subprocess.run([program, str(repeats)], input="\n".join(lines), capture_output=True, text=True, check=True)
@@ -105,7 +130,9 @@ class Timing:
         self.constraints = [
             constraint.JointVelocityConstraint(limit(0.98 * model.velocityLimit)),
             constraint.JointAccelerationConstraint(limit(np.full(model.nv, ACCELERATION)), INTERPOLATION),
-            constraint.JointTorqueConstraint(dynamics, limit(0.9 * model.effortLimit), np.zeros(model.nv), INTERPOLATION),
+            constraint.JointTorqueConstraint(
+                dynamics, limit(0.9 * model.effortLimit), np.zeros(model.nv), INTERPOLATION
+            ),
         ]
 
     def __call__(self, path, points=201):
@@ -115,14 +142,18 @@ class Timing:
 
 
 def spline(timing, waypoints):
-    """One cubic spline through the waypoints, at arc length, clamped at both ends: pieces of (trajectory, beginning)."""
+    """One cubic spline through the waypoints, at arc length, clamped at both ends: pieces of (trajectory,
+    beginning)."""
     s = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1))]
     return [timing(toppra.SplineInterpolator(s, waypoints, bc_type="clamped"))]
 
 
 def corners(timing, waypoints):
     """A motion along each straight piece, at rest at each waypoint."""
-    return [timing(toppra.SplineInterpolator([0.0, 1.0], piece, bc_type="not-a-knot"), 51) for piece in zip(waypoints, waypoints[1:])]
+    return [
+        timing(toppra.SplineInterpolator([0.0, 1.0], piece, bc_type="not-a-knot"), 51)
+        for piece in zip(waypoints, waypoints[1:])
+    ]
 
 
 def sampled(model, pieces, rate=1000):
@@ -210,7 +241,7 @@ def run(table, options):
     panda = sources() / "resources" / "panda"
     problems = []
     for family in FAMILIES:
-        for number in range(1, 101, 25 if options.quick else options.stride):
+        for number in range(1, 101, 50 if options.quick else options.stride):
             found = imported(family, number, panda)
             if found:
                 problems.append((found[0], family, json.loads(found[1].read_text())))

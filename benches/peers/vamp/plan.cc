@@ -1,8 +1,11 @@
 // Plans with VAMP's RRT-Connect for the Panda and simplifies, with the settings of its script `evaluate_mbm.py`.
 //
-// Standard input, for each problem: a name, the start, the goal, the number of boxes, each with its centre, Euler angles x, y, z and half
-// lengths, and the number of capsules, each with its ends and its radius. Standard output, for each problem a line: the name, the median of the
-// nanoseconds of planning and simplification over the runs, their 90th percentile, the number of waypoints, the waypoints.
+// Standard input, for each problem: a name, the start, the goal, the number of boxes, each with its centre, Euler
+// angles x, y, z and half
+// lengths, and the number of capsules, each with its ends and its radius. Standard output, for each problem a line:
+// the name, the median of the
+// nanoseconds of planning and simplification over the runs, their 90th percentile, the number of waypoints, the
+// waypoints.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
