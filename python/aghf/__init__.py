@@ -24,7 +24,7 @@ from ._dynamics import (
 )
 from ._model import Model
 from ._native import _aghf
-from ._pinocchio import from_pinocchio, pinocchio_configuration
+from ._pinocchio import pinocchio_configuration
 from ._solve import Samples, Solution, solve, solve_many, sweep
 from ._table import Table
 from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
@@ -53,7 +53,6 @@ __all__ = [
     "forward_kinematics",
     "frame_jacobian",
     "frame_placement",
-    "from_pinocchio",
     "jacobians",
     "mass_matrix_and_rate",
     "omega",

@@ -27,7 +27,7 @@ class Model:
         The limits of each joint; infinite where there is none.
     gravity : numpy.ndarray, shape (3,)
     notes : list of str
-        What was noticed on loading.
+        Remarks of the reader on what it left out or changed.
     """
 
     def __init__(self, own: _aghf.Model) -> None:
@@ -60,7 +60,28 @@ class Model:
 
     @classmethod
     def from_pinocchio(cls, model) -> Model:
-        """The robot of a ``pinocchio.Model``; see `aghf.from_pinocchio`."""
+        """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
+
+        Torques at random states are compared before it is returned. `aghf.pinocchio_configuration` has the ``q`` of Pinocchio, in
+        which an unbounded revolute joint has a cosine and a sine.
+
+        Parameters
+        ----------
+        model : pinocchio.Model
+            Of revolute and prismatic joints about and along any axes, on a fixed base.
+
+        Returns
+        -------
+        Model
+
+        Raises
+        ------
+        InputError
+            The joint, and what it has that is not known here: more than one degree of freedom, a mimic joint or an armature; or a
+            body without inertia.
+        ImportError
+            Pinocchio is not installed.
+        """
         from ._pinocchio import from_pinocchio
 
         return from_pinocchio(model)

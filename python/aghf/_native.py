@@ -9,7 +9,7 @@ import platform
 import sys
 from pathlib import Path
 
-#: What the level x86-64-v3 has beyond the baseline, as /proc/cpuinfo calls it.
+#: The flags of the level x86-64-v3 beyond the baseline, as /proc/cpuinfo calls it.
 NEEDED = {"avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
 
 

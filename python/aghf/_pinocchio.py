@@ -13,28 +13,7 @@ _AGREEMENT = 1e-9
 
 
 def from_pinocchio(model) -> Model:
-    """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
-
-    Torques at random states are compared before it is returned. `pinocchio_configuration` has the ``q`` of Pinocchio, in which an unbounded
-    revolute joint has a cosine and a sine.
-
-    Parameters
-    ----------
-    model : pinocchio.Model
-        Of revolute and prismatic joints about and along any axes, on a fixed base.
-
-    Returns
-    -------
-    Model
-
-    Raises
-    ------
-    InputError
-        The joint, and what it has that is not known here: more than one degree of freedom, a mimic joint or an armature; or a
-        body without inertia.
-    ImportError
-        Pinocchio is not installed.
-    """
+    """The robot of `Model.from_pinocchio`."""
     import pinocchio
 
     joints = [_joint(model, i) for i in range(1, model.njoints)]

@@ -9,6 +9,7 @@ use crate::exact::Exact;
 use aghf::Result;
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
+use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -33,13 +34,13 @@ const LEAST_PARALLEL: usize = 64;
 /// The least number of states that a thread takes at once.
 const CHUNK: usize = 16;
 
-/// What is computed with: the scalars of the dynamics and of the flow.
+/// The scalars of the dynamics and of the flow.
 pub trait Number: AlgebraOver<f64> + Tanh {}
 impl<S: AlgebraOver<f64> + Tanh> Number for S {}
 
 /// A function of states of a robot, with `I` arguments and `O` results, over any scalar.
 pub trait FunctionOfStates<const I: usize, const O: usize>: Sync {
-    /// What is made once per thread.
+    /// The part that is made once per thread.
     type Scratch<'m, S: Number>;
 
     /// The names of the arguments.
@@ -255,12 +256,14 @@ fn batch_of(
     Ok(common.flatten())
 }
 
-/// Writes a matrix row by row.
-pub fn by_rows<S: Scalar>(matrix: &nalgebra::DMatrix<S>, out: &mut [S]) {
-    let columns = matrix.ncols().max(1);
-    for (i, row) in out.chunks_exact_mut(columns).enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = matrix[(i, j)];
+/// Writes each matrix row by row into its result.
+pub fn by_rows<S: Scalar, const K: usize>(matrices: [&DMatrix<S>; K], results: &mut [&mut [S]]) {
+    for (matrix, result) in matrices.into_iter().zip(results) {
+        let columns = matrix.ncols().max(1);
+        for (i, row) in result.chunks_exact_mut(columns).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = matrix[(i, j)];
+            }
         }
     }
 }

@@ -39,7 +39,7 @@ function_of_states! {
     results => {
         let (data, h) = scratch;
         library::crba(model, data, q, h)?;
-        by_rows(h, results[0]);
+        by_rows([h], results);
         Ok(())
     }
 }
@@ -51,8 +51,7 @@ function_of_states! {
     results => {
         let (data, [h, hdot]) = scratch;
         library::mass_matrix_and_rate(model, data, q, v, h, hdot)?;
-        by_rows(h, results[0]);
-        by_rows(hdot, results[1]);
+        by_rows([h, hdot], results);
         Ok(())
     }
 }
@@ -76,9 +75,7 @@ function_of_states! {
         let (data, id) = scratch;
         library::rnea_derivatives(model, data, q, v, a, id)?;
         results[0].copy_from_slice(id.tau.as_slice());
-        for (matrix, out) in [&id.dq, &id.dv, &id.h].into_iter().zip(&mut results[1..]) {
-            by_rows(matrix, out);
-        }
+        by_rows([&id.dq, &id.dv, &id.h], &mut results[1..]);
         Ok(())
     }
 }
@@ -91,14 +88,12 @@ function_of_states! {
         let (data, fd) = scratch;
         library::aba_derivatives(model, data, q, v, tau, fd)?;
         results[0].copy_from_slice(fd.a.as_slice());
-        for (matrix, out) in [&fd.dq, &fd.dv, &fd.h_inverse].into_iter().zip(&mut results[1..]) {
-            by_rows(matrix, out);
-        }
+        by_rows([&fd.dq, &fd.dv, &fd.h_inverse], &mut results[1..]);
         Ok(())
     }
 }
 
-/// What the second derivatives of the inverse dynamics need.
+/// The scratch of the second derivatives of the inverse dynamics.
 type SecondScratch<S> = (Data<S>, InverseDynamicsSecondDerivatives<S>);
 
 function_of_states! {
@@ -108,9 +103,7 @@ function_of_states! {
     results => {
         let (data, id) = scratch;
         library::rnea_second_derivatives(model, data, q, v, a, id)?;
-        for (tensor, out) in [&id.dqdq, &id.dvdv, &id.dqdv, &id.dadq].into_iter().zip(results) {
-            by_planes(tensor, model.dof(), out);
-        }
+        by_planes([&id.dqdq, &id.dvdv, &id.dqdv, &id.dadq], model.dof(), results);
         Ok(())
     }
 }
@@ -128,18 +121,21 @@ function_of_states! {
         library::aba_derivatives(model, data, q, v, tau, fd)?;
         library::rnea_second_derivatives(model, data, q, v, fd.a.as_slice(), id)?;
         library::aba_second_derivatives(fd, id, second)?;
-        for (tensor, out) in [&second.dqdq, &second.dvdv, &second.dqdv].into_iter().zip(results) {
-            by_planes(tensor, model.dof(), out);
-        }
+        by_planes([&second.dqdq, &second.dvdv, &second.dqdv], model.dof(), results);
         Ok(())
     }
 }
 
-/// Writes a tensor with its last index fastest.
-fn by_planes<S: Scalar>(tensor: &Tensor3<S>, n: usize, out: &mut [S]) {
-    for (at, entry) in out.iter_mut().enumerate() {
-        let (i, j, k) = (at / (n * n), at / n % n, at % n);
-        *entry = tensor[(i, j, k)];
+/// Writes each tensor of order `n` into its result, with the last index fastest.
+fn by_planes<S: Scalar, const K: usize>(
+    tensors: [&Tensor3<S>; K],
+    n: usize,
+    results: &mut [&mut [S]; K],
+) {
+    for (tensor, result) in tensors.into_iter().zip(results) {
+        for (at, entry) in result.iter_mut().enumerate() {
+            *entry = tensor[(at / (n * n), at / n % n, at % n)];
+        }
     }
 }
 
@@ -164,10 +160,7 @@ function_of_states! {
     results => {
         let (data, hessian) = scratch;
         library::rnea_weighted_hessian(model, data, q, v, a, w, hessian)?;
-        let blocks = [&hessian.qq, &hessian.qv, &hessian.vv, &hessian.qa];
-        for (block, out) in blocks.into_iter().zip(results) {
-            by_rows(block, out);
-        }
+        by_rows([&hessian.qq, &hessian.qv, &hessian.vv, &hessian.qa], results);
         Ok(())
     }
 }
@@ -264,10 +257,10 @@ impl FunctionOfStates<1, 1> for JacobianOf<'_> {
         model: &Model,
         (data, jacobian): &mut (Data<S>, DMatrix<S>),
         [q]: [&[S]; 1],
-        [out]: &mut [&mut [S]; 1],
+        out: &mut [&mut [S]; 1],
     ) -> Result<()> {
         library::frame_jacobian(model, data, q, self.0, jacobian)?;
-        by_rows(jacobian, out);
+        by_rows([jacobian], out);
         Ok(())
     }
 }

@@ -2,17 +2,13 @@
 
 use crate::error::raised;
 use crate::model::PyModel;
+use crate::signals::until_signalled;
 use aghf::experiments::sweep::{Row, Sweep, run};
 use aghf::verify::{CheckOptions, check_all};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::Duration;
-
-/// The time after which the thread of Python looks for signals, such as Ctrl-C.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// Compares every analytic derivative with dual numbers at random states; the findings in JSON.
 #[pyfunction]
@@ -32,30 +28,17 @@ fn sweep(py: Python<'_>, name: &str, threads: Option<usize>) -> PyResult<String>
     let sweep = Sweep::load(name).map_err(raised)?;
     let rows: Mutex<Vec<Row>> = Mutex::default();
     let stopped = AtomicBool::new(false);
-    let ended = thread::scope(|scope| {
-        let search = scope.spawn(|| {
-            run(&sweep, &sweep.sets, threads, &|row| {
-                let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
-                rows.push(row);
-                let stopped = stopped.load(Ordering::Relaxed);
-                let condition = "it was stopped";
-                match stopped {
-                    true => Err(aghf::Error::input(&sweep.name, "sweep", condition)),
-                    false => Ok(()),
-                }
-            })
-        });
-        let mut signals = Ok(());
-        while !search.is_finished() {
-            py.detach(|| thread::sleep(LOOK));
-            if let Err(error) = py.check_signals() {
-                stopped.store(true, Ordering::Relaxed);
-                signals = Err(error);
+    let search = || {
+        run(&sweep, &sweep.sets, threads, &|row| {
+            let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
+            rows.push(row);
+            match stopped.load(Ordering::Relaxed) {
+                true => Err(aghf::Error::input(&sweep.name, "sweep", "it was stopped")),
+                false => Ok(()),
             }
-        }
-        signals.map(|()| py.detach(|| search.join()))
-    })?;
-    let ended = ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        })
+    };
+    let ended = until_signalled(py, search, || stopped.store(true, Ordering::Relaxed))?;
     ended.map_err(raised)?;
     let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
     rows.sort_by_key(|row| row.set);

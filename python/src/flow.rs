@@ -82,7 +82,7 @@ impl FunctionOfStates<3, 3> for InControlForm {
     ) -> Result<()> {
         let t = S::zero();
         jacobian.evaluate(Node { t, x, xdot, xddot }, self.k, blocks)?;
-        put(blocks, out);
+        by_rows(blocks.all(), out);
         Ok(())
     }
 }
@@ -90,14 +90,6 @@ impl FunctionOfStates<3, 3> for InControlForm {
 /// The shapes of the blocks of a Jacobian.
 fn shapes_of_blocks(n: usize) -> [Vec<usize>; 3] {
     [(); 3].map(|()| vec![2 * n; 2])
-}
-
-/// Writes blocks row by row.
-fn put<S: Number>(blocks: &NodeBlocks<S>, out: &mut [&mut [S]; 3]) {
-    let all = [&blocks.dx, &blocks.dxdot, &blocks.dxddot];
-    for (block, out) in all.into_iter().zip(out) {
-        by_rows(block, out);
-    }
 }
 
 /// Omega at nodes.
@@ -141,7 +133,7 @@ fn omega_jacobian<'py>(
         |(form, blocks), group, mut out| {
             let (t, [x, xdot, xddot]) = (0.0, states.row(group.start));
             form.evaluate(Node { t, x, xdot, xddot }, k, blocks)?;
-            put(blocks, &mut out);
+            by_rows(blocks.all(), &mut out);
             Ok(())
         },
     )

@@ -8,6 +8,7 @@ mod experiments;
 mod flow;
 mod model;
 mod own_terms;
+mod signals;
 mod solve;
 
 use pyo3::prelude::*;

@@ -4,7 +4,9 @@ use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::model::PyModel;
 use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
+use crate::signals::{LOOK, until_signalled};
 use aghf::dynamics::{Data, rnea};
+use aghf::motion::Interrupt;
 use aghf::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
 use aghf::report::{Motion, page};
 use aghf::scenario::{Record, Scenario, SolveOptions, SolveReport, solve as solve_scenario};
@@ -16,10 +18,6 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
-
-/// The time after which the thread of Python looks for signals, such as Ctrl-C.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// The result of a solve.
 #[pyclass(name = "Solution", module = "aghf", frozen)]
@@ -146,7 +144,11 @@ fn solve_many(
     let threads = threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?;
-    let solved = py.detach(|| {
+    let interrupts: Vec<_> = read_all
+        .iter()
+        .map(|(_, own)| own.interrupt.clone())
+        .collect();
+    let search = || {
         pool.install(|| {
             let all = read_all.into_par_iter().map(|(scenario, options)| {
                 let report = solve_scenario(&scenario, &options, &mut |_| ())?;
@@ -154,7 +156,8 @@ fn solve_many(
             });
             all.collect::<aghf::Result<Vec<_>>>()
         })
-    });
+    };
+    let solved = until_signalled(py, search, || interrupts.iter().for_each(Interrupt::raise))?;
     solved.map_err(raised)
 }
 

@@ -7,17 +7,9 @@ import numpy as np
 import pytest
 
 import aghf
+from problems import PENDULUM
 
 ERRORS = Path(__file__).parents[2] / "tests" / "urdf" / "errors.rs"
-
-PENDULUM = {
-    "robot": "pendulum_1",
-    "horizon_s": 1.0,
-    "q_start": [0.0],
-    "v_start": [0.0],
-    "q_goal": [1.0],
-    "v_goal": [0.0],
-}
 
 
 def bad_robots():

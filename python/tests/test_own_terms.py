@@ -4,15 +4,7 @@ import numpy as np
 import pytest
 
 import aghf
-
-SWING = {
-    "robot": "pendulum_2",
-    "horizon_s": 2.0,
-    "q_start": [0.0, 0.0],
-    "v_start": [0.0, 0.0],
-    "q_goal": [1.0, 0.5],
-    "v_goal": [0.0, 0.0],
-}
+from problems import SWING
 
 
 class Squares:

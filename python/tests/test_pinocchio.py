@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import aghf
+from problems import PENDULUM
 
 pin = pytest.importorskip("pinocchio")
 
-#: How many of the collections' robots are refused by the Rust test as well: no moving joint, a singular mass matrix, no link.
+#: The robots of the collections that the Rust test refuses too: no moving joint, a singular mass matrix, no link.
 REFUSED = {
     "hector_description/robots/quadrotor_base.urdf": "no moving joint",
     "iris_description/robots/iris_simple.urdf": "no moving joint",
@@ -108,7 +109,7 @@ def test_a_model_made_in_code_keeps_its_order():
     for joint in [first, second, third]:
         theirs.appendBodyToJoint(joint, body, pin.SE3.Random())
     theirs.addFrame(pin.Frame("tool", third, 0, pin.SE3.Random(), pin.FrameType.OP_FRAME))
-    ours = aghf.from_pinocchio(theirs)
+    ours = aghf.Model.from_pinocchio(theirs)
     assert (ours.joint_names, ours.joint_kinds) == (["z", "b", "a"], ["revolute", "prismatic", "continuous"])
     q, v, a = np.random.default_rng(5).normal(size=(3, 3))
     assert max(differences(ours, theirs, q, v, a)) < 1e-9
@@ -117,13 +118,13 @@ def test_a_model_made_in_code_keeps_its_order():
 def test_what_is_not_known_is_refused():
     theirs = pin.buildModelFromXML(aghf.Model.builtin("pendulum_2").to_urdf(), pin.JointModelFreeFlyer())
     with pytest.raises(aghf.InputError, match="root_joint.*FreeFlyer"):
-        aghf.from_pinocchio(theirs)
+        aghf.Model.from_pinocchio(theirs)
     theirs = pin.buildModelFromXML(aghf.Model.builtin("kinova_gen3").to_urdf())
     armature = np.zeros(7)
     armature[2] = 0.1
     theirs.armature = armature
     with pytest.raises(aghf.InputError, match="armature") as raised:
-        aghf.from_pinocchio(theirs)
+        aghf.Model.from_pinocchio(theirs)
     assert theirs.names[3] in raised.value.element
 
 
@@ -133,7 +134,6 @@ def test_nothing_leaks():
     q = np.random.default_rng(0).normal(size=(8, 7))
     bad = np.zeros((8, 6))
     text = model.to_urdf()
-    pendulum = {"robot": "pendulum_1", "horizon_s": 1.0, "q_start": [0.0], "v_start": [0.0], "q_goal": [1.0], "v_goal": [0.0]}
 
     def calls(count):
         for i in range(count):
@@ -147,7 +147,7 @@ def test_nothing_leaks():
                 aghf.Model.from_urdf(text)
                 aghf.omega_jacobian(model, *np.zeros((3, 8, 14)), 1.0)
             if i % 1000 == 0:
-                aghf.solve(pendulum, starts=1, threads=1, on_iteration=lambda _: None).report_html()
+                aghf.solve(PENDULUM, starts=1, threads=1, on_iteration=lambda _: None).report_html()
 
     def resident():
         with open("/proc/self/statm", encoding="ascii") as file:

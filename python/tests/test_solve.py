@@ -10,15 +10,7 @@ import numpy as np
 import pytest
 
 import aghf
-
-SWING = {
-    "robot": "pendulum_2",
-    "horizon_s": 2.0,
-    "q_start": [0.0, 0.0],
-    "v_start": [0.0, 0.0],
-    "q_goal": [1.0, 0.5],
-    "v_goal": [0.0, 0.0],
-}
+from problems import SWING
 
 
 def test_a_motion_keeps_its_ends_and_its_dynamics():
@@ -77,6 +69,14 @@ def test_control_c_keeps_the_best_motion_so_far():
     assert time.monotonic() - began < 30
     assert solution.success
     assert any("interrupted" in note for note in solution.summary["notes"])
+
+
+def test_control_c_ends_many():
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        aghf.solve_many(["kinova_free_01"] * 2000)
+    assert time.monotonic() - began < 30
 
 
 def test_many_are_those_one_by_one():

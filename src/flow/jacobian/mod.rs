@@ -42,6 +42,12 @@ impl<S: Scalar> NodeBlocks<S> {
         }
     }
 
+    /// The blocks in this order.
+    #[must_use]
+    pub fn all(&self) -> [&DMatrix<S>; 3] {
+        [&self.dx, &self.dxdot, &self.dxddot]
+    }
+
     /// Checks that the blocks have the sizes of a model with `n` joints.
     pub(crate) fn check(&self, n: usize) -> Result<()> {
         for (what, block) in [

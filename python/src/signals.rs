@@ -1,0 +1,31 @@
+//! Work that Ctrl-C stops.
+
+use pyo3::prelude::*;
+use std::thread;
+use std::time::Duration;
+
+/// The time after which the thread of Python looks for signals, such as Ctrl-C.
+pub const LOOK: Duration = Duration::from_millis(50);
+
+/// Works on another thread while Python runs on. After a signal it calls `stop`, waits for the work to end, and returns the exception.
+pub fn until_signalled<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send,
+    stop: impl Fn(),
+) -> PyResult<T> {
+    thread::scope(|scope| {
+        let work = scope.spawn(work);
+        let mut signals = Ok(());
+        while !work.is_finished() {
+            py.detach(|| thread::sleep(LOOK));
+            if let Err(error) = py.check_signals() {
+                stop();
+                signals = Err(error);
+            }
+        }
+        signals?;
+        Ok(work
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
+}
