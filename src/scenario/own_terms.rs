@@ -48,6 +48,9 @@ impl Scenario {
     /// Refuses a boundary state that violates a user-defined constraint.
     pub(super) fn check_own_constraints(&self, key: &str, q: &[f64], v: &[f64]) -> Result<()> {
         let (own, model) = (&self.own.constraints, &self.model);
+        if own.is_empty() {
+            return Ok(());
+        }
         let (mut g, mut scales) = (vec![0.0; own.dim()], vec![1.0; own.dim()]);
         Evaluator::new(model)
             .at(&[q, v].concat())?
