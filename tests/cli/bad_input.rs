@@ -1,4 +1,4 @@
-//! What the `aghf` binary says about bad input to `solve`: exit code 2, a message that names file and key, no files.
+//! The answers of `aghf solve` to bad input: exit code 2, a message that names file and key, no files.
 
 use crate::command::{aghf, assert_bad_input, empty_folder, files, parsed};
 use serde_json::json;

@@ -13,6 +13,7 @@ mod import;
 mod import_refused;
 mod input;
 mod judge;
+mod listings;
 mod readme;
 mod report;
 mod robots;

@@ -27,30 +27,17 @@ fn as_rustdoc_does(markdown: &str) -> String {
 #[test]
 fn every_formula_of_the_documentation_parses() {
     let (mut formulas, mut faults) = (0, Vec::new());
-    for path in files(&root().join("src"), "rs").expect("it is there") {
-        let source = read(&path).expect("it is text");
-        let prose = doc_comments(&source);
+    let sources = ["rs", "md"].map(|kind| files(&root().join("src"), kind).expect("it is there"));
+    for path in sources.concat() {
+        let mut prose = read(&path).expect("it is text");
+        if path.extension().is_some_and(|kind| kind == "rs") {
+            prose = doc_comments(&prose);
+        }
         let found = with_mathml(&as_rustdoc_does(&prose));
         formulas += found.formulas;
-        faults.extend(
-            found
-                .faults
-                .iter()
-                .map(|fault| format!("{}: {fault}", path.display())),
-        );
-        faults.extend(lost_backslashes(&prose).map(|line| format!("{}: {line}", path.display())));
-    }
-    for path in files(&root().join("src"), "md").expect("it is there") {
-        let text = read(&path).expect("it is text");
-        let found = with_mathml(&as_rustdoc_does(&text));
-        formulas += found.formulas;
-        faults.extend(
-            found
-                .faults
-                .iter()
-                .map(|fault| format!("{}: {fault}", path.display())),
-        );
-        faults.extend(lost_backslashes(&text).map(|line| format!("{}: {line}", path.display())));
+        let lost = lost_backslashes(&prose).map(str::to_owned);
+        let own = found.faults.into_iter().chain(lost);
+        faults.extend(own.map(|fault| format!("{}: {fault}", path.display())));
     }
     assert!(
         faults.is_empty(),
