@@ -29,7 +29,7 @@ DEGREES = ["kinova_free_01", "digit_free_stretch", "digit_free_step"]
 
 
 def aghf(*arguments: str, folder: str) -> str:
-    """What `aghf` prints, on one thread; 3 is a solve that failed, which is a result."""
+    """The output of `aghf` on one thread; 3 is a solve that failed, which is a result."""
     environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
     run = subprocess.run([AGHF, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
     if run.returncode not in (0, 3):

@@ -151,7 +151,7 @@ class Collocation:
         return self.pack(weave(q, middle_q), weave(v, middle_v), a)
 
     def solve(self, guess):
-        """What IPOPT says of it, the effort and the unknowns."""
+        """IPOPT's status, the effort and the unknowns."""
         found = self.solver(x0=guess, lbg=0, ubg=0)
         stats = self.solver.stats()
         return {"status": stats["return_status"], "success": bool(stats["success"]), "effort": float(found["f"])}, found["x"]

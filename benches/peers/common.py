@@ -1,5 +1,5 @@
-"""What all sections share: paths, robots, scenarios, our own program, the judge, the simulation of the paper, rows of
-results."""
+"""Paths, robots, scenarios, our own program, the judge, the simulation of the paper and rows of results, for all
+sections."""
 
 import csv
 import json
@@ -62,7 +62,7 @@ class Table:
         self.write()
 
     def has(self, section, scenario, method, settings=""):
-        """Whether there is such a row already."""
+        """Returns true if there is such a row already."""
         wanted = (section, scenario, method, settings)
         return any((row.section, row.scenario, row.method, row.settings) == wanted for row in self.rows)
 
@@ -244,7 +244,7 @@ def simulated(model, motion, goal, gain):
 
 
 def judge(scenario_file, motion, tolerance=1e-3, overlap=1e-4, kinds="qvau"):
-    """Whether `aghf judge` accepts a motion, and which checks fail with their worst values."""
+    """The verdict of `aghf judge` on a motion, and the checks that fail with their worst values."""
     with tempfile.TemporaryDirectory() as folder:
         table, verdict = Path(folder) / "trajectory.csv", Path(folder) / "verdict.json"
         rows = np.hstack([motion.t[:, None], *(getattr(motion, kind) for kind in kinds)])
@@ -258,7 +258,7 @@ def judge(scenario_file, motion, tolerance=1e-3, overlap=1e-4, kinds="qvau"):
 
 
 def verdict_of(verdict):
-    """Whether a verdict of the judge is good, and the checks that are not passed."""
+    """The outcome of a verdict of the judge, and the checks that are not passed."""
     bad = [check for check in verdict["checks"] if check["outcome"] not in ("pass", "not-checked")]
     return verdict["valid"], "; ".join(f"{c['check']} {c.get('value', math.nan):.3g}" for c in bad)
 
@@ -337,7 +337,7 @@ def finish(row, values, motion, tolerance=1e-3):
 
 
 def timed(function, *arguments):
-    """What a function returns, and the seconds it took."""
+    """The result of a function, and the seconds it took."""
     began = time.perf_counter()
     result = function(*arguments)
     return result, time.perf_counter() - began

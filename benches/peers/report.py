@@ -67,7 +67,7 @@ def markdown(heads, body):
 
 
 def machine():
-    """What ran this, in a sentence."""
+    """The machine and the versions, in a sentence."""
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "?")
     versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in PACKAGES)
     compiler = subprocess.run(["gcc", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()

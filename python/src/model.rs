@@ -36,7 +36,7 @@ fn placement_of(numbers: &[f64; 12]) -> Placement<f64> {
 #[pyclass(name = "Model", module = "aghf", frozen)]
 pub struct PyModel {
     pub model: Arc<Model>,
-    /// What was noticed on loading it.
+    /// Remarks of the reader.
     notes: Vec<String>,
 }
 

@@ -36,7 +36,7 @@ pub struct Data<S: Scalar = f64> {
     pub(super) virtual_coriolis: Vec<Coriolis<S>>,
     /// Couples: transposed Coriolis matrices times virtual velocities, then sums over subtrees.
     pub(super) virtual_couples: Vec<Vector3<S>>,
-    /// What moving a joint adds to the virtual velocities of its subtree.
+    /// The contribution of the motion of a joint to the virtual velocities of its subtree.
     pub(super) virtual_axis_rates: Vec<Motion<S>>,
     /// Articulated-body inertias.
     pub(super) articulated: Vec<ArticulatedInertia<S>>,

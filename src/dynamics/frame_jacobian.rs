@@ -1,4 +1,4 @@
-//! How fast a frame moves for each joint velocity.
+//! The velocity of a frame per joint velocity.
 
 use super::{Data, forward_kinematics, frame_placement, path_to_base};
 use crate::error::{Result, check_length};

@@ -1,4 +1,4 @@
-//! Where the bodies are and how they move.
+//! Placements, velocities and accelerations of the bodies.
 
 use super::Data;
 use crate::error::{Error, Result};

@@ -101,7 +101,7 @@ impl<S: Scalar> SubtreeForceDerivatives<S> {
 }
 
 impl<S: Scalar> Data<S> {
-    /// What the derivatives of inverse dynamics are sums of: the axes $S$ and their rates, the inertias, Coriolis matrices
+    /// The terms of the derivatives of inverse dynamics: the axes $S$ and their rates, the inertias, Coriolis matrices
     /// and forces of the bodies, and in `psi_ddot` $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot
     /// \Psi_i$ for each joint.
     pub(super) fn prepare_derivatives<C: Scalar>(
@@ -183,7 +183,7 @@ impl<S: Scalar> Data<S> {
         self.coriolis[parent] += coriolis;
     }
 
-    /// What joint `i` pushes with: inertias, Coriolis matrices and forces are those of the subtree of `i`.
+    /// The load on joint `i`: inertias, Coriolis matrices and forces of the subtree of `i`.
     #[inline]
     pub(super) fn push(&self, i: usize) -> SubtreeForceDerivatives<S> {
         let (axis, rate, psi_ddot) = (&self.axes[i], &self.axis_rates[i], &self.psi_ddot[i]);

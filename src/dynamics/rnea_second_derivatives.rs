@@ -105,7 +105,7 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// What the subtree of the last of three joints, `k`, has to do with the others.
+/// The quantities of the subtree of the last of three joints, `k`, that pair with the others.
 struct Last<S: Scalar> {
     k: usize,
     /// $F_q, F_v, F_a$.

@@ -187,7 +187,7 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// What contractions start from besides [`prepare_derivatives`](Self::prepare_derivatives): virtual quantities of the bodies.
+    /// The initial values of contractions besides [`prepare_derivatives`](Self::prepare_derivatives): virtual quantities of the bodies.
     fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S]) -> Result<()> {
         self.add_virtual_velocities(model, w)?;
         let two = S::from_f64(2.0);

@@ -1,4 +1,4 @@
-//! What the tests of the binary share: running it in a folder of its own.
+//! Helpers of the tests of the binary, which run it in a folder of its own.
 #![allow(dead_code)] // every test file uses its own part of it
 
 use serde_json::Value;
@@ -18,13 +18,13 @@ pub fn empty_folder(test: &str) -> PathBuf {
     folder
 }
 
-/// What came of a command.
+/// The outcome of a command.
 pub struct Run {
     /// Its exit code.
     pub code: Option<i32>,
-    /// What it printed.
+    /// Its standard output.
     pub stdout: String,
-    /// What it said on standard error.
+    /// Its standard error.
     pub stderr: String,
 }
 

@@ -21,7 +21,7 @@ pub fn node<S: Scalar>(parts: &Parts<S>) -> Node<'_, S> {
     }
 }
 
-/// What the blocks of Theorem B4 are derivatives of.
+/// The function that the blocks of Theorem B4 differentiate.
 #[derive(Clone, Copy, Debug)]
 pub enum Quantity {
     Gamma,

@@ -1,4 +1,4 @@
-//! What the tests share: robots, random states, comparisons and derivatives by duals.
+//! Helpers of all tests: robots, random states, comparisons and derivatives by duals.
 #![allow(dead_code)] // every test file uses its own part of it
 
 pub mod derivatives;
@@ -158,7 +158,7 @@ pub fn constants(x: &[f64]) -> Vec<Dual64> {
     x.iter().map(|x| Dual64::from(*x)).collect()
 }
 
-/// What the flow reads, from `x`, `xdot` and `xddot`.
+/// The arguments of the flow, from `x`, `xdot` and `xddot`.
 pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
     Node {
         t: 0.0,
@@ -206,7 +206,7 @@ pub fn condition(model: &Model, x: &[f64]) -> f64 {
     eigenvalues.max() / eigenvalues.min()
 }
 
-/// What two solves with `H` leave of sixteen digits, beside `rounding`: errors grow linearly with its condition number, as
+/// The relative error of two solves with `H`, beside `rounding`: errors grow linearly with its condition number, as
 /// measured for [`check_all`](aghf::verify::duals::check_all).
 pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
     rounding + 1e-13 * condition(model, x)

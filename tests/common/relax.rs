@@ -1,4 +1,4 @@
-//! What the tests of the relaxation share.
+//! Helpers of the tests of the relaxation.
 
 use aghf::constraint::{Constraint, Constraints};
 use aghf::motion::Problem;

@@ -131,7 +131,7 @@ proptest! {
         assert_right(&model, check_constraints(&model, &options));
     }
 
-    /// What a constraint without analytic derivatives falls back on gives those that the analytic ones give. Sums of some thousand
+    /// The derivatives that stand in where a constraint has no analytic ones equal the analytic ones. Sums of some thousand
     /// products: their rounding is far below the bound.
     #[test]
     fn derivatives_of_the_value_alone_are_the_same((model, x) in any_model().prop_flat_map(|model| {

@@ -31,7 +31,7 @@ pub fn sizes([a, b, c, r]: [f64; 4]) -> [Shape; 4] {
     ]
 }
 
-/// How far a point is from fulfilling the inequalities of a shape, zero on the surface and positive outside; not a
+/// The amount by which a point violates the inequalities of a shape, zero on the surface and positive outside; not a
 /// distance.
 fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
     match shape {
@@ -51,7 +51,7 @@ fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
     }
 }
 
-/// Where the ray from the centre leaves the shape.
+/// The point at which the ray from the centre leaves the shape.
 fn on_surface(shape: &Shape, direction: &Vector3<f64>) -> Vector3<f64> {
     let (mut inside, mut outside) = (0.0, 10.0 / direction.norm());
     for _ in 0..60 {

@@ -17,7 +17,7 @@ use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, Vector3};
 use num_dual::DualSVec64;
 
-/// How many allocations `work` makes.
+/// The number of allocations of `work`.
 fn allocations(work: impl FnOnce() -> aghf::Result<()>) -> u64 {
     let mut result = Ok(());
     let count = allocation_counter::measure(|| result = work()).count_total;

@@ -1,4 +1,4 @@
-//! Where `f64` takes another way than every other scalar, and with it than the proofs: products of matrices by `faer`, and sines and
+//! The code that only `f64` goes through, which the proofs therefore do not see: products of matrices by `faer`, and sines and
 //! cosines of four lanes by `wide`. Both ways have to give the same numbers.
 
 use crate::common::{any_model, config, numbers};

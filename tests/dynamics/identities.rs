@@ -42,7 +42,7 @@ fn id_derivatives(
     id
 }
 
-/// What rounding leaves of `H^-1`: its condition number times machine precision, with some slack for the recursion.
+/// The rounding error of `H^-1`: its condition number times machine precision, with some slack for the recursion.
 fn solve_bound(h: &DMatrix<f64>) -> f64 {
     let eigenvalues = h.symmetric_eigenvalues();
     1e-14 * (h.nrows() as f64) * eigenvalues.max() / eigenvalues.min() + 1e-11

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use num_dual::HyperDual64;
 use proptest::prelude::*;
 
-/// How far the tensors of inverse dynamics may be off, relative to their largest entry.
+/// The largest error of the tensors of inverse dynamics, relative to their largest entry.
 const BOUND: f64 = 1e-9;
 
 /// The mixed second derivative of `f` at `x` along two directions.

@@ -1,4 +1,4 @@
-//! What a user adds from outside: constraints behind pointers, Jacobians by name.
+//! Extensions from outside the crate: constraints behind pointers, Jacobians by name.
 
 use crate::common::relax::solved_within;
 use aghf::constraint::{

@@ -35,7 +35,7 @@ fn omega_by_theorem_b3(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<
     reference::omega_by_theorem_b3(&At { model, node, k }).expect("lengths agree")
 }
 
-/// What rounding explains.
+/// The bound of rounding errors.
 fn bound(model: &Model, x: &[f64]) -> f64 {
     solve_bound(model, x, 1e-9)
 }

@@ -19,7 +19,7 @@ use proptest::prelude::*;
 /// Penalties: one, where no term hides, and the paper's.
 const PENALTIES: [f64; 2] = [1.0, 1e7];
 
-/// What rounding leaves when `H` is solved with `solves` times.
+/// The rounding error when `H` is solved with `solves` times.
 fn bound(model: &Model, parts: &Parts<f64>, solves: i32) -> f64 {
     let h = mass(model, &parts[0][..model.dof()]).expect("lengths agree");
     let eigenvalues = h.symmetric_eigenvalues();

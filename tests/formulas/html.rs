@@ -9,7 +9,7 @@ pub struct Rendered {
     pub text: String,
     /// The number of formulas.
     pub formulas: usize,
-    /// What is wrong with formulas that stay as they are.
+    /// The faults of the formulas that were left as they are.
     pub faults: Vec<String>,
 }
 
@@ -82,7 +82,7 @@ fn prose(text: &str, out: &mut Rendered) {
     out.text += rest;
 }
 
-/// What was written before rustdoc escaped it and made quotation marks and dashes of it.
+/// The text before rustdoc escaped it and replaced quotation marks and dashes.
 fn unescaped(text: &str) -> String {
     let pairs = [
         ("&lt;", "<"),

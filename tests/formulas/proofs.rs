@@ -67,7 +67,7 @@ pub fn page(markdown: &str) -> Rendered {
     all
 }
 
-/// Where a link of a page leads among the pages: to another one, or to a source file as rustdoc shows it.
+/// The target of a link among the pages: another page, or a source file as rustdoc shows it.
 fn target_of(link: &str) -> String {
     match link.strip_prefix("../src/") {
         Some(source) if source.ends_with(".rs") => format!("../src/aghf/{source}.html"),

@@ -74,7 +74,7 @@ fn what_is_not_given_is_derived_and_told() {
     }
 }
 
-/// What a motion may have wrong: the keys of the scenario, a change of the table, the checks that fail, and where.
+/// The faults of a motion: the keys of the scenario, a change of the table, the checks that fail, and where.
 type Wrong = (
     &'static str,
     Value,

@@ -14,19 +14,19 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How far a quantity may be off: the largest difference over the largest entry.
+/// The error of a quantity: the largest difference over the largest entry.
 pub const BOUND: f64 = 1e-9;
 
 /// Where the largest entry is smaller than this, in SI units, it counts as this: gravity on an axis that points up is zero
 /// on both sides but for what rounding leaves of terms that cancel, of which there may be some hundreds of N m.
 pub const FLOOR: f64 = 1e-3;
 
-/// What came of comparing, quantity by quantity.
+/// The outcome of the comparison, quantity by quantity.
 #[derive(Debug, Default)]
 pub struct Comparison {
     /// The worst relative error of each quantity.
     pub worst: BTreeMap<String, f64>,
-    /// What was off by more than its bound.
+    /// The quantities whose error exceeds its bound.
     pub off: Vec<String>,
 }
 
@@ -163,7 +163,7 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     comparison
 }
 
-/// What this library says, by the names that `Robot.dynamics` gives it.
+/// The values of this library, by the names that `Robot.dynamics` gives it.
 fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     let n = model.dof();
     let data = &mut Data::new(model);

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 
-/// What this library says, by the names that `Robot.constraints` gives it.
+/// The values of this library, by the names that `Robot.constraints` gives it.
 fn constraints(model: &Model, q: &[f64]) -> Quantities {
     let n = model.dof();
     let at_link = |f: &aghf::model::Frame<f64>| CollisionSphere {

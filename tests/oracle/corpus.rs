@@ -67,7 +67,7 @@ const COLUMNS: [(&str, &[&str]); 9] = [
     ),
 ];
 
-/// What came of a robot.
+/// The outcome for a robot.
 enum Outcome {
     Compared {
         joints: usize,

@@ -1,4 +1,4 @@
-"""What Pinocchio says of a robot, in the conventions of aghf: a joint has one position, a tensor's derivative index comes last."""
+"""The quantities of Pinocchio in the conventions of aghf: a joint has one position, a tensor's derivative index comes last."""
 
 import numpy as np
 import pinocchio as pin
@@ -64,7 +64,7 @@ class Robot:
         }
 
     def summary(self):
-        """How many joints there are, and how many of them move nothing that has inertia."""
+        """The number of joints, and of those that move nothing with inertia."""
         mass = pin.crba(self.model, self.data, pin.neutral(self.model))
         return f"{self.n} joints, {np.count_nonzero(np.diag(mass) < 1e-12)} of them without inertia"
 

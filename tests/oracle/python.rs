@@ -35,7 +35,7 @@ impl Oracle {
         })
     }
 
-    /// How many joints there are, and how many of them move nothing that has inertia.
+    /// The number of joints, and of those that move nothing with inertia.
     pub fn summary(&self) -> String {
         Python::attach(|py| {
             let summary = self.0.call_method0(py, "summary").expect("it is defined");
@@ -43,7 +43,7 @@ impl Oracle {
         })
     }
 
-    /// What a method of the robot gives at vectors.
+    /// The result of a method of the robot at vectors.
     pub fn call(&self, method: &str, vectors: &[&[f64]]) -> Quantities {
         Python::attach(|py| {
             let arguments = vectors.iter().map(|x| PyArray1::from_slice(py, x));
@@ -53,7 +53,7 @@ impl Oracle {
         })
     }
 
-    /// What a function of the definition gives at a node.
+    /// The result of a function of the definition at a node.
     pub fn define(&self, function: &str, z: &[f64], k: f64) -> Quantities {
         Python::attach(|py| {
             let function = namespace(py).get_item(function).expect("a dictionary");

@@ -130,7 +130,7 @@ fn sums_have_the_derivatives_of_duals() {
     check(&model, &none, |_| HyperDual64::from(0.0));
 }
 
-/// What a free horizon asks for: the rate in time is the sum of the rates of the terms, with their weights.
+/// The requirement of a free horizon: the rate in time is the sum of the rates of the terms, with their weights.
 #[test]
 fn rates_in_time_are_summed() {
     let (q, zeros) = ([0.5, -2.0], [0.0; 2]);

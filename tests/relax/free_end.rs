@@ -1,4 +1,4 @@
-//! What the relaxation can be asked for besides the least effort from state to state.
+//! Objectives of the relaxation besides the least effort from state to state.
 
 use crate::common::relax::{solved, solved_within};
 use crate::common::slider;

@@ -38,7 +38,7 @@ fn largest_torques(model: &Model, solution: &RelaxSolution) -> Vec<f64> {
     (0..model.dof()).map(of).collect()
 }
 
-/// What `n` starts lead to is among what more starts lead to.
+/// The minima of `n` starts are among those of more starts.
 #[test]
 fn more_starts_never_cost_more() {
     for name in ["pendulum_2_swingup", "kinova_free_01"] {

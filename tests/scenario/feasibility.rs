@@ -1,4 +1,4 @@
-//! What a motion keeps clear of and which limits it breaks.
+//! Clearances and violated limits of a motion.
 
 use aghf::curve::{Chebyshev, Curve};
 use aghf::scenario::{Enforced, EnforcedLimits, Feasibility, Limit, LimitViolation, Scenario};

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// How many scenarios of each kind are looked at.
+/// The number of scenarios of each kind.
 const SEEDS: u64 = 20;
 /// At how many times a motion is.
 const TIMES: usize = 301;

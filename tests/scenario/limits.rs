@@ -37,7 +37,7 @@ fn of_robot(limits: &Limits, limit: Limit) -> [f64; 2] {
     }
 }
 
-/// How many rows each constraint on the state has, and those on the control.
+/// The number of rows of each constraint on the state, and of those on the control.
 fn rows(scenario: &Scenario) -> (Vec<usize>, usize) {
     let constraints = scenario.state_constraints().expect("good");
     let rows = constraints.iter().map(|constraint| match constraint {
@@ -219,7 +219,7 @@ fn lists_are_no_objects() {
     }
 }
 
-/// What is enforced is a share of one joint's limit; of the others the whole limits are told and break no success.
+/// A share of one joint's limit is enforced; the whole limits of the others are reported and do not affect success.
 #[test]
 fn what_is_not_enforced_of_a_limit_breaks_no_success() {
     let mut scenario = kinova(

@@ -27,7 +27,7 @@ fn entry(i: usize, x: f64) -> Value {
     json!(entries)
 }
 
-/// What is refused of a scenario, if anything.
+/// The reason for which a scenario is refused, if any.
 fn refusal(scenario: &Value) -> Option<String> {
     let scenario = load("preflight", scenario).unwrap_or_else(|e| panic!("{e}"));
     let error = scenario.check_feasible().err()?.to_string();
@@ -169,7 +169,7 @@ fn the_least_horizon_of_a_robot() {
     }
 }
 
-/// Where the joints are in the base frame.
+/// The positions of the joints in the base frame.
 fn origins(model: &Model, q: &[f64]) -> Vec<[f64; 3]> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements).expect("lengths agree");

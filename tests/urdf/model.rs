@@ -86,7 +86,7 @@ fn inertia_tensor([ixx, ixy, ixz, iyy, iyz, izz]: [f64; 6]) -> Matrix3<f64> {
     Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)
 }
 
-/// What a point mass at `d` adds to the tensor.
+/// The contribution of a point mass at `d` to the tensor.
 fn steiner(mass: f64, d: Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass
 }

@@ -34,7 +34,7 @@ fn robot() -> Model {
     parse_urdf(ROBOT, "shapes.urdf").expect("it is good").0
 }
 
-/// Where the shapes are in the base frame, with their links.
+/// The placements of the shapes in the base frame, with their links.
 fn placed(model: &Model, q: &[f64]) -> Vec<(String, Placement<f64>)> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements).expect("lengths agree");

@@ -10,7 +10,7 @@ use aghf::scalar::{AlgebraOver, Lanes};
 use nalgebra::DMatrix;
 use std::hint::black_box;
 
-/// How many states go side by side.
+/// The number of states side by side.
 const LANES: usize = 4;
 
 /// Prints the results at the first states.
