@@ -6,10 +6,19 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::ArticulatedInertia;
 
-/// Forward dynamics $a = H^{-1} (\tau - C(q, v))$; arguments as in [`rnea`](super::rnea()). Cost O(N).
+/// Computes forward dynamics $a = H^{-1} (\tau - C(q, v))$.
+///
+/// * `q`, `v`, `tau`: `N` entries; rad or m, per s; N m or N
+/// * the accelerations: `N` entries, overwritten; rad or m, per s^2
 ///
 /// # Errors
-/// An argument does not have one entry a joint.
+/// A slice does not have `N` entries, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N), no allocation.
+///
+/// # Source
+/// The articulated-body algorithm, Featherstone, *Rigid Body Dynamics Algorithms*, 7.3.
 pub fn aba<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

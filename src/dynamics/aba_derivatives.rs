@@ -34,15 +34,23 @@ impl<S: Scalar> ForwardDynamicsDerivatives<S> {
     }
 }
 
-/// Forward dynamics at `(q, v, tau)`, `N` entries each, and its derivatives in all three, into `out`; line 5 of
-/// Algorithm B1 with `tau` zero.
+/// Computes forward dynamics and its derivatives in all three arguments.
 ///
-/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\\, \partial ID / \partial q$
-/// at $a = FD$, and likewise for `v` (Carpentier and Mansard, "Analytical derivatives of rigid body dynamics
-/// algorithms", RSS 2018). Cost O(N^2 d) with d the depth of the tree.
+/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ gives $\partial FD / \partial q = -H^{-1}\\, \partial ID /
+/// \partial q$ at $a = FD$, and likewise for `v`.
+///
+/// * `q`, `v`, `tau`: `N` entries; rad or m, per s; N m or N
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `out` was made for another size.
+/// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N^2 d), with d the depth of the tree.
+///
+/// # Source
+/// Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", RSS 2018; line 5 of Algorithm B1
+/// with `tau` zero.
 pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

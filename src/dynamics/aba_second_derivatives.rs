@@ -28,19 +28,25 @@ impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
     }
 }
 
-/// The second derivatives of forward dynamics from its first ones, `fd`, and the second ones of inverse dynamics, `id`,
-/// taken at the acceleration $a = FD(q, v, \tau)$; line 9 of Algorithm B2.
+/// Computes the second derivatives of forward dynamics from its first ones and the second ones of inverse dynamics.
 ///
-/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ twice, with $\partial ID / \partial a = H$ (Singh, Russell and Wensing,
-/// "On the second-order derivatives of rigid-body dynamics"):
+/// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ twice, with $\partial ID / \partial a = H$, gives
 ///
 /// $$ -H FD_{qq,jk} = ID_{qq,jk} + \frac{\partial H}{\partial q_j} FD_{q,k} + \frac{\partial H}{\partial q_k} FD_{q,j}, \quad
 ///    -H FD_{qv,jk} = ID_{qv,jk} + \frac{\partial H}{\partial q_j} FD_{v,k}, \quad -H FD_{vv} = ID_{vv}. $$
 ///
-/// Cost O(N^4); it allocates.
+/// * `fd`: first derivatives of forward dynamics at $(q, v, \tau)$
+/// * `id`: second derivatives of inverse dynamics at the acceleration $a = FD(q, v, \tau)$
+/// * `out`: overwritten
 ///
 /// # Errors
-/// The arguments were not made for the same size.
+/// `id` or `out` was made for another number of joints than `fd`.
+///
+/// # Cost
+/// O(N^4); it allocates.
+///
+/// # Source
+/// Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics"; line 9 of Algorithm B2.
 pub fn aba_second_derivatives<S: Scalar>(
     fd: &ForwardDynamicsDerivatives<S>,
     id: &InverseDynamicsSecondDerivatives<S>,

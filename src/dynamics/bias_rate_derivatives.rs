@@ -25,19 +25,26 @@ impl<S: Scalar> BiasRateDerivatives<S> {
     }
 }
 
-/// The derivatives of $\dot C = \frac{\partial C}{\partial q} \dot q + \frac{\partial C}{\partial v} \dot v$ (B72) in `q` and
-/// `v`, at rates $\dot q$ and $\dot v$ of `N` entries that do not change:
+/// Computes the derivatives in `q` and `v` of $\dot C = \frac{\partial C}{\partial q} \dot q + \frac{\partial
+/// C}{\partial v} \dot v$ (B72), at constant rates $\dot q$ and $\dot v$:
 ///
 /// $$ \frac{\partial \dot C_i}{\partial q_k} = \sum_j \left( \frac{\partial^2 C_i}{\partial q_j \partial q_k} \dot q_j +
 ///    \frac{\partial^2 C_i}{\partial q_k \partial v_j} \dot v_j \right), \qquad
 ///    \frac{\partial \dot C_i}{\partial v_k} = \sum_j \left( \frac{\partial^2 C_i}{\partial q_j \partial v_k} \dot q_j +
 ///    \frac{\partial^2 C_i}{\partial v_j \partial v_k} \dot v_j \right). $$
 ///
-/// `d2c` holds the second derivatives of inverse dynamics at zero acceleration; line 10 of Algorithm B2. Cost O(N^3); it
-/// allocates.
+/// * `d2c`: second derivatives of inverse dynamics at zero acceleration
+/// * `qdot`, `vdot`: `N` entries
+/// * `out`: overwritten
 ///
 /// # Errors
-/// The lengths differ.
+/// `vdot`, `d2c` or `out` has another size than `qdot`.
+///
+/// # Cost
+/// O(N^3); it allocates.
+///
+/// # Source
+/// Line 10 of Algorithm B2.
 pub fn bias_rate_derivatives<S: Scalar>(
     d2c: &InverseDynamicsSecondDerivatives<S>,
     qdot: &DVector<S>,

@@ -6,10 +6,19 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
-/// The mass matrix $H(q)$, all `N` by `N` entries of it. Cost O(N d) with d the depth of the tree.
+/// Computes the mass matrix $H(q)$, with both its halves.
+///
+/// * `q`: `N` entries, rad or m
+/// * `h`: `N` by `N`, overwritten
 ///
 /// # Errors
-/// `q` does not have one entry a joint, or `h` is not `N` by `N`.
+/// `q` does not have `N` entries, `h` is not `N` by `N`, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear `h`; no allocation.
+///
+/// # Source
+/// The composite rigid body algorithm, Featherstone, *Rigid Body Dynamics Algorithms*, 6.2.
 pub fn crba<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

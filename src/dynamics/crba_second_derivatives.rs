@@ -34,22 +34,29 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     }
 }
 
-/// The mass matrix at `q`, its rate along `v`, `N` entries each, and its first and second derivatives in `q`, into `out`;
-/// line 1 of Algorithm B2.
+/// Computes the mass matrix at `q`, its rate along `v`, and its first and second derivatives in `q`.
 ///
-/// $H_{ij} = \sum_b S_i^T I_b S_j$ over the bodies `b` after both joints. Joint `k` carries the bodies after it and the
-/// axes after it, so what a body `b` after `k` sees is that the axes before `k` are left behind:
+/// $H_{ij} = \sum_b S_i^T I_b S_j$ over the bodies `b` after both joints. Joint `k` moves the bodies and the axes after
+/// it as one body, so relative to a body `b` after `k` only the axes before `k` change:
 ///
 /// $$ D_k S_i = \begin{cases} S_i \times S_k & i < k \\\\ 0 & \text{else} \end{cases} \qquad
 ///    D_l D_k S_i = \begin{cases} (S_i \times S_k) \times S_l & i < k \le l \\\\ 0 & i \ge k, k \le l, \end{cases} $$
 ///
-/// where `i < k` says that `i` is nearer to the base. While $I_b$ stands still in that view, the product rule gives every
-/// derivative of $S_i^T I_b S_j$, and the sum over bodies puts the composite inertia of the last joint there. Joints that
-/// are not on one path to the base have nothing in common. Cost O(N d^3) and O(N^4) to clear the tensor, with d the depth
-/// of the tree.
+/// where `i < k` means that `i` is nearer to the base. As $I_b$ is constant relative to its body, the product rule
+/// gives every derivative of $S_i^T I_b S_j$, and the sum over bodies replaces $I_b$ by the composite inertia of the
+/// last joint. Derivatives in joints that are not on one path to the base are zero.
+///
+/// * `q`, `v`: `N` entries; rad or m, per s
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// `q` or `v` does not have one entry a joint, or `out` was made for another size.
+/// `q` or `v` does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d^3), with d the depth of the tree, and O(N^4) to clear the tensor.
+///
+/// # Source
+/// Line 1 of Algorithm B2.
 pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 use crate::spatial::{ArticulatedInertia, Coriolis, Force, Inertia, Motion, Placement};
 use nalgebra::Vector3;
 
-/// Scratch space for the algorithms on one model. It carries nothing from one call to the next.
+/// Scratch space for the algorithms on one model. It carries no state from one call to the next.
 #[derive(Clone, Debug)]
 pub struct Data<S: Scalar = f64> {
     /// Placements of the bodies in the base frame.
@@ -28,11 +28,11 @@ pub struct Data<S: Scalar = f64> {
     pub(super) forces: Vec<Force<S>>,
     /// Rates of the axes.
     pub(super) axis_rates: Vec<Motion<S>>,
-    /// Body motions if the weights of a contraction were joint velocities.
+    /// Virtual velocities of the bodies: those that the weights of a contraction make as joint velocities.
     pub(super) virtual_velocities: Vec<Motion<S>>,
-    /// Body momenta that go with them, then those of subtrees.
+    /// Momenta of the bodies at the virtual velocities, then those of subtrees.
     pub(super) virtual_momenta: Vec<Force<S>>,
-    /// Body Coriolis matrices that go with them, then those of subtrees.
+    /// Coriolis matrices of the bodies at the virtual velocities, then those of subtrees.
     pub(super) virtual_coriolis: Vec<Coriolis<S>>,
     /// Couples: transposed Coriolis matrices times virtual velocities, then sums over subtrees.
     pub(super) virtual_couples: Vec<Vector3<S>>,

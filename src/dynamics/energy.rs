@@ -5,10 +5,15 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// The kinetic energy $\tfrac12 v^T H v$ of the moving bodies, in J. Cost O(N).
+/// Computes the kinetic energy $\tfrac12 v^T H v$ of the moving bodies, in J.
+///
+/// * `q`, `v`: `N` entries; rad or m, per s
 ///
 /// # Errors
-/// `q` or `v` does not have one entry a joint.
+/// `q` or `v` does not have `N` entries, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N).
 pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -22,11 +27,16 @@ pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
     Ok(twice * S::from_f64(0.5))
 }
 
-/// The potential energy $-\sum m\\, g \cdot c$ of the moving bodies, in J, zero where the centres of mass are at the height
-/// of the base. Cost O(N).
+/// Computes the potential energy $-\sum m\\, g \cdot c$ of the moving bodies, in J, zero where the centres of mass are
+/// at the height of the base.
+///
+/// * `q`: `N` entries, rad or m
 ///
 /// # Errors
-/// `q` does not have one entry a joint.
+/// `q` does not have `N` entries, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N).
 pub fn potential_energy<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

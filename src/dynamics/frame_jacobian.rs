@@ -6,17 +6,26 @@ use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
-/// The geometric Jacobian $J(q)$ of a frame, 6 by `N`: rows 0 to 2 of $J v$ are its angular velocity, rows 3 to 5 the velocity
-/// of its origin, both along the axes of the base. Column $j$ is $[\omega_j;\\; v_j + \omega_j \times p]$ with
-/// $S_j = [\omega_j; v_j]$ the axis of a joint that carries the frame and $p$ the origin of the frame, else zero. The frame of
-/// the body of joint `i` is `Frame::new("", Some(i), Placement::identity())`.
+/// Computes the geometric Jacobian $J(q)$ of a frame: rows 0 to 2 of $J v$ are its angular velocity, rows 3 to 5 the
+/// velocity of its origin, both along the axes of the base.
 ///
-/// It is what Pinocchio computes as `LOCAL_WORLD_ALIGNED`, whose rows are the linear ones first. Both parts turned by the
-/// transpose of the rotation of [`frame_placement`] give `LOCAL`; the columns $S_j$ themselves, from
-/// [`Joint::motion_subspace`](crate::model::Joint::motion_subspace), are those of `WORLD`. Cost O(N).
+/// Column $j$ is $[\omega_j;\\; v_j + \omega_j \times p]$ with $S_j = [\omega_j; v_j]$ the axis of a joint that carries
+/// the frame and $p$ the origin of the frame, otherwise zero. The frame of the body of joint `i` is
+/// `Frame::new("", Some(i), Placement::identity())`.
+///
+/// Pinocchio computes it as `LOCAL_WORLD_ALIGNED`, with the linear rows first. Both parts rotated by the transpose of
+/// the rotation of [`frame_placement`] give `LOCAL`; the columns $S_j$ themselves, from
+/// [`Joint::motion_subspace`](crate::model::Joint::motion_subspace), are those of `WORLD`.
+///
+/// * `q`: `N` entries, rad or m
+/// * `jacobian`: 6 by `N`, overwritten
 ///
 /// # Errors
-/// `q` does not have one entry a joint, `jacobian` is not 6 by `N`, or the model has no body of the frame.
+/// `q` does not have `N` entries, `jacobian` is not 6 by `N`, `data` was made for another number of joints, or the
+/// model has no body of the frame.
+///
+/// # Cost
+/// O(N).
 pub fn frame_jacobian<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

@@ -6,10 +6,16 @@ use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Motion, Placement};
 
-/// The placements of all bodies in the base frame, into `placements`. Cost O(N).
+/// Computes the placements of all bodies in the base frame.
+///
+/// * `q`: `N` entries, rad or m
+/// * `placements`: `N` entries, overwritten
 ///
 /// # Errors
-/// `q` or `placements` does not have one entry a joint.
+/// `q` or `placements` does not have `N` entries.
+///
+/// # Cost
+/// O(N).
 pub fn forward_kinematics<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     q: &[S],
@@ -27,10 +33,13 @@ pub fn forward_kinematics<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// The placement of a frame in the base frame, from those of the bodies. Cost O(1).
+/// Computes the placement of a frame in the base frame, from those of the bodies by [`forward_kinematics`].
 ///
 /// # Errors
 /// `placements` is too short for the body of the frame.
+///
+/// # Cost
+/// O(1).
 pub fn frame_placement<C: Scalar, S: AlgebraOver<C>>(
     frame: &Frame<C>,
     placements: &[Placement<S>],

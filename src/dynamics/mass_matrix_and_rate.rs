@@ -7,14 +7,23 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force};
 use nalgebra::DMatrix;
 
-/// The mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\\, v_k$ along the velocity `v`; line 1
-/// of Algorithm B1.
+/// Computes the mass matrix $H(q)$ and its rate $\dot H = \sum_k \partial H / \partial q_k\\, v_k$ along the velocity
+/// `v`.
 ///
 /// For `j` an ancestor of `i`, $H_{ij} = S_j^T I_i^C S_i$ with $I_i^C$ the inertia of the subtree of `i`; its rate
-/// follows from $\dot S = v \times S$ and $\dot I = B + B^T$. Cost O(N d).
+/// follows from $\dot S = v \times S$ and $\dot I = B + B^T$.
+///
+/// * `q`, `v`: `N` entries; rad or m, per s
+/// * the results: `N` by `N`, overwritten
 ///
 /// # Errors
-/// `q` or `v` does not have one entry a joint, or a result is not `N` by `N`.
+/// `q` or `v` does not have `N` entries, a result is not `N` by `N`, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear the results.
+///
+/// # Source
+/// Line 1 of Algorithm B1.
 pub fn mass_matrix_and_rate<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

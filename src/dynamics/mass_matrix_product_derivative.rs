@@ -6,15 +6,24 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
-/// $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\\, w$ in `q` for a fixed `w`, into `k`,
-/// `N` by `N`. Cost O(N d) with d the depth of the tree.
+/// Computes $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\\, w$ in `q` for a
+/// constant `w`.
 ///
-/// With `w` for joint velocities the bodies have virtual velocities $\mu$ and momenta $I \mu$. Moving joint `k` carries its
-/// subtree along and adds $\mu_{\lambda(k)} \times S_k$ to the virtual velocities there, which is all there is to
-/// differentiate. This is the tensor-free product of line 8 of Algorithm B1, which the paper gets from RNEA_D.
+/// With `w` in the place of joint velocities the bodies have virtual velocities $\mu$ and momenta $I \mu$. Joint `k`
+/// moves its subtree as one body and adds $\mu_{\lambda(k)} \times S_k$ to the virtual velocities there, the only term
+/// to differentiate.
+///
+/// * `q`, `w`: `N` entries
+/// * `k`: `N` by `N`, overwritten
 ///
 /// # Errors
-/// `q` or `w` does not have one entry a joint, or `k` is not `N` by `N`.
+/// `q` or `w` does not have `N` entries, `k` is not `N` by `N`, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear `k`.
+///
+/// # Source
+/// The product of line 8 of Algorithm B1, which the paper computes by RNEA_D.
 pub fn mass_matrix_product_derivative<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

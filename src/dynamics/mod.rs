@@ -1,11 +1,11 @@
-//! Rigid-body dynamics, one algorithm a file, written once for every [`Scalar`].
+//! Rigid-body dynamics, one algorithm per file, written once for every [`Scalar`].
 //!
-//! Everything is written in the coordinates of the base frame: a motion or a force keeps its coordinates from body to body,
-//! so recursions add and subtract where the book's link coordinates transform. Gravity enters as an acceleration of the base
+//! All spatial vectors are in the coordinates of the base frame: a motion or a force keeps its coordinates from body to body,
+//! so the recursions add and subtract, where those of the book transform between link coordinates. Gravity enters as an acceleration of the base
 //! (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
 //!
-//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. Nothing is left behind in
-//! the scratch, so nothing can go stale, and nothing is allocated where the algorithm does not say so.
+//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. The scratch carries no state from
+//! one call to the next. Functions allocate only where their documentation says so.
 //!
 //! Second derivatives come as explicit tensors, whose index convention [`Tensor3`](crate::linalg::Tensor3) and
 //! [`Tensor4`](crate::linalg::Tensor4) share: a derivative index comes last.
@@ -60,7 +60,7 @@ pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>)
     check_length(what, n, matrix.ncols())
 }
 
-/// Makes a result zero if it is an `n` by `n` matrix.
+/// Sets a result to zero, after a check that it is an `n` by `n` matrix.
 fn clear_square<S: Scalar>(what: &'static str, n: usize, matrix: &mut DMatrix<S>) -> Result<()> {
     check_square(what, n, matrix)?;
     // `DMatrix::fill` goes entry by entry.
@@ -68,7 +68,7 @@ fn clear_square<S: Scalar>(what: &'static str, n: usize, matrix: &mut DMatrix<S>
     Ok(())
 }
 
-/// Joint `from` and the joints it hangs from, up to the base.
+/// Joint `from` and its ancestors, up to the base.
 #[inline]
 pub(crate) fn path_to_base<C: Scalar>(
     model: &Model<C>,

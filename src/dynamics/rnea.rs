@@ -5,13 +5,20 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Inverse dynamics $\tau = H(q)\\, a + C(q, v)$: the forces that make the joints accelerate by `a`, equation (1) of the
-/// paper. `C` holds Coriolis, centrifugal and gravity forces.
+/// Computes inverse dynamics $\tau = H(q)\\, a + C(q, v)$, equation (1) of the paper: the forces that make the joints
+/// accelerate by `a`. `C` holds Coriolis, centrifugal and gravity forces.
 ///
-/// `q`, `v`, `a`, `tau` have `N` entries: rad or m, per s, per s^2; N m or N. Cost O(N).
+/// * `q`, `v`, `a`: `N` entries; rad or m, per s, per s^2
+/// * `tau`: `N` entries, overwritten; N m or N
 ///
 /// # Errors
-/// An argument does not have one entry a joint.
+/// A slice does not have `N` entries, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N), no allocation.
+///
+/// # Source
+/// Featherstone, *Rigid Body Dynamics Algorithms*, 5.3.
 pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -39,10 +46,16 @@ pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// The bias force $C(q, v)$: inverse dynamics at zero acceleration. Arguments as [`rnea`]; cost O(N).
+/// Computes the bias force $C(q, v)$, inverse dynamics at zero acceleration; line 2 of Algorithm B1.
+///
+/// * `q`, `v`: `N` entries; rad or m, per s
+/// * the result: `N` entries, overwritten; N m or N
 ///
 /// # Errors
-/// An argument does not have one entry a joint.
+/// A slice does not have `N` entries, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N), no allocation.
 pub fn bias<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

@@ -36,7 +36,7 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
         }
     }
 
-    /// Makes the matrices zero, if all are of the right size.
+    /// Sets the matrices to zero, after a check of their sizes.
     pub(super) fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
         model.check("tau", self.tau.len())?;
         for (what, matrix) in [
@@ -50,11 +50,20 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
     }
 }
 
-/// Inverse dynamics at `(q, v, a)`, `N` entries each, and its derivatives in all three, into `out`. Cost O(N d) with d the
-/// depth of the tree.
+/// Computes inverse dynamics and its derivatives in all three arguments.
+///
+/// * `q`, `v`, `a`: `N` entries; rad or m, per s, per s^2
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `out` was made for another size.
+/// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear the matrices.
+///
+/// # Source
+/// Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body dynamics using spatial vector algebra",
+/// IEEE RA-L 2022; line 3 of Algorithm B1 with `a` zero.
 pub fn rnea_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -77,7 +86,7 @@ pub(super) struct SubtreeForceDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> SubtreeForceDerivatives<S> {
-    /// The entries of the derivatives that have to do with joint `i` and those before it, with `self` that of joint `i`.
+    /// Fills the entries of the derivatives for joint `i` and its ancestors; `self` is the load on joint `i`.
     pub fn fill_row_and_column<C: Scalar>(
         &self,
         model: &Model<C>,
@@ -159,7 +168,7 @@ impl<S: Scalar> Data<S> {
         }
     }
 
-    /// Makes of the forces on the bodies those on their subtrees.
+    /// Sums the forces on the bodies over their subtrees.
     pub(super) fn sum_forces<C: Scalar>(&mut self, model: &Model<C>) {
         for (i, joint) in model.joints().iter().enumerate().rev() {
             if let Some(parent) = joint.parent() {

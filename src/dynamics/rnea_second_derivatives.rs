@@ -68,11 +68,20 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
     }
 }
 
-/// The second derivatives of inverse dynamics at `(q, v, a)`, `N` entries each, into `out`; lines 7 and 8 of Algorithm B2.
-/// Cost O(N d^2) and O(N^3) to clear the tensors, with d the depth of the tree.
+/// Computes the second derivatives of inverse dynamics.
+///
+/// * `q`, `v`, `a`: `N` entries; rad or m, per s, per s^2
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `out` was made for another size.
+/// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d^2), with d the depth of the tree, and O(N^3) to clear the tensors.
+///
+/// # Source
+/// The tensors of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics" (2022); lines 7
+/// and 8 of Algorithm B2.
 pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,

@@ -15,7 +15,7 @@
 //!
 //! Moving a joint `k` at or beyond `j` changes only the sums in the gradient at `j`. It carries the subtree along and adds
 //! $\dot\Psi_k$, $\ddot\Psi_k - v_b \times \dot\Psi_k$ and $\eta_k$ to the velocities, accelerations and virtual velocities there.
-//! As $B(I, m)^T \mu = -B(I, \mu)^T m$, the changes of the sums need no more than sums again, with
+//! As $B(I, m)^T \mu = -B(I, \mu)^T m$, the changes of the sums are sums of the same kind, with
 //! $D_k = \sum B(I_b, \mu_b)$:
 //!
 //! $$ \partial_{q_k} F = S_k \times^* F_k + 2 B_k \dot\Psi_k + I_k \ddot\Psi_k, \quad
@@ -82,7 +82,7 @@ impl<S: Scalar> RneaWeightedHessian<S> {
         }
     }
 
-    /// Makes the blocks zero, if all are of the right size.
+    /// Sets the blocks to zero, after a check of their sizes.
     fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
         let blocks = [
             ("qq", &mut self.qq),
@@ -97,10 +97,16 @@ impl<S: Scalar> RneaWeightedHessian<S> {
     }
 }
 
-/// The gradient of $w^T ID$ at `(q, v, a)`, `N` entries each, by a hand-written adjoint of [`rnea`](super::rnea()). Cost O(N).
+/// Computes the gradient of $w^T ID(q, v, a)$ for a constant `w`, by the adjoint of [`rnea`](super::rnea()).
+///
+/// * `q`, `v`, `a`, `w`: `N` entries
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `out` was made for another size.
+/// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N).
 pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -137,10 +143,16 @@ pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// The Hessian of $w^T ID$ at `(q, v, a)`, `N` entries each. Cost O(N d) with d the depth of the tree.
+/// Computes the Hessian of $w^T ID(q, v, a)$ for a constant `w`.
+///
+/// * `q`, `v`, `a`, `w`: `N` entries
+/// * `out`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `out` was made for another size.
+/// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear the blocks.
 pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -158,12 +170,18 @@ pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
     Ok(())
 }
 
-/// Inverse dynamics at `[q, v, a]`, `N` entries each, with its first derivatives, and the Hessian of $w^T ID$ for the weights `w`
-/// that `weigh` makes of $\tau$: as [`rnea_derivatives`](super::rnea_derivatives()) and [`rnea_weighted_hessian`], which have most
-/// of their work in common. Cost O(N d) with d the depth of the tree.
+/// Computes inverse dynamics with its first derivatives, and the Hessian of $w^T ID$ for weights that depend on $\tau$:
+/// as [`rnea_derivatives`](super::rnea_derivatives()) and [`rnea_weighted_hessian`], which share most of their work.
+///
+/// * `q`, `v`, `a`: `N` entries; rad or m, per s, per s^2
+/// * `weigh`: computes the weights `w`, `N` entries, from $\tau$
+/// * `first`, `second`: made for `N` joints, overwritten
 ///
 /// # Errors
-/// An argument does not have one entry a joint, or `first` or `second` was made for another size.
+/// A slice does not have `N` entries, or `first`, `second` or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N d), with d the depth of the tree, and O(N^2) to clear the matrices.
 pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
     model: &Model<C>,
     data: &mut Data<S>,
@@ -198,7 +216,7 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// The Hessian, and if they are asked for the first derivatives of inverse dynamics, after [`contract`](Self::contract) and
+    /// The Hessian and, if requested, the first derivatives of inverse dynamics, after [`contract`](Self::contract) and
     /// [`sum_forces`](Self::sum_forces): from the tips to the base, with sums over subtrees.
     fn sweep<C: Scalar>(
         &mut self,

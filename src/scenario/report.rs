@@ -140,7 +140,7 @@ fn solve_by_relaxation(
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
     let history = iterations.into_iter().map(Record::Relax).collect();
-    // Nothing that is told of it depends on the penalty.
+    // No value that is reported depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
     let found = Solution {
         curve,

@@ -11,7 +11,7 @@ impl Sweep {
     /// # Errors
     /// None for a checked sweep.
     pub fn identity(&self) -> Result<Value> {
-        // The scenarios and their robots are told in full below, and the name changes no result.
+        // The scenarios and their robots are written in full below, and the name changes no result.
         let mut grid = json_value(&self.file.grid)?;
         grid["timeout_s"] = json!(self.file.timeout_s);
         if self.method() != Method::Flow {

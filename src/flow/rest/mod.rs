@@ -152,7 +152,7 @@ impl RestSettings {
         if self.start.is_some() {
             return vec![last];
         }
-        // A curve there is no more than the start of the next.
+        // Its result is only the start of the next stage.
         let rough = Demands {
             tolerance: 0.1,
             steps: if rows { 20 } else { 12 },

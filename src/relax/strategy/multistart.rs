@@ -92,7 +92,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         };
         next = wave.end;
         let start = |number| {
-            // A planned start has a basis of its own and comes in at the top.
+            // A planned start has its own basis and enters at the highest degree.
             let (first, candidate) = match planned.start(number, context.problem)? {
                 Some(path) => {
                     let mut candidate = Candidate::new(path);

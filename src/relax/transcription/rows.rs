@@ -48,7 +48,7 @@ pub(in crate::relax) struct Attributes {
     pub floors: Vec<f64>,
 }
 
-// By hand, since what is derived would ask it of the constraints, of which there is no more than a reference.
+// By hand, since a derived `Clone` would require it of the constraints, which are a reference.
 impl<K, P: Clone> Clone for Rows<'_, K, P> {
     fn clone(&self) -> Self {
         Self {
