@@ -83,7 +83,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
     /// Computes $g$ into `g`, one entry per row of `constraint`.
     ///
     /// # Errors
-    /// `g` has the wrong length, or `constraint` refers to a joint or body that the robot does not have.
+    /// `g` does not have one entry per row, or `constraint` refers to a joint or body that the robot does not have.
     pub fn value<K: Constraint<C> + ?Sized>(&self, constraint: &K, g: &mut [S]) -> Result<()> {
         check_length("g", constraint.dim(), g.len())?;
         constraint.value(&self.state, g)

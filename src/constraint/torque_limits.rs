@@ -64,7 +64,7 @@ impl<C: Scalar> TorqueLimits<C> {
     /// [`dim`](Self::dim) entries. `u` has one entry per joint.
     ///
     /// # Errors
-    /// `u` or `g` has the wrong length.
+    /// `u` does not have one entry per joint, or `g` not [`dim`](Self::dim) entries.
     pub fn value<S: AlgebraOver<C>>(&self, u: &[S], g: &mut [S]) -> Result<()> {
         check_length("u", self.0.len(), u.len())?;
         check_length("g", self.dim(), g.len())?;

@@ -93,7 +93,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
     /// gradients, `2 N` by `2 N`, which is ignored if only the gradient is needed.
     ///
     /// # Errors
-    /// `gradient` or `hessian` has the wrong size.
+    /// `gradient` does not have `2 N` entries, or `hessian` is not `2 N` by `2 N`.
     pub fn add_dense(&mut self, gradient: &DVector<S>, hessian: &DMatrix<S>) -> Result<()> {
         let n = self.gradient.len();
         check_length("gradient", n, gradient.len())?;

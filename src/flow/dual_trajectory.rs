@@ -88,7 +88,7 @@ impl DualTrajectory {
     /// node.
     ///
     /// # Errors
-    /// `c` has another number of rows or columns, or the horizons differ.
+    /// `c` does not have one row per component and one column per node, or the horizons differ.
     pub fn ascend(&mut self, rho: f64, chebyshev: &Chebyshev, c: &DMatrix<f64>) -> Result<()> {
         check_length("c", self.components(), c.nrows())?;
         let step = Self::through(chebyshev, c)?;

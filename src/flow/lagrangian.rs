@@ -15,7 +15,7 @@ pub trait Lagrangian<C: Scalar = f64> {
     /// Computes $L$ at the time `t`, in s, and at `x` and `xdot`, `2 N` entries each, under the penalty `k`.
     ///
     /// # Errors
-    /// `x` or `xdot` has the wrong length.
+    /// `x` or `xdot` does not have `2 N` entries.
     fn value<S: AlgebraOver<C> + Tanh>(
         &self,
         model: &Model<C>,
@@ -192,10 +192,10 @@ pub fn lagrangian<C: Scalar, S: AlgebraOver<C>>(
 /// Computes the Lagrangian from the control `u`, $L = k\\, |\dot x_{P1} - x_{P2}|^2 + |u|^2$.
 ///
 /// The value equals that of [`lagrangian`], because $H (\dot x_{P2} - FD_0) = H \dot x_{P2} + C = u$, the control (13).
-/// `xdot_p1`, `x_p2` and `u` have `N` entries.
+/// `xdot_p1`, `x_p2` and `u` have `N` entries. Cost O(N).
 ///
 /// # Errors
-/// The lengths differ.
+/// `xdot_p1` or `x_p2` does not have the length of `u`.
 pub fn lagrangian_of_control<C: Scalar, S: AlgebraOver<C>>(
     xdot_p1: &[S],
     x_p2: &[S],

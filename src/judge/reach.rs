@@ -40,7 +40,7 @@ impl<'m> Reach<'m> {
     /// Places the robot in configuration `q`, `N` entries. Cost O(N).
     ///
     /// # Errors
-    /// `q` has the wrong length.
+    /// `q` does not have `N` entries.
     pub fn place(&mut self, q: &[f64]) -> Result<()> {
         forward_kinematics(self.model, q, &mut self.placements)?;
         for (i, joint) in self.model.joints().iter().enumerate() {

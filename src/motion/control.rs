@@ -23,11 +23,17 @@ pub struct Sample {
     pub qdot: Vec<f64>,
 }
 
-/// Extracts the control (13): $u(t) = H \dot x_{P2} + C$, inverse dynamics at $(x_{P1}, x_{P2}, \dot x_{P2})$. `u` has
-/// `N` entries.
+/// Computes the control (13), $u = H \dot x_{P2} + C$, inverse dynamics at $(x_{P1}, x_{P2}, \dot x_{P2})$; line 3 of
+/// Algorithm B3.
+///
+/// * `x`, `xdot`: `2 N` entries, the state in rad or m, per s, and its rate
+/// * `u`: `N` entries, overwritten; N m or N
 ///
 /// # Errors
-/// The curve has another number of joints than `model`, or `u` has the wrong length.
+/// `x` does not have `2 N` entries, or `u` not `N`, or `data` was made for another number of joints.
+///
+/// # Cost
+/// O(N), no allocation.
 pub fn control_at(
     model: &Model,
     data: &mut Data<f64>,

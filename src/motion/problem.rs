@@ -35,8 +35,8 @@ impl<'m> Problem<'m> {
     /// The problem from state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
     ///
     /// # Errors
-    /// A wrong length, a number that is not finite, or a horizon below [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or
-    /// above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
+    /// A state does not have `2 N` entries, a number is not finite, or the horizon is below
+    /// [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         for (what, state) in [("start", &start), ("goal", &goal)] {
             check_length(what, 2 * model.dof(), state.len())?;

@@ -140,7 +140,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
     /// Computes the three blocks at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` has the wrong size.
+    /// A slice of `node` does not have `2 N` entries, or a block of `out` is not `2 N` by `2 N`.
+    ///
+    /// # Cost
+    /// O(N d) for the derivatives of the dynamics, with d the depth of the tree, and O(N^3) for the dense products.
     pub fn blocks(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;

@@ -67,7 +67,7 @@ pub trait NodeJacobian<C = f64, S: Scalar = f64> {
     /// Computes the three blocks at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` has the wrong size.
+    /// A slice of `node` does not have `2 N` entries, or a block of `out` is not `2 N` by `2 N`.
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()>;
 }
 

@@ -89,7 +89,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     /// Computes $A$.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `2 N` by the number of functions of the grid.
     pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
         let (grid, mut sum) = (self.grid, S::zero());
         for e in 0..grid.segments {
@@ -106,7 +106,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     /// Computes $A$, and its derivatives into `out`.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `2 N` by the number of functions of the grid.
     pub fn derivatives(
         &mut self,
         coefficients: &DMatrix<S>,
@@ -150,7 +150,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     /// Computes the Gauss-Newton Hessian into `out`.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `2 N` by the number of functions of the grid.
     pub fn gauss_newton(
         &mut self,
         coefficients: &DMatrix<S>,
@@ -172,7 +172,7 @@ impl<'g, S: Scalar, L: PointLagrangian<S>> Action<'g, S, L> {
     /// Computes the metric $M$ of the flow.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `2 N` by the number of functions of the grid.
     pub fn metric(
         &mut self,
         coefficients: &DMatrix<S>,

@@ -29,7 +29,7 @@ impl<'a, K: Constraint> AugmentedLagrangian<'a, K> {
     /// Adds `constraints` to `lagrangian` at the points of a grid, with all duals zero.
     ///
     /// # Errors
-    /// The torque limits have the wrong length.
+    /// The torque limits are not one per joint, or one is negative or not finite.
     pub fn new(
         lagrangian: AnalyticLagrangian<'a>,
         constraints: &'a Constraints<K>,

@@ -71,7 +71,7 @@ impl<'a, K: Constraint> BarrierCost<'a, K> {
     /// The control effort with barriers at a single point.
     ///
     /// # Errors
-    /// The torque limits have the wrong length.
+    /// The torque limits are not one per joint, or one is negative or not finite.
     pub fn at_a_point(
         model: &'a Model,
         constraints: &'a Constraints<K>,

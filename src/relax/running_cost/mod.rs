@@ -65,13 +65,13 @@ pub trait RunningCost {
     /// Computes $l$.
     ///
     /// # Errors
-    /// A slice of the input has the wrong length.
+    /// A slice of the input does not have `N` entries.
     fn value(&self, at: &StageInput<'_, f64>) -> Result<f64>;
 
     /// Computes $l$, and its derivatives into `out`, which is zero on entry.
     ///
     /// # Errors
-    /// A slice of the input has the wrong length.
+    /// A slice of the input does not have `N` entries.
     fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>)
     -> Result<f64>;
 
@@ -79,7 +79,7 @@ pub trait RunningCost {
     /// explicitly on time. Zero by default.
     ///
     /// # Errors
-    /// A slice of the input has the wrong length.
+    /// A slice of the input does not have `N` entries.
     fn time_rate(&self, at: &StageInput<'_, f64>) -> Result<f64> {
         let _ = at;
         Ok(0.0)

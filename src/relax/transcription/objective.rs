@@ -97,7 +97,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// Computes the integral.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `N` by the number of functions of the grid.
     pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
         self.check(coefficients)?;
         let mut sum = S::zero();
@@ -120,7 +120,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// Computes the integral, and its derivatives into `out`.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `N` by the number of functions of the grid.
     pub fn derivatives(
         &mut self,
         coefficients: &DMatrix<S>,
@@ -132,7 +132,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// Computes the derivatives as [`derivatives`](Self::derivatives) does, without the metric.
     ///
     /// # Errors
-    /// `coefficients` has the wrong size.
+    /// `coefficients` is not `N` by the number of functions of the grid.
     pub fn gradient_and_hessian(
         &mut self,
         coefficients: &DMatrix<S>,

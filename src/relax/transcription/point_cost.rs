@@ -158,19 +158,19 @@ pub trait PointCost<S: Scalar> {
     /// Computes $l$.
     ///
     /// # Errors
-    /// A slice of `point` has the wrong length.
+    /// `q`, `v` or `a` of `point` does not have `N` entries.
     fn value(&mut self, point: Point<'_, S>) -> Result<S>;
 
     /// Computes $l$, and overwrites all of `out`.
     ///
     /// # Errors
-    /// A slice of `point`, or `out`, has the wrong size.
+    /// `q`, `v` or `a` of `point` does not have `N` entries, or `out` was made for another number of joints.
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S>;
 
     /// Computes the partial derivative $\partial l / \partial t$; zero unless `l` depends explicitly on time.
     ///
     /// # Errors
-    /// A slice of `point` has the wrong length.
+    /// `q`, `v` or `a` of `point` does not have `N` entries.
     fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
         let _ = point;
         Ok(S::zero())
@@ -238,14 +238,14 @@ pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
     /// Computes the cost, and the control into `u`.
     ///
     /// # Errors
-    /// A slice of `point` has the wrong length.
+    /// `q`, `v` or `a` of `point` does not have `N` entries.
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64>;
 
     /// Computes the cost, and into `out` the derivatives of the cost plus a `term` in the control alone; cost and
     /// metric are without the term.
     ///
     /// # Errors
-    /// A slice of `point`, or `out`, has the wrong size.
+    /// `q`, `v` or `a` of `point` does not have `N` entries, or `out` was made for another number of joints.
     fn derivatives_with(
         &mut self,
         point: Point<'_, f64>,

@@ -42,7 +42,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
     /// Computes the three blocks (B38), (B39) and (B40) of (B37) at `node` with penalty `k` into `out`.
     ///
     /// # Errors
-    /// `node` or `out` has the wrong size.
+    /// A slice of `node` does not have `2 N` entries, or a block of `out` is not `2 N` by `2 N`.
+    ///
+    /// # Cost
+    /// O(N^4); it allocates.
     pub fn blocks(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         self.gather(node)?;
@@ -56,7 +59,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
     /// Computes lines 1 to 10 of Algorithm B2: the quantities at `node`.
     ///
     /// # Errors
-    /// `node` has the wrong size.
+    /// A slice of `node` does not have `2 N` entries.
     pub fn gather(&mut self, node: Node<'_, S>) -> Result<&Quantities<S>> {
         self.quantities.gather(self.model, &mut self.data, node)?;
         Ok(&self.quantities)
