@@ -5,7 +5,7 @@
 //! command line](command_line).
 //!
 //! For reference: [many solves](sweeps) on one machine or several; [the variants of the flow](variants);
-//! [performance](performance); [the limits of the library](limitations).
+//! [performance]; [the limits of the library](limitations).
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test.
 //! Each of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
