@@ -14,15 +14,19 @@
 //!
 //! # The book
 //!
-//! 1. [A first motion](guide::first_motion): from a URDF to a plot.
-//! 2. [The notation](guide::notation) of the paper, the code and Pinocchio.
-//! 3. [The keys of a scenario](mod@scenario): limits, obstacles, running costs, horizons.
-//! 4. [Verification](verify) of every derivative, and what each witness cannot see.
-//! 5. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
+//! 1. [Two methods](guide::methods), and which to use when.
+//! 2. [A first motion](guide::first_motion): from a URDF to a plot.
+//! 3. [Asking for more](guide::asking_for_more): limits, obstacles, running costs, horizons; [all keys of a
+//!    scenario](mod@scenario).
+//! 4. [The notation](guide::notation) of the paper, the code and Pinocchio.
+//! 5. [Verification](verify) of every derivative, and what each witness cannot see.
+//! 6. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
 //!    [Jacobian](guide::jacobian), a [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an
 //!    [integrator](guide::integrator), a [joint](guide::joint).
-//! 6. [The command line](guide::command_line), [many solves](guide::sweeps), [the variants of the flow](guide::variants).
-//! 7. [A crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep the code fast.
+//! 7. [The command line](guide::command_line), [many solves](guide::sweeps), [the variants of the flow](guide::variants).
+//! 8. [Performance](guide::performance), and [a crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep
+//!    the code fast.
+//! 9. [The limits of the library](guide::limitations).
 //!
 //! # The modules
 //!

@@ -103,7 +103,7 @@ function_of_states! {
     results => {
         let (data, id) = scratch;
         library::rnea_second_derivatives(model, data, q, v, a, id)?;
-        by_planes([&id.dqdq, &id.dvdv, &id.dqdv, &id.dadq], model.dof(), results);
+        by_planes([id.dqdq(), id.dvdv(), id.dqdv(), id.dadq()], model.dof(), results);
         Ok(())
     }
 }

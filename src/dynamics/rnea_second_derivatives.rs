@@ -35,24 +35,23 @@ use super::rnea_derivatives::SubtreeForceDerivatives;
 use super::{Data, path_to_base};
 use crate::error::Result;
 use crate::linalg::Tensor3;
-use crate::model::Model;
+use crate::model::{Joint, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Coriolis, Force, Motion, cross, dot};
 use nalgebra::Vector3;
 
 /// The second derivatives of inverse dynamics that do not vanish.
 ///
-/// `ID` is linear in `a` with the slope $H(q)$, so those in `(a, a)` and in `(a, v)` vanish.
+/// `ID` is linear in `a` with the slope $H(q)$, so those in `(a, a)` and in `(a, v)` vanish. The tensors are read-only:
+/// entries of joints that are not on one path to the base vanish, and are cleared once per tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseDynamicsSecondDerivatives<S: Scalar> {
-    /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
-    pub dqdq: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial v_j\\, \partial v_k)$.
-    pub dvdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial q_j\\, \partial v_k)$.
-    pub dqdv: Tensor3<S>,
-    /// $\partial^2 ID_i / (\partial a_j\\, \partial q_k) = \partial H_{ij} / \partial q_k$.
-    pub dadq: Tensor3<S>,
+    pub(crate) dqdq: Tensor3<S>,
+    pub(crate) dvdv: Tensor3<S>,
+    pub(crate) dqdv: Tensor3<S>,
+    pub(crate) dadq: Tensor3<S>,
+    /// The parent of each joint of the model at which the tensors were last filled; empty before.
+    pub(crate) tree: Vec<Option<usize>>,
 }
 
 impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
@@ -64,7 +63,32 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
             dvdv: Tensor3::new(n),
             dqdv: Tensor3::new(n),
             dadq: Tensor3::new(n),
+            tree: Vec::new(),
         }
+    }
+
+    /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
+    #[must_use]
+    pub fn dqdq(&self) -> &Tensor3<S> {
+        &self.dqdq
+    }
+
+    /// $\partial^2 ID_i / (\partial v_j\\, \partial v_k)$.
+    #[must_use]
+    pub fn dvdv(&self) -> &Tensor3<S> {
+        &self.dvdv
+    }
+
+    /// $\partial^2 ID_i / (\partial q_j\\, \partial v_k)$.
+    #[must_use]
+    pub fn dqdv(&self) -> &Tensor3<S> {
+        &self.dqdv
+    }
+
+    /// $\partial^2 ID_i / (\partial a_j\\, \partial q_k) = \partial H_{ij} / \partial q_k$.
+    #[must_use]
+    pub fn dadq(&self) -> &Tensor3<S> {
+        &self.dadq
     }
 }
 
@@ -77,7 +101,7 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
 /// A slice does not have `N` entries, or `out` or `data` was made for another number of joints.
 ///
 /// # Cost
-/// O(N d^2), with d the depth of the tree, and O(N^3) to clear the tensors.
+/// O(N d^2), with d the depth of the tree, and O(N^3) to clear the tensors at the first call and at another tree.
 ///
 /// # Source
 /// The tensors of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics" (2022); lines 7
@@ -90,6 +114,8 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     a: &[S],
     out: &mut InverseDynamicsSecondDerivatives<S>,
 ) -> Result<()> {
+    let tree = model.joints().iter().map(Joint::parent);
+    let same_tree = out.tree.iter().copied().eq(tree.clone());
     for (what, tensor) in [
         ("dqdq", &mut out.dqdq),
         ("dvdv", &mut out.dvdv),
@@ -97,7 +123,12 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
         ("dadq", &mut out.dadq),
     ] {
         tensor.check(what, model.dof())?;
-        tensor.fill(S::zero());
+        if !same_tree {
+            tensor.fill(S::zero());
+        }
+    }
+    if !same_tree {
+        out.tree = tree.collect();
     }
     data.prepare_derivatives(model, q, v, a)?;
     for (k, joint) in model.joints().iter().enumerate().rev() {

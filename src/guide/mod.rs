@@ -1,7 +1,11 @@
 //! A book in pages: how to begin, and how to extend the mathematics.
 //!
-//! To begin with: [a first motion](first_motion), from a URDF to a plot; [the command line](command_line); [the notation](notation) of the
-//! paper, the code and Pinocchio; [many solves](sweeps) on one machine or several; [the variants of the flow](variants).
+//! To begin with: [the two methods](methods); [a first motion](first_motion), from a URDF to a plot; [asking for
+//! more](asking_for_more), from limits to horizons; [the notation](notation) of the paper, the code and Pinocchio; [the
+//! command line](command_line).
+//!
+//! For reference: [many solves](sweeps) on one machine or several; [the variants of the flow](variants);
+//! [performance]; [the limits of the library](limitations).
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test.
 //! Each of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
@@ -20,8 +24,17 @@
 //! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which examples there are
 //! to begin with.
 
+#[doc = include_str!("methods.md")]
+#[doc = include_str!("pictures/methods.svg")]
+pub mod methods {}
+
 #[doc = include_str!("first_motion.md")]
+#[doc = include_str!("pictures/first_motion.svg")]
 pub mod first_motion {}
+
+#[doc = include_str!("asking_for_more.md")]
+#[doc = include_str!("pictures/obstacles.svg")]
+pub mod asking_for_more {}
 
 #[doc = include_str!("notation.md")]
 pub mod notation {}
@@ -58,3 +71,10 @@ pub mod sweeps {}
 
 #[doc = include_str!("variants.md")]
 pub mod variants {}
+
+#[doc = include_str!("performance.md")]
+#[doc = include_str!("pictures/degree.svg")]
+pub mod performance {}
+
+#[doc = include_str!("limitations.md")]
+pub mod limitations {}

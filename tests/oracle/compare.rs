@@ -147,10 +147,10 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut data, q, v, a, &mut second).expect("lengths agree");
     let tensors = [
-        ("d2ID/dqdq", &second.dqdq, &first.dq),
-        ("d2ID/dqdv", &second.dqdv, &first.dq),
-        ("d2ID/dvdv", &second.dvdv, &first.dv),
-        ("d2ID/dadq", &second.dadq, &first.h),
+        ("d2ID/dqdq", second.dqdq(), &first.dq),
+        ("d2ID/dqdv", second.dqdv(), &first.dq),
+        ("d2ID/dvdv", second.dvdv(), &first.dv),
+        ("d2ID/dadq", second.dadq(), &first.h),
     ];
     let column = |t: &[f64]| DMatrix::from_column_slice(t.len(), 1, t);
     let ours = tensors.map(|(name, tensor, _)| (name.to_owned(), column(tensor.entries())));

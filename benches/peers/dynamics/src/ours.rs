@@ -36,10 +36,10 @@ pub fn values(model: &Model, states: &[State]) -> Result<()> {
         print("aba_dv", fd.dv.as_slice());
         print("aba_dtau", fd.h_inverse.as_slice());
         rnea_second_derivatives(model, &mut data, q, v, a, &mut second)?;
-        print("rnea_dqdq", second.dqdq.entries());
-        print("rnea_dvdv", second.dvdv.entries());
-        print("rnea_dqdv", second.dqdv.entries());
-        print("rnea_dadq", second.dadq.entries());
+        print("rnea_dqdq", second.dqdq().entries());
+        print("rnea_dvdv", second.dvdv().entries());
+        print("rnea_dqdv", second.dqdv().entries());
+        print("rnea_dadq", second.dadq().entries());
     }
     Ok(())
 }

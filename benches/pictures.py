@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Draws the pictures of the guide again, into src/guide/pictures: all of them, or those that are named.
+
+    cargo build --release
+    pip install matplotlib
+    benches/pictures.py                  # first_motion, methods, obstacles, degree: half a minute
+    benches/pictures.py methods
+"""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("svg")
+from matplotlib import pyplot as plt  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[1]
+AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
+PICTURES = ROOT / "src" / "guide" / "pictures"
+
+#: Text stays text, names in the file do not change from run to run, and the page is white in dark themes too.
+STYLE = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "aghf",
+    "font.family": "sans-serif",
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "path.simplify_threshold": 0.5,
+}
+BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#999999"
+
+SWING = {
+    "robot": "pendulum_3",
+    "horizon_s": 2.0,
+    "q_start": [0.0, 0.0, 0.0],
+    "v_start": [0.0, 0.0, 0.0],
+    "q_goal": [1.0, 0.5, 0.0],
+    "v_goal": [0.0, 0.0, 0.0],
+}
+
+
+def solved(scenario, *options):
+    """The table of a motion by the names of its columns, and its summary; a failed one counts too."""
+    with tempfile.TemporaryDirectory() as folder:
+        if isinstance(scenario, dict):
+            path = Path(folder) / "scenario.json"
+            path.write_text(json.dumps(scenario))
+            scenario = str(path)
+        command = [AGHF, "solve", scenario, "--json", "--no-report", "--out", "motion", "--samples", "201", *options]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        if run.returncode not in (0, 3):
+            sys.exit(f"aghf solve {scenario}: {run.stderr}")
+        failed = ".failed" if run.returncode else ""
+        with open(Path(folder) / "motion" / f"trajectory{failed}.csv", newline="") as file:
+            rows = list(csv.reader(line for line in file if not line.startswith("#")))
+    columns = np.array(rows[1:], dtype=float).T
+    return dict(zip(rows[0], columns)), json.loads(run.stdout)
+
+
+def first_motion():
+    """Velocities and torques of a motion of the Kinova, as shares of their limits."""
+    rest = [0.0] * 7
+    reach = {
+        "robot": "kinova_gen3",
+        "horizon_s": 2.0,
+        "q_start": [0.0, 0.3, 0.0, 1.6, 0.0, 1.2, 0.0],
+        "v_start": rest,
+        "q_goal": [0.8, 0.6, 0.0, 1.2, 0.0, 1.0, 0.0],
+        "v_goal": rest,
+        "free_horizon": {"shortest_s": 0.5, "longest_s": 5.0, "weight": 100.0},
+    }
+    motion, _ = solved(reach)
+    figure, axes = plt.subplots(1, 3, figsize=(8.4, 2.6), layout="constrained")
+    for kind, title, ax in zip("qvu", ["q, rad", "v, rad/s", "u, N m"], axes):
+        for i in range(1, 8):
+            ax.plot(motion["t"], motion[f"{kind}_joint_{i}"], linewidth=1.4, label=f"joint_{i}")
+        ax.set(xlabel="t, s", title=title)
+    axes[0].legend(fontsize=7, ncols=2)
+    return figure
+
+
+def methods():
+    """The second joint of the double pendulum along the flow and by the relaxation."""
+    name = "pendulum_2_swingup"
+    figure, ax = plt.subplots(figsize=(6.4, 3.2), layout="constrained")
+    for s, colour in [("1e-9", ORANGE), ("100", BLUE)]:
+        motion, summary = solved(name, "--method", "flow", "--s-max", s)
+        label = f"published flow, s_max = {s}: effort {summary['control_effort']:.0f}"
+        ax.plot(motion["t"], motion["q_joint_2"], color=colour, label=label)
+    motion, summary = solved(name, "--starts", "1")
+    ax.plot(motion["t"], motion["q_joint_2"], color=GREEN, label=f"relaxation: effort {summary['control_effort']:.0f}")
+    ax.set(xlabel="t, s", ylabel="q of joint_2, rad")
+    ax.legend(fontsize=8)
+    return figure
+
+
+def obstacles():
+    """Paths of the third joint of the pendulum with and without a sphere."""
+    sphere = {"center_m": [-1.35, 0.0, 0.3], "radius_m": 0.15}
+    clear = {**SWING, "sphere_obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
+    figure, ax = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
+    for scenario, colour, label in [(SWING, BLUE, "free"), (clear, ORANGE, "clear of the sphere")]:
+        motion, summary = solved(scenario)
+        first = motion["q_joint_1"]
+        second = first + motion["q_joint_2"]
+        # Links point along -x and turn about y.
+        x, z = -np.cos(first) - np.cos(second), np.sin(first) + np.sin(second)
+        ax.plot(x, z, color=colour, label=f"{label}: effort {summary['control_effort']:.0f}")
+    ax.add_patch(plt.Circle((sphere["center_m"][0], sphere["center_m"][2]), sphere["radius_m"], color=GREY))
+    ax.set(xlabel="x, m", ylabel="z, m", aspect="equal")
+    ax.legend(fontsize=8)
+    return figure
+
+
+def degree():
+    """Effort of the swing-ups of three to five links against the degree, relative to the least."""
+    degrees = [8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48]
+    figure, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
+    for links, colour in [(3, BLUE), (4, ORANGE), (5, GREEN)]:
+        name = f"pendulum_{links}_swingup"
+        efforts = np.array([solved(name, "--degree", str(p))[1]["control_effort"] for p in degrees])
+        ax.plot(degrees, efforts / efforts.min(), "o-", color=colour, label=f"{links} links, least {efforts.min():.0f}")
+    ax.set(xlabel="degree", ylabel="effort / least", yscale="log")
+    ax.set_yticks([1, 1.5, 2, 3, 5], ["1", "1.5", "2", "3", "5"])
+    ax.minorticks_off()
+    ax.legend(fontsize=8)
+    return figure
+
+
+def written(name, figure):
+    """Writes an SVG that stands in a page of rustdoc: no declaration, no metadata, no empty line."""
+    path = PICTURES / f"{name}.svg"
+    figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
+    plt.close(figure)
+    text = path.read_text(encoding="utf-8")
+    text = text[text.index("<svg") :]
+    text = re.sub(r" <metadata>.*?</metadata>\n", "", text, flags=re.DOTALL)
+    text = re.sub(r" <style type.*?</style>", "", text, count=1, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->\n?", "", text, flags=re.DOTALL)
+    text = re.sub(r'^<svg [^>]*?width="([0-9.]+)pt" height="([0-9.]+)pt"', svg_head, text)
+    lines = [line.rstrip() for line in text.splitlines() if line.strip()]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def svg_head(found):
+    """The head of a picture that shrinks with its page."""
+    return found[0].replace(f'width="{found[1]}pt" height="{found[2]}pt"', f'width="{float(found[1]):.0f}"')
+
+
+def main():
+    known = {function.__name__: function for function in [first_motion, methods, obstacles, degree]}
+    unknown = [name for name in sys.argv[1:] if name not in known]
+    if unknown:
+        sys.exit(f"no picture {', '.join(unknown)}: there are {', '.join(known)}")
+    plt.rcParams.update(STYLE)
+    PICTURES.mkdir(exist_ok=True)
+    for name in sys.argv[1:] or known:
+        written(name, known[name]())
+
+
+if __name__ == "__main__":
+    main()
