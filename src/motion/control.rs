@@ -30,7 +30,7 @@ pub struct Sample {
 /// * `u`: `N` entries, overwritten; N m or N
 ///
 /// # Errors
-/// `x` does not have `2 N` entries, or `u` not `N`, or `data` was made for another number of joints.
+/// `x` or `xdot` does not have `2 N` entries, or `u` not `N`, or `data` was made for another number of joints.
 ///
 /// # Cost
 /// O(N), no allocation.
@@ -41,7 +41,9 @@ pub fn control_at(
     xdot: &DVector<f64>,
     u: &mut [f64],
 ) -> Result<()> {
-    crate::error::check_length("x", 2 * model.dof(), x.len())?;
+    for (what, states) in [("x", x), ("xdot", xdot)] {
+        crate::error::check_length(what, 2 * model.dof(), states.len())?;
+    }
     let (q, v) = x.as_slice().split_at(model.dof());
     rnea(model, data, q, v, &xdot.as_slice()[model.dof()..], u)
 }

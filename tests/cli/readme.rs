@@ -28,6 +28,8 @@ fn the_table_of_commands_names_options_that_are_there() {
     let folder = empty_folder("readme_table");
     let table = text_of("src/guide/command_line.md");
     let mut seen = 0;
+    // Rows that begin with an option are those of `solve`.
+    let table = table.replace("\n| `--", "\n| `aghf solve --");
     for row in table.lines().filter(|line| line.starts_with("| `aghf ")) {
         let command = &commands(row)[0];
         let names = command

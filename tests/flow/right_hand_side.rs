@@ -7,6 +7,7 @@ use aghf::flow::{
     AlgorithmB1, ControlForm, Node, RightHandSide, lagrangian, lagrangian_of_control,
 };
 use aghf::model::{Model, random_tree};
+use aghf::motion::control_at;
 use aghf::scalar::{AlgebraOver, Tanh};
 use aghf::verify::reference::{self, At};
 use nalgebra::{DMatrix, DVector};
@@ -216,4 +217,7 @@ fn wrong_lengths_are_errors() {
     let model = robot("pendulum_2");
     refused(&model, &[0.0; 3], &[0.0; 4]);
     refused(&model, &[0.0_f32; 3], &[0.0_f32; 4]);
+    let (x, xdot) = (DVector::zeros(4), DVector::zeros(1));
+    let control = control_at(&model, &mut Data::new(&model), &x, &xdot, &mut [0.0; 2]);
+    crate::common::assert_refused(control, "xdot: expected 4 entries, found 1");
 }
