@@ -16,15 +16,15 @@ from shooting import guess, motion_of
 SECTION = "obstacles"
 NOTE = (
     "ProxDDP of Aligator 0.19.1, at most 1000 iterations, with the costs, the equality at the end, the guesses and the "
-    "best sets of the supplement, and an inequality for each sphere and joint frame: the radius less the distance is not "
-    "positive. The supplement names no rollout: for Kinova nonlinear, the default of its time and of the example "
+    "best sets of the supplement, and an inequality for each sphere and joint frame: the radius less the distance is "
+    "not positive. The supplement names no rollout: for Kinova nonlinear, the default of its time and of the example "
     "`ur5_reach`, whose penalty the best set has; for Digit linear, today's default, as the other one diverges in the "
     'first iteration. "Tuned" follows its examples: the torques that hold the start as the guess, the penalty 0.01 '
     'that is its default, like weights of state and control; "for effort" weighs the control a hundred times as much '
     "as the state. Digit falls with such torques, so its tuned set is the best one with smaller weights and steps. The "
-    "limits of iterations and time are ours. Its dynamics are checked. It is compiled for any x86-64, as its wheel is, and "
-    "its set-up is not timed; solves of more than 5 s are timed once. Its objective is not the effort alone. The judge is "
-    "as for Crocoddyl, and its links have volumes, where the inequalities of Aligator are about the joint frames only."
+    "limits of iterations and time are ours. Its dynamics are checked. It is compiled for any x86-64, as its wheel is, "
+    "and its set-up is not timed; solves of more than 5 s are timed once. Its objective is not the effort alone. The "
+    "judge is as for Crocoddyl, and its links have volumes, where the inequalities are about joint frames only."
 )
 FAMILIES = {
     "Kinova": [f"kinova_obstacles_{n:02}" for n in range(1, 6)],
@@ -49,8 +49,8 @@ class Parameters:
 
     def __str__(self):
         return (
-            f"w_u {self.w_u:g} w_x {self.w_x:g} w_xf {self.w_xf:g} dt {self.dt:g} tol {self.tolerance:g} mu {self.mu:g} "
-            f"{self.guess}{', nonlinear rollout' if self.nonlinear else ''}"
+            f"w_u {self.w_u:g} w_x {self.w_x:g} w_xf {self.w_xf:g} dt {self.dt:g} tol {self.tolerance:g} "
+            f"mu {self.mu:g} {self.guess}{', nonlinear rollout' if self.nonlinear else ''}"
         )
 
 
@@ -106,7 +106,8 @@ def problem(model, values, parameters, states, controls, sample, limit, repeats)
     start, goal = (np.r_[values[f"q_{end}"], values[f"v_{end}"]] for end in ("start", "goal"))
     spheres = [[*sphere["center_m"], sphere["radius_m"]] for sphere in values["sphere_obstacles"]]
     p = parameters
-    settings = [p.dt, p.w_u, p.w_x, p.w_xf, p.tolerance, p.mu, p.nonlinear, p.regularisation, ITERATIONS, limit, repeats]
+    settings = [p.dt, p.w_u, p.w_x, p.w_xf, p.tolerance, p.mu, p.nonlinear, p.regularisation]
+    settings += [ITERATIONS, limit, repeats]
     lines = [str(model.nv), *joints(model), row(sample), row(start), row(goal), str(len(spheres)), row(spheres)]
     lines += [" ".join(f"{float(x):.17g}" for x in settings), str(len(controls)), row(states), row(controls)]
     return "\n".join(lines)
@@ -144,7 +145,8 @@ def add(table, family, name, method, parameters, repeats, limit):
     entry.iterations, entry.note = found.iterations, found.fault
     entry.seconds, entry.seconds_90 = percentile(found.seconds, 0.5), percentile(found.seconds, 0.9)
     if not found.fault:
-        finish(entry, values, motion_of(model, found.states, found.controls, parameters.dt), values["success_threshold"])
+        motion = motion_of(model, found.states, found.controls, parameters.dt)
+        finish(entry, values, motion, values["success_threshold"])
         entry.note = "; ".join(filter(None, [entry.note, "" if found.converged else "not converged"]))
     table.add(entry)
 

@@ -20,7 +20,7 @@ def told(*command):
 
 
 def environment(name):
-    """The environment of the wheels that the `requirements.txt` of the folder `name` pins, made if it is not up to date."""
+    """The environment of the wheels that `requirements.txt` of the folder `name` pins, made if it is not up to date."""
     folder, wanted = WORK / f"venv_{name}", HERE / name / "requirements.txt"
     made = folder / "requirements.txt"
     if not made.exists() or made.read_bytes() != wanted.read_bytes():

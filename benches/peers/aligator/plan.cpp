@@ -2,9 +2,9 @@
 //
 //     aligator_plan < PROBLEM
 //
-// aligator_paper.py writes the problem and reads what is printed: forward dynamics at one state, in a line; then whether it
-// converged, the iterations and the seconds of each solve; and then state and control of each knot of the first, if it
-// left any. A fault of the solver is printed in place of the second line.
+// aligator_paper.py writes the problem and reads what is printed: in a line the accelerations at one state, in the next
+// whether it converged, the iterations and the seconds of each solve, and then a line of state and control for each
+// knot. After a fault of the solver the second line tells it and is the last.
 #include <pinocchio/fwd.hpp>
 
 #include <aligator/core/stage-model.hpp>
@@ -37,7 +37,9 @@ using Vector = Eigen::VectorXd;
 using Vectors = std::vector<Vector>;
 using Clock = std::chrono::steady_clock;
 
-static double since(Clock::time_point began) { return std::chrono::duration<double>(Clock::now() - began).count(); }
+static double seconds_since(Clock::time_point began) {
+  return std::chrono::duration<double>(Clock::now() - began).count();
+}
 
 struct Sphere {
   Eigen::Vector3d centre;
@@ -80,8 +82,8 @@ static Problem read_problem(std::istream &in) {
   return p;
 }
 
-// How deep the frame of each joint is inside each sphere: the radius less the distance from the centre, which must not be
-// positive. One function for all, since Aligator's own residuals hold a copy of the robot each.
+// How deep the frame of each joint is inside each sphere: the radius less the distance from the centre, which must not
+// be positive. One function for all, since Aligator's own residuals hold a copy of the robot each.
 struct Depths : context::UnaryFunction {
   using Scalar = double;
   ALIGATOR_DYNAMIC_TYPEDEFS(Scalar);
@@ -132,10 +134,6 @@ struct Depths : context::UnaryFunction {
   std::shared_ptr<context::StageFunctionData> createData() const override { return std::make_shared<Values>(*this); }
 };
 
-struct TooLong : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 struct Limit : context::CallbackBase {
   Clock::time_point began = Clock::now();
   double seconds;
@@ -143,7 +141,7 @@ struct Limit : context::CallbackBase {
   explicit Limit(double seconds) : seconds(seconds) {}
 
   void call(const Workspace &, const Results &) override {
-    if (since(began) > seconds) throw TooLong("more than " + std::to_string(int(seconds)) + " s");
+    if (seconds_since(began) > seconds) throw std::runtime_error("more than " + std::to_string(int(seconds)) + " s");
   }
 };
 
@@ -157,7 +155,8 @@ static context::TrajOptProblem optimal_control(const Problem &p, const Dynamics 
   const aligator::QuadraticCostTpl<double> terminal(p.w_xf * unit, no_control, -p.w_xf * p.goal, Vector::Zero(n));
   context::StageModel stage(running, aligator::dynamics::IntegratorSemiImplEulerTpl<double>(dynamics, p.step));
   if (!p.spheres.empty())
-    stage.addConstraint(Depths(std::make_shared<pin::Model>(p.model), p.spheres), aligator::NegativeOrthantTpl<double>());
+    stage.addConstraint(Depths(std::make_shared<pin::Model>(p.model), p.spheres),
+                        aligator::NegativeOrthantTpl<double>());
   const std::vector<xyz::polymorphic<context::StageModel>> stages(p.knots, stage);
   context::TrajOptProblem result(p.start, stages, terminal);
   result.addTerminalConstraint(aligator::StateErrorResidualTpl<double>(dynamics.space(), int(n), p.goal),
@@ -185,12 +184,10 @@ static void solve(const Problem &p, const context::TrajOptProblem &problem) {
     limit->began = Clock::now();
     try {
       converged = solver.run(problem, p.states, p.controls);
-    } catch (const TooLong &error) {
-      fault = error.what();
     } catch (const std::runtime_error &error) {
       fault = error.what();
     }
-    seconds.push_back(since(limit->began));
+    seconds.push_back(seconds_since(limit->began));
     iterations = solver.results_.num_iters;
     states = solver.results_.xs;
     controls = solver.results_.us;
