@@ -67,7 +67,7 @@ TUNED = {
         "Aligator, tuned": Parameters(1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-2, "Rollout and Constant", True),
         "Aligator, tuned for effort": Parameters(1e-2, 1e-4, 1e-2, 1e-3, 1e-3, 1e-2, "Rollout and Constant", True),
     },
-    "Digit": {"Aligator, tuned": Parameters(1e-4, 1e-2, 1e-6, 5e-4, 1e-4, 1e-8, "Zeros")},
+    "Digit": {"Aligator, tuned": Parameters(1e-4, 1e-2, 1e-6, 8e-4, 1e-4, 1e-8, "Zeros")},
 }
 GRID = [
     Parameters(*values)

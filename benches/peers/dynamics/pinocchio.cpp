@@ -22,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "robot.hpp"
+
 namespace se3 = pinocchio;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
