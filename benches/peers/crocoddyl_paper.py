@@ -8,7 +8,8 @@ import crocoddyl
 import numpy as np
 import pinocchio as pin
 
-from common import Motion, Row, add_ours, check_dynamics, finish, percentile, robot, scenario
+from common import Row, add_ours, check_dynamics, finish, percentile, robot, scenario
+from shooting import guess, motion_of
 
 SECTION = "paper"
 NOTE = (
@@ -99,24 +100,6 @@ def shooting_problem(model, values, parameters):
     return problem
 
 
-def guess(model, values, parameters, problem):
-    """The guesses of the supplement: states and controls."""
-    n, count, data = model.nv, problem.T, model.createData()
-    start = np.r_[values["q_start"], values["v_start"]]
-    held = pin.rnea(model, data, start[:n], start[n:], np.zeros(n))
-    if parameters.guess == "Zeros":
-        return [np.zeros(2 * n)] * (count + 1), [np.zeros(n)] * count
-    if parameters.guess == "Constant":
-        return [start] * (count + 1), [held] * count
-    if parameters.guess == "Rollout and Constant":
-        controls = [held] * count
-        return list(problem.rollout(controls)), controls
-    goal = np.r_[values["q_goal"], values["v_goal"]]
-    states = [start + (goal - start) * k / count for k in range(count + 1)]
-    slope = (goal - start) / values["horizon_s"]
-    return states, [pin.rnea(model, data, x[:n], x[n:], slope[n:]) for x in states[:-1]]
-
-
 class TooLong(Exception):
     """The time limit of a set."""
 
@@ -138,26 +121,15 @@ def solve(model, values, parameters, limit, iterations=500):
     problem = shooting_problem(model, values, parameters)
     solver = crocoddyl.SolverFDDP(problem)
     solver.setCallbacks([Limit(limit)])
-    states, controls = guess(model, values, parameters, problem)
-    if not all(np.isfinite(x).all() for x in states):
+    states, controls = guess(model, values, parameters.guess, parameters.dt)
+    if not np.isfinite(states).all():
         return solver, False, 0.0, "the rollout diverges"
-    states[0] = problem.x0
     began = time.perf_counter()
     try:
-        converged, fault = solver.solve(states, controls, iterations, False), ""
+        converged, fault = solver.solve(list(states), list(controls), iterations, False), ""
     except TooLong:
         converged, fault = False, f"more than {limit:g} s"
     return solver, converged, time.perf_counter() - began, fault
-
-
-def motion_of(model, solver, dt):
-    """The knots of a solution, with the torques that hold from each to the next, and the accelerations they lead to."""
-    n, data = model.nv, model.createData()
-    x, u = np.array(solver.xs), np.array(solver.us)
-    u = np.vstack([u, u[-1:]])
-    a = np.array([pin.aba(model, data, s[:n], s[n:], w) for s, w in zip(x, u)])
-    times = dt * np.arange(len(x))
-    return Motion(times, x[:, :n], x[:, n:], a, u, hold=True, names=list(model.names)[1:])
 
 
 def add(table, family, name, method, parameters, repeats, limit):
@@ -174,7 +146,8 @@ def add(table, family, name, method, parameters, repeats, limit):
     row = Row(SECTION, family, name, method, str(parameters), repeats=len(times), iterations=solver.iter, note=fault)
     row.seconds, row.seconds_90 = percentile(times, 0.5), percentile(times, 0.9)
     if not fault:
-        finish(row, values, motion_of(model, solver, parameters.dt), values["success_threshold"])
+        motion = motion_of(model, np.array(solver.xs), np.array(solver.us), parameters.dt)
+        finish(row, values, motion, values["success_threshold"])
         row.note = "; ".join(filter(None, [row.note, "" if converged else "not converged"]))
     table.add(row)
 

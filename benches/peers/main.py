@@ -6,13 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import aligator_paper
 import crocoddyl_paper
 import ipopt
 import report
 import vamp_toppra
 from common import HERE, WORK, Table
 
-SECTIONS = {"paper": crocoddyl_paper, "mbm": vamp_toppra, "ipopt": ipopt}
+SECTIONS = {"paper": crocoddyl_paper, "obstacles": aligator_paper, "mbm": vamp_toppra, "ipopt": ipopt}
 DYNAMICS = HERE / "dynamics" / "run"
 
 

@@ -14,6 +14,7 @@ from common import AGHF, REPOSITORY, percentile
 TITLES = {
     "ipopt": "Direct transcription with IPOPT",
     "paper": "The paper's experiments",
+    "obstacles": "The paper's experiments with obstacles",
     "mbm": "MotionBenchMaker",
 }
 HEADS = ["family", "method", "success", "valid", "effort, N²m²s", "of the best", "duration, s", "median ms", "90 %"]

@@ -22,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "robot.hpp"
+
 namespace se3 = pinocchio;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -35,51 +37,15 @@ struct Robot {
   std::vector<State> states;
 };
 
-// The joint that Pinocchio's reader of URDF files would take: those along a coordinate axis have code of their own.
-template <class X, class Y, class Z, class Any>
-se3::JointIndex add(se3::Model &model, int parent, const Eigen::Vector3d &axis, const se3::SE3 &placement,
-                    const std::string &name) {
-  if (axis == Eigen::Vector3d::UnitX()) return model.addJoint(parent, X(), placement, name);
-  if (axis == Eigen::Vector3d::UnitY()) return model.addJoint(parent, Y(), placement, name);
-  if (axis == Eigen::Vector3d::UnitZ()) return model.addJoint(parent, Z(), placement, name);
-  return model.addJoint(parent, Any(axis), placement, name);
-}
-
 static Robot read(const char *path) {
   std::ifstream in(path);
   in.exceptions(std::ios::failbit | std::ios::badbit);
   Robot robot;
-  se3::Model &model = robot.model;
   int joints = 0, states = 0;
   in >> joints >> states;
-  for (int i = 0; i < joints; ++i) {
-    int parent = 0;
-    std::string kind;
-    Eigen::Vector3d axis, translation, centre;
-    Eigen::Matrix3d rotation, inertia;
-    double mass = 0;
-    in >> parent >> kind;
-    for (double &x : axis.reshaped()) in >> x;
-    for (double &x : rotation.reshaped<Eigen::RowMajor>()) in >> x;
-    for (double &x : translation.reshaped()) in >> x;
-    in >> mass;
-    for (double &x : centre.reshaped()) in >> x;
-    for (double &x : inertia.reshaped()) in >> x;
-    const se3::SE3 placement(rotation, translation);
-    const std::string name = "joint_" + std::to_string(i + 1);
-    se3::JointIndex joint = 0;
-    if (kind == "revolute")
-      joint = add<se3::JointModelRX, se3::JointModelRY, se3::JointModelRZ, se3::JointModelRevoluteUnaligned>(
-          model, parent, axis, placement, name);
-    else if (kind == "prismatic")
-      joint = add<se3::JointModelPX, se3::JointModelPY, se3::JointModelPZ, se3::JointModelPrismaticUnaligned>(
-          model, parent, axis, placement, name);
-    else
-      throw std::runtime_error("joint " + std::to_string(i + 1) + " is of the unknown kind " + kind);
-    model.appendBodyToJoint(joint, se3::Inertia(mass, centre, inertia), se3::SE3::Identity());
-  }
+  robot.model = read_model(in, joints);
   for (int k = 0; k < states; ++k) {
-    State state{Vector(model.nq), Vector(joints), Vector(joints), Vector(joints)};
+    State state{Vector(robot.model.nq), Vector(joints), Vector(joints), Vector(joints)};
     for (Vector *part : {&state.q, &state.v, &state.a, &state.tau})
       for (double &x : *part) in >> x;
     robot.states.push_back(state);

@@ -55,20 +55,29 @@ def kind(joint) -> tuple[str, np.ndarray]:
     raise SystemExit(f"robots.py: no counterpart of {name}")
 
 
-def numbers(model: pin.Model) -> str:
-    """The file of a robot."""
-    row = lambda values: " ".join(repr(float(x)) for x in np.ravel(values))
-    joints = range(1, model.njoints)
-    text = [f"{len(joints)} {STATES}"]
-    for i in joints:
+def row(values) -> str:
+    """Numbers in a line, in all their digits."""
+    return " ".join(repr(float(x)) for x in np.ravel(values))
+
+
+def joints(model: pin.Model) -> list[str]:
+    """The lines of the joints."""
+    text = []
+    for i in range(1, model.njoints):
         which, axis = kind(model.joints[i])
         placement, body = model.jointPlacements[i], model.inertias[i]
         text.append(f"{model.parents[i]} {which} {row(axis)}")
         text.append(f"{row(placement.rotation)} {row(placement.translation)}")
         text.append(f"{row(body.mass)} {row(body.lever)} {row(body.inertia)}")
+    return text
+
+
+def numbers(model: pin.Model) -> str:
+    """The file of a robot."""
+    text = [f"{model.njoints - 1} {STATES}", *joints(model)]
     rng = np.random.default_rng(1)
     for _ in range(STATES):
-        text += [row(rng.uniform(-1, 1, len(joints)) * scale) for scale in (1.5, 1.0, 2.0, 10.0)]
+        text += [row(rng.uniform(-1, 1, model.nv) * scale) for scale in (1.5, 1.0, 2.0, 10.0)]
     return "\n".join(text) + "\n"
 
 
