@@ -1,7 +1,8 @@
 //! The right-hand side of the Affine Geometric Heat Flow and its Jacobian.
 //!
 //! A state is $x = [x_{P1}; x_{P2}] = [q; v]$, `2 N` entries. The input of the flow at one time of a curve, `t`, `x`,
-//! `xdot` and `xddot`, is a [`Node`]; before the solution is reached, `xdot_P1` differs from `x_P2`.
+//! `xdot` and `xddot`, is a [`Node`]; along the flow, `xdot_P1` differs from `x_P2`, at
+//! its end by a slip of order $1/k$.
 
 mod action;
 mod actuation;

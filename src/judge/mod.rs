@@ -9,23 +9,14 @@
 //! degree four through five neighbours. At a jump of the acceleration their error is about as large as the jump, so
 //! that tables with jumps should contain both.
 //!
-//! | check
-//! compared quantities |
+//! | check | compared quantities |
 //! | --- | --- |
 //! | horizon | the time from the first to the last sample with `horizon_s`, or with the bounds of `free_horizon` |
-//! | start, goal
-//! the first and last positions and velocities with those of the scenario; angles are compared without removing whole
-//! turns; a free final velocity is not checked |
-//! | v is the rate of q
-//! on each interval the mean velocity with the mean of the velocities at its ends, except for the difference that
-//! accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
-//! | a is the rate of v
-//! in the same way, except for half of the spread of the accelerations at the two samples and their neighbours and of
-//! those extrapolated from the two samples before and the two after, so that accelerations may jump |
+//! | start, goal | the first and last positions and velocities with those of the scenario; angles are compared without removing whole turns; a free final velocity is not checked |
+//! | v is the rate of q | on each interval the mean velocity with the mean of the velocities at its ends, except for the difference that accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
+//! | a is the rate of v | in the same way, except for half of the spread of the accelerations at the two samples and their neighbours and of those extrapolated from the two samples before and the two after, so that accelerations may jump |
 //! | u is inverse dynamics | at the samples, with their accelerations |
-//! | passive joints, torque limits
-//! the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between
-//! them |
+//! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between them |
 //! | position and velocity limits | the extrema of the cubics, in closed form |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
 //!

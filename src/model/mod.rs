@@ -9,25 +9,19 @@
 //! For a URDF that `pinocchio.buildModelFromUrdf(path)` reads with a fixed base and
 //! [`load_urdf`](crate::urdf::load_urdf) reads too:
 //!
-//! | here
-//! Pinocchio |
+//! | here | Pinocchio |
 //! | --- | --- |
 //! | joint `i`, depth first, the joints on a link in the order of their names (compared byte by byte) | joint `i + 1`; joint 0 is the universe |
 //! | the name of a joint | the same, `names[i + 1]` |
 //! | `q[i]` of a revolute or prismatic joint | `q[joints[i + 1].idx_q]` |
 //! | `q[i]` of a continuous joint, an angle | two numbers, `cos q[i]` and `sin q[i]`, at `idx_q` and `idx_q + 1` |
 //! | `v[i]`, `a[i]`, `tau[i]`, row or column `i` of a matrix | the same, `idx_v` is `i` |
-//! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent)
-//! an ordinary joint, unless `mimic=True` is passed |
-//! | a [`Frame`], one per link, in the order of the visit
-//! the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
+//! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent) | an ordinary joint, unless `mimic=True` is passed |
+//! | a [`Frame`], one per link, in the order of the visit | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
-//! | the mass fixed to the base: ignored
-//! `inertias[0]` |
-//! | infinite limits if the file has none, only zeros, or a zero for velocity or effort
-//! zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
-//! | angular part first in spatial vectors, at the origin of the base
-//! linear part first, at the requested frame |
+//! | the mass fixed to the base: ignored | `inertias[0]` |
+//! | infinite limits if the file has none, only zeros, or a zero for velocity or effort | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
+//! | angular part first in spatial vectors, at the origin of the base | linear part first, at the requested frame |
 
 mod build;
 mod collision;

@@ -31,7 +31,8 @@ impl Debug for OwnTerms {
 }
 
 impl Scenario {
-    /// Adds a constraint on the state to those of the keys. It is enforced and judged in the same way.
+    /// Adds a constraint on the state to those of the keys. A solve enforces it, and its success depends on it, in the
+    /// same way; [`judge`](crate::judge) does not know it.
     pub fn add_constraint(
         &mut self,
         constraint: impl Constraint + Clone + Debug + Send + Sync + 'static,

@@ -35,8 +35,8 @@ fn every_formula_of_the_documentation_parses() {
         }
         let found = with_mathml(&as_rustdoc_does(&prose));
         formulas += found.formulas;
-        let lost = lost_backslashes(&prose).map(str::to_owned);
-        let own = found.faults.into_iter().chain(lost);
+        let lost = lost_backslashes(&prose).chain(broken_rows(&prose));
+        let own = found.faults.into_iter().chain(lost.map(str::to_owned));
         faults.extend(own.map(|fault| format!("{}: {fault}", path.display())));
     }
     assert!(
@@ -68,6 +68,15 @@ fn lost_backslashes(prose: &str) -> impl Iterator<Item = &str> {
             }
         }
         false
+    })
+}
+
+/// Rows of tables that go on in the next line, where Markdown ends the table.
+fn broken_rows(prose: &str) -> impl Iterator<Item = &str> {
+    let mut in_code = false;
+    prose.lines().filter(move |line| {
+        in_code ^= line.starts_with("```");
+        !in_code && line.starts_with("| ") && !line.trim_end().ends_with('|')
     })
 }
 
