@@ -201,9 +201,10 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             higher.path = higher.path.in_basis(basis);
             minimise(context, higher, highest, &mut log)
         })?;
+        let mut horizon_limited = false;
         if let Some(free) = settings.free_horizon {
             let first = Tried::new(free, problem.horizon(), found);
-            let (best, settled) = search(
+            let searched = search(
                 free,
                 constrained,
                 settings.tolerance,
@@ -217,9 +218,10 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
                     Ok(Tried::new(free, horizon, found))
                 },
             )?;
-            problem = problem.with_horizon(best.horizon)?;
-            found = best.found;
-            found.converged &= settled;
+            problem = problem.with_horizon(searched.best.horizon)?;
+            found = searched.best.found;
+            found.converged &= searched.settled;
+            horizon_limited = searched.limited;
         }
         Ok(RelaxSolution {
             curve: curve_of(&problem, &found.path)?,
@@ -231,6 +233,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             points: found.points,
             quadrature_error: found.quadrature_error,
             converged: found.converged,
+            horizon_limited,
             kept: found.kept,
             stopped: watch.stopped(),
             adapted,

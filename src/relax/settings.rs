@@ -301,9 +301,11 @@ pub struct RelaxSolution {
     pub points: usize,
     /// The relative difference between the cost by this quadrature and by the finer one.
     pub quadrature_error: f64,
-    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary or at
-    /// a bound.
+    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary, at a
+    /// bound, or [limited](Self::horizon_limited).
     pub converged: bool,
+    /// True if the cost falls further towards shorter or longer horizons, on which no solve was successful.
+    pub horizon_limited: bool,
     /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
     /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
     /// an earlier iterate.

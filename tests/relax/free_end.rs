@@ -242,6 +242,28 @@ fn a_free_horizon_within_constraints() {
     }
 }
 
+/// Where a second is dear the horizon is the shortest possible one, which the result tells.
+#[test]
+fn a_horizon_at_the_limit_of_what_is_possible_is_told() {
+    let model = slider(1.0);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 2.0).expect("valid");
+    let kept = Constraints {
+        state: Bounds(Vec::new()),
+        torque: TorqueLimits(vec![Some(6.0)]),
+    };
+    for (weight, limited) in [(100.0, false), (1e7, true)] {
+        let settings = RelaxSettings {
+            num_starts: 1,
+            free_horizon: horizon(0.2, 4.0, weight).free_horizon,
+            ..RelaxSettings::constrained()
+        };
+        let found = solved_within(&problem, &settings, &kept);
+        assert_eq!(found.horizon_limited, limited, "{weight}");
+        // From rest to rest it takes at least 2 / sqrt(6) s.
+        assert!(found.curve.horizon() > 0.816);
+    }
+}
+
 /// Whoever may take longer than a horizon on which there is a motion pays no more, though what held a motion on one horizon breaks
 /// limits on a shorter one.
 #[test]

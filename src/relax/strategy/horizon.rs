@@ -145,10 +145,28 @@ impl Tried {
     }
 }
 
-/// Finds a nearby horizon at which the cost is stationary, or a bound that keeps it from falling further. The cost is
-/// stationary if its slope in the logarithm of the horizon is small, or at most `tolerance`, relative to the cost.
-/// `attempt` solves on a horizon, from the result on another. Returns the best result and whether it satisfies the
-/// tolerance, which is false after an early stop.
+/// The result of a search for a horizon.
+pub(in crate::relax) struct Searched {
+    pub best: Tried,
+    /// True if the search ended by itself with a successful solve.
+    pub settled: bool,
+    /// True if the cost falls towards horizons on which no solve was successful.
+    pub limited: bool,
+}
+
+impl Searched {
+    fn new(best: Tried, settled: bool) -> Self {
+        Self {
+            best,
+            settled,
+            limited: false,
+        }
+    }
+}
+
+/// Finds a nearby horizon at which the cost is stationary, or a bound that keeps it from falling further, or the last
+/// horizon with a successful solve before that. The cost is stationary if its slope in the logarithm of the horizon is
+/// small, or at most `tolerance`, relative to the cost. `attempt` solves on a horizon, from the result on another.
 pub(in crate::relax) fn search(
     free: FreeHorizon,
     constrained: bool,
@@ -156,7 +174,7 @@ pub(in crate::relax) fn search(
     first: Tried,
     watch: &Watch,
     mut attempt: impl FnMut(f64, &Tried) -> Result<Tried>,
-) -> Result<(Tried, bool)> {
+) -> Result<Searched> {
     let kind = usize::from(constrained);
     let settled = |tried: &Tried| {
         let most = HORIZON_SLOPE[kind].max(tolerance) * tried.cost.abs().max(SMALLEST_COST);
@@ -173,13 +191,13 @@ pub(in crate::relax) fn search(
         };
         if settled(&a) || a.horizon == bound || !push.is_finite() {
             let good = a.sound() && push.is_finite();
-            return Ok((a, good));
+            return Ok(Searched::new(a, good));
         }
         let next = a.horizon * (-reach * push.signum()).exp();
         let next = next.clamp(free.shortest, free.longest);
         let there = attempt(next, &a)?;
         if watch.stopped().is_some() {
-            return Ok((better(there, a), false));
+            return Ok(Searched::new(better(there, a), false));
         }
         if there.push() * push <= 0.0 {
             break there;
@@ -198,14 +216,18 @@ pub(in crate::relax) fn search(
         let close = (from - to).abs() <= least;
         if settled(&b) || close {
             // A jump of the quadrature, or the limit of what is possible.
-            let found = better(b, a);
-            let good = found.sound();
-            return Ok((found, good));
+            let both = a.sound() && b.sound();
+            let best = better(b, a);
+            return Ok(Searched {
+                settled: best.sound(),
+                limited: !both && !settled(&best),
+                best,
+            });
         }
         let next = to - at_b * (to - from) / (at_b - at_a);
         let there = attempt(next.exp(), if b.sound() { &b } else { &a })?;
         if watch.stopped().is_some() {
-            return Ok((better(there, better(b, a)), false));
+            return Ok(Searched::new(better(there, better(b, a)), false));
         }
         if there.push() * b.push() < 0.0 {
             (a, at_a) = (b, at_b);
@@ -215,7 +237,7 @@ pub(in crate::relax) fn search(
         at_b = there.push();
         b = there;
     }
-    Ok((b, false))
+    Ok(Searched::new(b, false))
 }
 
 /// The later of two results if it was successful, otherwise the earlier one.
