@@ -151,6 +151,10 @@ fn solve_many(
     let search = || {
         pool.install(|| {
             let all = read_all.into_par_iter().map(|(scenario, options)| {
+                if options.interrupt.is_raised() {
+                    let condition = "it was stopped before this one";
+                    return Err(aghf::Error::input(&scenario.name, "solve_many", condition));
+                }
                 let report = solve_scenario(&scenario, &options, &mut |_| ())?;
                 Ok(PySolution { scenario, report })
             });
