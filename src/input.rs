@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use std::io::{self, ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+#[cfg(feature = "output")]
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// The path that denotes the standard input.

@@ -23,8 +23,13 @@ pub fn forward_kinematics<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<()> {
     model.check("q", q.len())?;
     model.check("placements", placements.len())?;
+    let mut turns = [(S::zero(), S::one()); 4];
     for (i, joint) in model.joints().iter().enumerate() {
-        let in_parent = joint.placement(q[i]);
+        if i % 4 == 0 {
+            let angles = &q[i..q.len().min(i + 4)];
+            S::sin_cos_of_several(angles, &mut turns[..angles.len()]);
+        }
+        let in_parent = joint.placement_turned(q[i], turns[i % 4]);
         placements[i] = match joint.parent() {
             Some(parent) => placements[parent].compose(&in_parent),
             None => in_parent,

@@ -130,10 +130,19 @@ impl<C: Scalar> Joint<C> {
     #[must_use]
     #[inline]
     pub fn placement<S: AlgebraOver<C>>(&self, q: S) -> Placement<S> {
+        self.placement_turned(q, q.sin_cos())
+    }
+
+    /// Computes [`placement`](Self::placement) from `q`, its sine and its cosine.
+    #[inline]
+    pub(crate) fn placement_turned<S: AlgebraOver<C>>(
+        &self,
+        q: S,
+        (sin, cos): (S, S),
+    ) -> Placement<S> {
         let lift = |v: &Vector3<C>| v.map(S::lift);
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {
-                let (sin, cos) = q.sin_cos();
                 let one_less_cos = cos - S::one();
                 let rotation = self.origin.rotation.zip_zip_map(
                     &self.cosine_part,

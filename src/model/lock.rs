@@ -10,6 +10,10 @@ pub(crate) struct Reduced {
     pub(crate) model: Model,
     /// For each body of the full model, the body of the reduced model that contains it and its placement there; `None`
     /// is the base.
+    #[cfg_attr(
+        not(feature = "output"),
+        expect(dead_code, reason = "scenarios read it")
+    )]
     pub(crate) bodies: Vec<(Option<usize>, Placement<f64>)>,
 }
 

@@ -32,6 +32,7 @@ mod random;
 pub use build::{JointSpec, LARGEST_DOF, pendulum};
 pub use collision::{Collision, CollisionShape};
 pub use joint::{Joint, JointKind, Limits};
+#[cfg(feature = "output")]
 pub(crate) use lock::Reduced;
 pub use random::{random_chain, random_tree};
 

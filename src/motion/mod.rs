@@ -16,5 +16,7 @@ pub use interrupt::{Interrupt, Stopped};
 pub(crate) use path::{Path, curve_of, path_of};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
+#[cfg(feature = "output")]
+pub(crate) use violations::largest_torques;
+pub(crate) use violations::passive_share;
 pub use violations::{Violation, violations};
-pub(crate) use violations::{largest_torques, passive_share};

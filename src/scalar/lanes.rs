@@ -1,12 +1,11 @@
 //! Several numbers processed at once.
 
 use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
-use std::any::Any;
 
 /// `W` numbers in the same arithmetic, such as the same joint at `W` times of a motion.
 ///
-/// Over `f64` the compiler generates SIMD instructions, as wide as it may (`-C target-cpu`). Each lane has bit for bit
-/// the value of a single number, except that sines and cosines of four `f64` may differ in the last bit.
+/// Over `f64` the compiler generates SIMD instructions, as wide as it may (`-C target-cpu`). Each lane of the dynamics
+/// has bit for bit the value of a single number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);
@@ -20,6 +19,7 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
     }
 }
 
+#[cfg(feature = "solvers")]
 impl<S: Scalar, const W: usize> Lanes<S, W> {
     /// Copies the columns from `first` on of a column-major matrix into the lanes of `to`, which is as long as a
     /// column. Unused lanes get the last column; returns the number of used lanes.
@@ -63,22 +63,6 @@ impl_scalar_operators! {
     }
 }
 
-/// The angle, in rad, beyond which the fast computation of sines and cosines loses digits.
-const LARGE: f64 = 1e9;
-
-/// Sines and cosines of four `f64` in a sixth of the time of four single ones.
-#[inline(always)]
-fn sin_cos_f64x4<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
-    let angles: &Lanes<f64, 4> = (&angles as &dyn Any).downcast_ref()?;
-    if !angles.0.iter().all(|angle| angle.abs() < LARGE) {
-        return None;
-    }
-    let (sin, cos) = wide::f64x4::from(angles.0).sin_cos();
-    let [sin, cos] = [sin, cos].map(|x| Lanes(x.to_array()));
-    let back = |x: &dyn Any| x.downcast_ref().copied();
-    Some((back(&sin)?, back(&cos)?))
-}
-
 impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
@@ -87,12 +71,11 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if let Some(found) = sin_cos_f64x4(self) {
-            return found;
-        }
+        let mut found = [(S::zero(), S::zero()); W];
+        S::sin_cos_of_several(&self.0, &mut found);
         let (mut sin, mut cos) = (self, self);
         for i in 0..W {
-            (sin.0[i], cos.0[i]) = self.0[i].sin_cos();
+            (sin.0[i], cos.0[i]) = found[i];
         }
         (sin, cos)
     }

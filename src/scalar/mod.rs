@@ -49,6 +49,17 @@ pub trait Scalar:
     /// Computes sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
 
+    /// Computes sines and cosines of several angles; `f64` four at a time.
+    ///
+    /// * `angles`: any number of angles, rad
+    /// * `found`: as many pairs, sine first, overwritten
+    #[inline(always)]
+    fn sin_cos_of_several(angles: &[Self], found: &mut [(Self, Self)]) {
+        for (found, angle) in found.iter_mut().zip(angles) {
+            *found = angle.sin_cos();
+        }
+    }
+
     /// Computes the square root. At zero its derivatives are not finite; code that may reach zero selects another
     /// number by [`if_negative`](Self::if_negative).
     fn sqrt(self) -> Self;

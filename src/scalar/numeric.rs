@@ -3,10 +3,33 @@
 use super::{AlgebraOver, Scalar, Tanh};
 use num_dual::{Dual, Dual2, DualNum, DualNumFloat, DualSVec, HyperDual};
 use num_traits::{Float, NumCast, Zero};
+use std::any::Any;
 
 /// Rounds a constant to the floating-point type of a dual number; both existing types (`f32`, `f64`) accept any `f64`.
 fn primitive<F: DualNumFloat>(x: f64) -> F {
     NumCast::from(x).unwrap_or_else(F::nan)
+}
+
+/// The angle, in rad, beyond which the fast computation of sines and cosines loses digits.
+const LARGE: f64 = 1e9;
+
+/// Sines and cosines of four `f64`, in less than the time of two single ones; `None` for other types. Each angle has
+/// the same result whatever the others are.
+#[inline(always)]
+fn sin_cos_f64x4<T: Copy + 'static>(angles: T) -> Option<(T, T)> {
+    let angles: &[f64; 4] = (&angles as &dyn Any).downcast_ref()?;
+    let (sin, cos) = wide::f64x4::from(*angles).sin_cos();
+    let (mut sin, mut cos) = (sin.to_array(), cos.to_array());
+    let small = |angle: &f64| angle.abs() < LARGE;
+    if !angles.iter().all(small) {
+        for (k, angle) in angles.iter().enumerate() {
+            if !small(angle) {
+                (sin[k], cos[k]) = angle.sin_cos();
+            }
+        }
+    }
+    let back = |x: &dyn Any| x.downcast_ref().copied();
+    Some((back(&sin)?, back(&cos)?))
 }
 
 impl<D: DualNum + Copy> Scalar for D {
@@ -18,6 +41,21 @@ impl<D: DualNum + Copy> Scalar for D {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         DualNum::sin_cos(&self)
+    }
+
+    #[inline(always)]
+    fn sin_cos_of_several(angles: &[Self], found: &mut [(Self, Self)]) {
+        for (found, angles) in found.chunks_mut(4).zip(angles.chunks(4)) {
+            let mut four = [D::zero(); 4];
+            four[..angles.len()].copy_from_slice(angles);
+            let fast = sin_cos_f64x4(four);
+            for (k, found) in found.iter_mut().enumerate() {
+                *found = match fast {
+                    Some((sin, cos)) => (sin[k], cos[k]),
+                    None => DualNum::sin_cos(&angles[k]),
+                };
+            }
+        }
     }
 
     #[inline]

@@ -14,9 +14,11 @@ pub use articulated::ArticulatedInertia;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
 pub use placement::Placement;
+#[cfg(feature = "solvers")]
+pub(crate) use product::outer;
 pub(crate) use product::{
     apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross,
-    dot, matrix, multiply, outer, symmetric,
+    dot, matrix, multiply, symmetric,
 };
 pub use vector::{Force, Motion};
 
