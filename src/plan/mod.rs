@@ -7,6 +7,8 @@
 //! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown
 //!    towards random configurations and then towards the other.
 //! 2. `shorten.rs`: unnecessary waypoints are removed, random shortcuts are taken, then corners are rounded.
+//!    Shortcuts rarely lead to the other side of an obstacle, so a long path is planned again with other random numbers,
+//!    and the shortest one is kept.
 //! 3. `fit.rs`: the path as a curve of cubics, as smooth as the obstacles permit.
 //!
 //! All random numbers come from the seed, and the budget is a number of configurations: the same problem has the same
@@ -27,7 +29,12 @@ use crate::model::{JointKind, Model};
 use crate::motion::Problem;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use shorten::Along;
 use std::f64::consts::PI;
+
+/// The length of a path relative to the straight line between its ends up to which no other one is planned: most paths
+/// that are longer lead around an obstacle on some side, which may be the wrong one.
+const SHORT: f64 = 1.25;
 
 /// The accepted violation of a row at the ends of the problem, in its unit.
 const HARMLESS: f64 = 1e-6;
@@ -39,6 +46,9 @@ pub struct PlanSettings {
     pub seed: u64,
     /// The number of the path: each number gives a different one.
     pub number: u64,
+    /// The largest number of paths, of which the shortest is the result. The last one is that at most a quarter longer
+    /// than the straight line from start to goal.
+    pub paths: usize,
     /// The distance that rows keep from their bounds if start and goal have it too, in the unit of the row, m for a
     /// clearance.
     pub margin: f64,
@@ -46,7 +56,7 @@ pub struct PlanSettings {
     pub resolution: f64,
     /// The length of the longest edge of a tree, rad.
     pub range: f64,
-    /// The largest number of configurations checked before the two trees meet.
+    /// The number of configurations checked after which no further one is sampled.
     pub most_checks: usize,
     /// The number of shortcuts tried.
     pub shortcuts: usize,
@@ -59,6 +69,7 @@ impl Default for PlanSettings {
         Self {
             seed: 0,
             number: 0,
+            paths: 8,
             margin: 0.005,
             resolution: 0.04,
             range: 1.0,
@@ -80,12 +91,13 @@ impl PlanSettings {
             let condition = format!("it is {}, zero or a positive number is needed", self.margin);
             return Err(Error::input("planner", "margin", condition));
         }
+        check_count("paths", self.paths, 1..=usize::MAX)?;
         check_count("most_checks", self.most_checks, 1..=usize::MAX)
     }
 
-    /// The random number generator of this path.
-    fn generator(&self) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.number);
+    /// The random number generator of one of the paths; the first one has the number itself.
+    fn generator(&self, path: usize) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.number ^ (path as u64).rotate_right(16));
         rng.set_stream(self.seed);
         rng
     }
@@ -144,16 +156,35 @@ pub fn plan<K: Constraint + ?Sized>(
         }
     }
     checker.keep(settings.margin, ends)?;
-    let mut rng = settings.generator();
     let ranges = ranges(problem.model(), ends);
-    let found = tree::connect(&mut checker, ends, &ranges, settings, &mut rng, stopped)?;
-    let Plan::Found(mut waypoints) = found else {
-        return Ok(found);
+    let mut one = |path| -> Result<Plan> {
+        let mut rng = settings.generator(path);
+        let found = tree::connect(&mut checker, ends, &ranges, settings, &mut rng, stopped)?;
+        let Plan::Found(mut waypoints) = found else {
+            return Ok(found);
+        };
+        if !shorten::shorten(&mut checker, &mut waypoints, settings, &mut rng, stopped)? {
+            return Ok(Plan::Stopped);
+        }
+        Ok(Plan::Found(waypoints))
     };
-    if !shorten::shorten(&mut checker, &mut waypoints, settings, &mut rng, stopped)? {
-        return Ok(Plan::Stopped);
+    let length = |waypoints: &[Vec<f64>]| Along::new(waypoints).length();
+    let mut shortest = one(0)?;
+    for path in 1..settings.paths {
+        let Plan::Found(waypoints) = &shortest else {
+            break;
+        };
+        let least = length(waypoints);
+        if least <= SHORT * distance(ends[0], ends[1]) {
+            break;
+        }
+        match one(path)? {
+            Plan::Found(other) if length(&other) < least => shortest = Plan::Found(other),
+            Plan::Found(_) | Plan::OutOfBudget { .. } => {}
+            ended => return Ok(ended),
+        }
     }
-    Ok(Plan::Found(waypoints))
+    Ok(shortest)
 }
 
 /// The ranges in which joints are sampled.

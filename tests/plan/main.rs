@@ -40,11 +40,16 @@ fn outside(centres: impl IntoIterator<Item = [f64; 2]>, radius: f64) -> Vec<AnyC
     })]
 }
 
-/// A wall across the way from beyond one end of the range of y to beyond the other, open from 0.5 to 0.7.
-fn wall_with_a_gap() -> Vec<AnyConstraint> {
+/// A wall across the way from beyond one end of the range of y to beyond the other, open in these ranges less 0.1 at each end.
+fn wall(open: &[[f64; 2]]) -> Vec<AnyConstraint> {
     let heights = (-24..=24).map(|k| 0.05 * f64::from(k));
-    let closed = heights.filter(|y| !(0.46..0.74).contains(y));
+    let closed = heights.filter(|y| !open.iter().any(|[low, high]| (low..high).contains(&y)));
     outside(closed.map(|y| [0.5, y]), 0.1)
+}
+
+/// A wall that is open from 0.5 to 0.7.
+fn wall_with_a_gap() -> Vec<AnyConstraint> {
+    wall(&[[0.46, 0.74]])
 }
 
 /// Balls all around the goal.

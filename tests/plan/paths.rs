@@ -1,7 +1,7 @@
 //! Paths: free everywhere, the same for the same seed, and what is said where there is none.
 
 use crate::common::{assert_refused, robot};
-use crate::{across, outside, point, ring, wall_with_a_gap};
+use crate::{across, outside, point, ring, wall, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator, PlacedState};
 use aghf::error::Result;
 use aghf::motion::Problem;
@@ -104,6 +104,42 @@ fn a_seed_and_a_number_have_one_path() {
     assert_eq!(of(3, 2), of(3, 2));
     assert_ne!(of(3, 2), of(3, 3));
     assert_ne!(of(3, 2), of(4, 2));
+}
+
+/// Of two gaps in a wall one path goes through either; of several the shortest goes through the nearer one. No path that is nearly
+/// straight is planned twice.
+#[test]
+fn of_several_paths_the_shortest_is_taken() {
+    let model = point();
+    let problem = across(&model);
+    let lengths = |state: &[AnyConstraint], number| -> Vec<f64> {
+        let of = |paths| {
+            let settings = PlanSettings {
+                number,
+                paths,
+                ..PlanSettings::default()
+            };
+            length(&path(&problem, state, &settings))
+        };
+        (1..=8).map(of).collect()
+    };
+    let (two_gaps, post) = (
+        wall(&[[0.41, 0.79], [-0.99, -0.66]]),
+        outside([[0.5, 0.0]], 0.1),
+    );
+    let mut shorter = 0;
+    for number in 0..12 {
+        let found = lengths(&two_gaps, number);
+        assert!(found.windows(2).all(|pair| pair[1] <= pair[0]), "{found:?}");
+        assert!(found[7] < 1.7, "{found:?}");
+        shorter += usize::from(found[0] > 1.75);
+        let found = lengths(&post, number);
+        assert!(
+            found[0] < 1.25 && found.iter().all(|x| *x == found[0]),
+            "{found:?}"
+        );
+    }
+    assert!(shorter > 1, "{shorter} of 12 take the farther gap");
 }
 
 /// Every step of a line is looked at, whatever their number: one of them is all that is not free.
@@ -220,6 +256,13 @@ fn what_it_cannot_do_is_refused() {
             ..default()
         }),
         "margin",
+    );
+    assert_refused(
+        go(PlanSettings {
+            paths: 0,
+            ..default()
+        }),
+        "paths",
     );
     assert_refused(
         go(PlanSettings {
