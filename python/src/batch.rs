@@ -5,7 +5,6 @@
 //! vectors that were filled.
 
 use crate::error::raised;
-use crate::exact::Exact;
 use aghf::Result;
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
@@ -26,7 +25,7 @@ pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 const LANES: usize = 4;
 
 /// Several states.
-type Wide = Lanes<Exact, LANES>;
+type Wide = Lanes<f64, LANES>;
 
 /// The number of states from which on a batch is spread over threads.
 const LEAST_PARALLEL: usize = 64;
@@ -81,7 +80,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
             function.evaluate(model, scratch, states.row(group.start), &mut rows)
         });
     }
-    let zeros = |size| vec![Wide::splat(Exact(0.0)); size];
+    let zeros = |size| vec![Wide::splat(0.0); size];
     let sizes = shapes.each_ref().map(|shape| size_of(shape));
     let scratch = || (function.scratch(model), widths.map(zeros), sizes.map(zeros));
     states.evaluate(
@@ -94,9 +93,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
                 // The lanes that are left repeat the last state.
                 let own = states.row((group.start + lane).min(group.end - 1));
                 for (to, from) in inputs.iter_mut().zip(own) {
-                    to.iter_mut()
-                        .zip(from)
-                        .for_each(|(to, x)| to.0[lane] = Exact(*x));
+                    to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
                 }
             }
             let arguments = inputs.each_ref().map(Vec::as_slice);
@@ -106,7 +103,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
                 for (lane, row) in rows.chunks_exact_mut(from.len().max(1)).enumerate() {
                     row.iter_mut()
                         .zip(&*from)
-                        .for_each(|(to, x)| *to = x.0[lane].0);
+                        .for_each(|(to, x)| *to = x.0[lane]);
                 }
             }
             Ok(())

@@ -3,7 +3,6 @@
 mod batch;
 mod dynamics;
 mod error;
-mod exact;
 mod experiments;
 mod flow;
 mod model;

@@ -24,7 +24,13 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
     let value: T = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
         let path = error.path().to_string();
         let key = if path == "." { "scenario" } else { &path };
-        refuse(key, error.inner().to_string())
+        let condition = error.inner().to_string();
+        if condition.starts_with("invalid type: unit variant") {
+            let name = path.rsplit('.').next().unwrap_or_default();
+            let condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
+            return refuse(key, condition);
+        }
+        refuse(key, condition)
     })?;
     let of_text = |e: serde_json::Error| refuse("scenario", e.to_string());
     reader.end().map_err(of_text)?;

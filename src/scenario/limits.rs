@@ -9,7 +9,11 @@ use serde::{Deserialize, Serialize};
 /// The joint limits that act as constraints; by default all limits of the robot. Violations of the others are only
 /// reported.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "an object with some of the keys position, velocity and torque"
+)]
 pub struct EnforcedLimits {
     /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
     pub position: Enforced,

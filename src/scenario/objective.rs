@@ -58,7 +58,10 @@ pub enum PerJoint {
 
 /// The bounds and the price of a free horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object with the keys shortest_s, longest_s and weight"
+)]
 pub struct HorizonBounds {
     /// The shortest horizon, s.
     pub shortest_s: f64,

@@ -117,13 +117,36 @@ fn default_spacing() -> f64 {
 
 /// The pairs of links that may overlap; all others keep clear of each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", try_from = "WrittenPairs")]
 pub enum SelfCollision {
     /// A list of pairs of links.
     IgnoredPairs(Vec<[String; 2]>),
     /// The path of a file with such pairs, as written by [`IgnoredPairs`](super::IgnoredPairs), relative to the
     /// scenario.
     IgnoredPairsFile(String),
+}
+
+/// The JSON form of a [`SelfCollision`].
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object with the key ignored_pairs or ignored_pairs_file"
+)]
+struct WrittenPairs {
+    ignored_pairs: Option<Vec<[String; 2]>>,
+    ignored_pairs_file: Option<String>,
+}
+
+impl TryFrom<WrittenPairs> for SelfCollision {
+    type Error = &'static str;
+
+    fn try_from(written: WrittenPairs) -> std::result::Result<Self, Self::Error> {
+        match (written.ignored_pairs, written.ignored_pairs_file) {
+            (Some(pairs), None) => Ok(Self::IgnoredPairs(pairs)),
+            (None, Some(file)) => Ok(Self::IgnoredPairsFile(file)),
+            _ => Err("one of the keys ignored_pairs and ignored_pairs_file is needed"),
+        }
+    }
 }
 
 /// The fault of an obstacle, in words.

@@ -368,6 +368,14 @@ fn bad_obstacles_are_refused() {
                 "enforced_limits.jerk; unknown",
             ),
             (
+                with("enforced_limits", json!(0.9)),
+                "enforced_limits; position, velocity and torque",
+            ),
+            (
+                with("free_horizon", json!(3)),
+                "free_horizon; shortest_s, longest_s and weight",
+            ),
+            (
                 good_but("/flow", json!({ "k_cons": 0.0 })).to_string(),
                 "flow.k_cons; positive",
             ),

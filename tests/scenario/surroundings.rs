@@ -351,7 +351,19 @@ fn bad_surroundings_are_refused_by_key() {
         ),
         (
             own(json!({ "pairs": [] })),
-            "self_collision;unknown variant `pairs`",
+            "self_collision.pairs: ;unknown field `pairs`",
+        ),
+        (
+            own(json!({})),
+            "self_collision: one of the keys ignored_pairs and ignored_pairs_file",
+        ),
+        (
+            own(json!(true)),
+            "self_collision: ;the key ignored_pairs or",
+        ),
+        (
+            shape(json!("collision")),
+            "robot_shape.collision: ;{\"collision\": {...}} is needed",
         ),
         (
             shape(json!("joint-frames")),
