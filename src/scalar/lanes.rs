@@ -4,8 +4,8 @@ use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 
 /// `W` numbers in the same arithmetic, such as the same joint at `W` times of a motion.
 ///
-/// Over `f64` the compiler generates SIMD instructions, as wide as it may (`-C target-cpu`). Each lane of the dynamics
-/// has bit for bit the value of a single number.
+/// Over `f64` the compiler generates SIMD instructions, as wide as it may (`-C target-cpu`). Each lane has bit for bit
+/// the value of a single number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);

@@ -40,7 +40,9 @@ impl<D: DualNum + Copy> Scalar for D {
 
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        DualNum::sin_cos(&self)
+        let mut found = [(self, self)];
+        Self::sin_cos_of_several(&[self], &mut found);
+        found[0]
     }
 
     #[inline(always)]

@@ -24,11 +24,10 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
     let value: T = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
         let path = error.path().to_string();
         let key = if path == "." { "scenario" } else { &path };
-        let condition = error.inner().to_string();
+        let mut condition = error.inner().to_string();
         if condition.starts_with("invalid type: unit variant") {
             let name = path.rsplit('.').next().unwrap_or_default();
-            let condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
-            return refuse(key, condition);
+            condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
         }
         refuse(key, condition)
     })?;

@@ -1,18 +1,10 @@
 //! Scenario files: good ones are read as they are written, bad ones are refused by an error that names file and key.
 
-use aghf::scenario::{EnforcedLimits, RobotShape, Scenario, SolveOptions};
+use crate::written::{folder, load_text, with};
+use aghf::scenario::{EnforcedLimits, RobotShape, SolveOptions};
 use aghf::urdf::{UrdfOptions, load_robot_with};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-
-/// A folder for the files of one test.
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("scenario")
-        .join(test);
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    folder
-}
+use std::path::Path;
 
 /// A good scenario to break.
 fn good() -> Value {
@@ -35,25 +27,11 @@ fn good_but(pointer: &str, value: Value) -> Value {
     scenario
 }
 
-/// Writes a scenario file and loads it.
-fn load_text(test: &str, text: &str) -> Result<Scenario, String> {
-    let path = folder(test).join("bad.json");
-    std::fs::write(&path, text).expect("the folder is writable");
-    let path = path.to_str().expect("it is text");
-    Scenario::load(path).map_err(|e| {
-        let error = e.to_string();
-        let rest = error
-            .strip_prefix(path)
-            .unwrap_or_else(|| panic!("no file: {error}"));
-        rest.trim_start_matches(": ").to_owned()
-    })
-}
-
 /// Asserts that each text is refused with all words (between semicolons) in the message after the name of the file.
-fn assert_refused<T: AsRef<str>>(test: &str, cases: impl IntoIterator<Item = (T, &'static str)>) {
+fn assert_refused<T: AsRef<str>>(cases: impl IntoIterator<Item = (T, &'static str)>) {
     let mut problems = Vec::new();
     for (text, words) in cases {
-        match load_text(test, text.as_ref()) {
+        match load_text("bad", text.as_ref()) {
             Ok(_) => problems.push(format!("accepted {}; want {words}", text.as_ref())),
             Err(error) if words.split("; ").all(|word| error.contains(word)) => {}
             Err(error) => problems.push(format!("{error}; want {words}")),
@@ -64,7 +42,7 @@ fn assert_refused<T: AsRef<str>>(test: &str, cases: impl IntoIterator<Item = (T,
 
 #[test]
 fn what_a_file_says_is_what_is_solved() {
-    let scenario = load_text("good", &good().to_string()).expect("it is good");
+    let scenario = load_text("bad", &good().to_string()).expect("it is good");
     assert_eq!(scenario.name, "bad", "it is called as its file");
     assert_eq!(
         serde_json::to_value(&scenario.file).expect("numbers"),
@@ -102,7 +80,7 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     for key in about_obstacles.into_iter().chain(parameters) {
         short.as_object_mut().expect("it is one").remove(key);
     }
-    let file = load_text("defaults", &short.to_string())
+    let file = load_text("bad", &short.to_string())
         .expect("it is good")
         .file;
     assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
@@ -118,18 +96,15 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
 
 #[test]
 fn text_that_is_no_scenario() {
-    assert_refused(
-        "malformed",
-        [
-            ("", "line 1"),
-            ("{ \"robot\": \"pendulum_2\"", "line 1"),
-            ("{\n \"robot\": pendulum_2 }", "line 2"),
-            ("[1, 2]", "scenario"),
-            ("null", "scenario"),
-        ],
-    );
+    assert_refused([
+        ("", "line 1"),
+        ("{ \"robot\": \"pendulum_2\"", "line 1"),
+        ("{\n \"robot\": pendulum_2 }", "line 2"),
+        ("[1, 2]", "scenario"),
+        ("null", "scenario"),
+    ]);
     let two = format!("{}{}", good(), good());
-    assert_refused("malformed", [(two, "trailing")]);
+    assert_refused([(two, "trailing")]);
 }
 
 #[test]
@@ -144,7 +119,7 @@ fn keys_that_are_missing() {
     ] {
         let mut scenario = good();
         scenario.as_object_mut().expect("it is one").remove(key);
-        let error = load_text("missing", &scenario.to_string()).expect_err("a key is missing");
+        let error = load_text("bad", &scenario.to_string()).expect_err("a key is missing");
         assert!(error.contains(&format!("missing field `{key}`")), "{error}");
     }
     for key in ["kp", "kv"] {
@@ -153,7 +128,7 @@ fn keys_that_are_missing() {
             .as_object_mut()
             .expect("it is one")
             .remove(key);
-        let error = load_text("missing", &scenario.to_string()).expect_err("a key is missing");
+        let error = load_text("bad", &scenario.to_string()).expect_err("a key is missing");
         assert!(error.contains(&format!("missing field `{key}`")), "{error}");
     }
 }
@@ -173,7 +148,7 @@ fn keys_that_are_unknown_or_repeated() {
     }
     let repeated = good().to_string().replacen('{', "{\"horizon_s\": 3.0, ", 1);
     cases.push((repeated, "duplicate field `horizon_s`"));
-    assert_refused("unknown", cases);
+    assert_refused(cases);
 }
 
 #[test]
@@ -182,7 +157,7 @@ fn states_of_the_wrong_length() {
         for wrong in [json!([]), json!([1.0]), json!([1.0, 2.0, 3.0])] {
             let found = wrong.as_array().map_or(0, Vec::len);
             let text = good_but(&format!("/{key}"), wrong).to_string();
-            let error = load_text("lengths", &text).expect_err("the length is wrong");
+            let error = load_text("bad", &text).expect_err("the length is wrong");
             let expected = format!("{key}: the robot has 2 joints, but {found} values are given");
             assert_eq!(error, expected);
         }
@@ -223,22 +198,16 @@ fn numbers_out_of_their_range() {
             "success_threshold: it is -1; positive",
         ),
     ];
-    assert_refused(
-        "ranges",
-        cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)),
-    );
+    assert_refused(cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)));
 }
 
 #[test]
 fn degrees_that_are_too_small() {
     let degree = |p: usize| good_but("/flow/p", json!(p)).to_string();
-    assert_refused(
-        "degrees",
-        [
-            (degree(1), "flow.p: it is 1"),
-            (degree(0), "flow.p: it is 0"),
-        ],
-    );
+    assert_refused([
+        (degree(1), "flow.p: it is 1"),
+        (degree(0), "flow.p: it is 0"),
+    ]);
 }
 
 /// Where the JSON is good but a value is of the wrong kind, the key must be told too.
@@ -255,62 +224,49 @@ fn values_of_the_wrong_kind() {
         ("/feedback", json!(10.0), "feedback"),
         ("/robot", json!(3), "robot"),
     ];
-    assert_refused(
-        "kinds",
-        cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)),
-    );
+    assert_refused(cases.map(|(key, value, words)| (good_but(key, value).to_string(), words)));
 }
 
 #[test]
 fn numbers_too_large_for_f64() {
     let huge = |what: &str| good().to_string().replace(what, "1e999");
-    assert_refused(
-        "huge",
-        [
-            (huge("-1.5"), "out of range; q_start"),
-            (huge("2.0"), "out of range; horizon_s"),
-            (huge("100000.0"), "out of range; flow.k"),
-            (huge("0.125"), "out of range; success_threshold"),
-        ],
-    );
+    assert_refused([
+        (huge("-1.5"), "out of range; q_start"),
+        (huge("2.0"), "out of range; horizon_s"),
+        (huge("100000.0"), "out of range; flow.k"),
+        (huge("0.125"), "out of range; success_threshold"),
+    ]);
 }
 
 #[test]
 fn robots_that_do_not_exist_or_are_bad() {
-    let path = folder("robots").join("broken.urdf");
+    let path = folder().join("broken.urdf");
     std::fs::write(
         path,
         r#"<robot name="x"><link name="a"/><link name="b"/></robot>"#,
     )
     .expect("writable");
     let robot = |name: &str| good_but("/robot", json!(name)).to_string();
-    assert_refused(
-        "robots",
-        [
-            (
-                robot("pendulum_7"),
-                "robot: ; pendulum_7; neither a file nor a built-in robot",
-            ),
-            (
-                robot("arms/no.urdf"),
-                "robot: ; arms/no.urdf; neither a file nor a built-in robot",
-            ),
-            (
-                robot("broken.urdf"),
-                "robot: ; broken.urdf; several root links; 'a'; 'b'",
-            ),
-            (robot(""), "robot: "),
-        ],
-    );
+    assert_refused([
+        (
+            robot("pendulum_7"),
+            "robot: ; pendulum_7; neither a file nor a built-in robot",
+        ),
+        (
+            robot("arms/no.urdf"),
+            "robot: ; arms/no.urdf; neither a file nor a built-in robot",
+        ),
+        (
+            robot("broken.urdf"),
+            "robot: ; broken.urdf; several root links; 'a'; 'b'",
+        ),
+        (robot(""), "robot: "),
+    ]);
 }
 
 #[test]
 fn bad_obstacles_are_refused() {
-    let with = |key: &str, value: Value| {
-        let mut scenario = good();
-        scenario[key] = value;
-        scenario.to_string()
-    };
+    let with = |key: &str, value: Value| with(good(), json!({ key: value })).to_string();
     let sphere = |centre: Value, radius: f64| {
         with(
             "sphere_obstacles",
@@ -335,61 +291,58 @@ fn bad_obstacles_are_refused() {
         with("robot_shape", json!({ "swept-links": { "radius_m": 0.1 } })),
         with("enforced_limits", json!({ "position": true })),
     ] {
-        load_text("obstacles", &good).expect("it is good");
+        load_text("bad", &good).expect("it is good");
     }
-    assert_refused(
-        "obstacles",
-        [
-            (
-                sphere(json!([0.0, 1.0]), 0.1),
-                "sphere_obstacles[0].center_m; length 2",
-            ),
-            (
-                sphere(json!([0.0, 0.0, 1.0]), 0.0),
-                "sphere_obstacles[0]; positive radius",
-            ),
-            (
-                sphere(json!([0.0, 0.0, 1.0]), -0.1),
-                "sphere_obstacles[0]; positive radius",
-            ),
-            (floor(json!([0.0, 0.0, 0.0])), "half_spaces[0]; not zero"),
-            (
-                floor(json!([0.0, "up", 0.0])),
-                "half_spaces[0].normal[1]; up",
-            ),
-            (swept(-0.1, 0.1), "robot_shape; not negative"),
-            (swept(0.1, 0.0), "robot_shape; positive spacing"),
-            (
-                with("robot_shape", json!("balloon")),
-                "robot_shape; balloon",
-            ),
-            (
-                with("enforced_limits", json!({ "jerk": true })),
-                "enforced_limits.jerk; unknown",
-            ),
-            (
-                with("enforced_limits", json!(0.9)),
-                "enforced_limits; position, velocity and torque",
-            ),
-            (
-                with("free_horizon", json!(3)),
-                "free_horizon; shortest_s, longest_s and weight",
-            ),
-            (
-                good_but("/flow", json!({ "k_cons": 0.0 })).to_string(),
-                "flow.k_cons; positive",
-            ),
-            (
-                good_but("/flow", json!({ "c_cons": -1.0 })).to_string(),
-                "flow.c_cons; positive",
-            ),
-        ],
-    );
+    assert_refused([
+        (
+            sphere(json!([0.0, 1.0]), 0.1),
+            "sphere_obstacles[0].center_m; length 2",
+        ),
+        (
+            sphere(json!([0.0, 0.0, 1.0]), 0.0),
+            "sphere_obstacles[0]; positive radius",
+        ),
+        (
+            sphere(json!([0.0, 0.0, 1.0]), -0.1),
+            "sphere_obstacles[0]; positive radius",
+        ),
+        (floor(json!([0.0, 0.0, 0.0])), "half_spaces[0]; not zero"),
+        (
+            floor(json!([0.0, "up", 0.0])),
+            "half_spaces[0].normal[1]; up",
+        ),
+        (swept(-0.1, 0.1), "robot_shape; not negative"),
+        (swept(0.1, 0.0), "robot_shape; positive spacing"),
+        (
+            with("robot_shape", json!("balloon")),
+            "robot_shape; balloon",
+        ),
+        (
+            with("enforced_limits", json!({ "jerk": true })),
+            "enforced_limits.jerk; unknown",
+        ),
+        (
+            with("enforced_limits", json!(0.9)),
+            "enforced_limits; position, velocity and torque",
+        ),
+        (
+            with("free_horizon", json!(3)),
+            "free_horizon; shortest_s, longest_s and weight",
+        ),
+        (
+            good_but("/flow", json!({ "k_cons": 0.0 })).to_string(),
+            "flow.k_cons; positive",
+        ),
+        (
+            good_but("/flow", json!({ "c_cons": -1.0 })).to_string(),
+            "flow.c_cons; positive",
+        ),
+    ]);
 }
 
 #[test]
 fn a_robot_is_looked_for_beside_the_scenario() {
-    let folder = folder("beside");
+    let folder = folder();
     std::fs::create_dir_all(folder.join("arms")).expect("the folder is writable");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/pendulum_2/pendulum_2.urdf");
     let text = std::fs::read_to_string(source)
@@ -397,7 +350,7 @@ fn a_robot_is_looked_for_beside_the_scenario() {
         .replace("joint_1", "shoulder");
     std::fs::write(folder.join("arms/mine.urdf"), text).expect("the folder is writable");
     let scenario = good_but("/robot", json!("arms/mine.urdf")).to_string();
-    let scenario = load_text("beside", &scenario).expect("it is there");
+    let scenario = load_text("bad", &scenario).expect("it is there");
     assert_eq!(scenario.model.joints()[0].name(), "shoulder");
     assert_eq!(scenario.model.name(), "pendulum_2", "as the file says");
     let (model, _) =

@@ -17,6 +17,7 @@ mod passive;
 mod preflight;
 mod reproduce;
 mod reproduce_variants;
+mod self_collision;
 mod solve;
 mod surroundings;
 mod sweep;

@@ -1,27 +1,21 @@
-//! Obstacles of every shape, the collision shapes of the robot, and links that keep clear of each other.
+//! Obstacles of every shape and the collision shapes of the robot.
 
-use aghf::constraint::{AnyConstraint, Constraint};
+use crate::written::{load, with};
+use aghf::constraint::Constraint;
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::Shape;
-use aghf::scenario::{IgnoredPairs, LinkBall, Scenario};
+use aghf::scenario::{LinkBall, Scenario};
 use aghf::spatial::Placement;
-use aghf::urdf::{Srdf, builtin_robot};
+use aghf::urdf::builtin_robot;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("surroundings")
-        .join(test);
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    folder
-}
+use std::path::Path;
 
 /// The start of every problem of MotionBenchMaker.
 const READY: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
-fn panda() -> Value {
+/// A Panda among obstacles of every shape.
+pub fn panda() -> Value {
     json!({
         "robot": "panda", "horizon_s": 2.0,
         "q_start": READY, "v_start": [0, 0, 0, 0, 0, 0, 0],
@@ -35,19 +29,6 @@ fn panda() -> Value {
         "capsule_obstacles": [{ "ends_m": [[0.0, -2.0, 0.0], [0.0, -2.0, -1.0]], "radius_m": 0.2 }],
         "self_collision": { "ignored_pairs": [["panda_link0", "panda_link1"], ["panda_hand", "panda_link6"]] }
     })
-}
-
-fn with(mut scenario: Value, keys: Value) -> Value {
-    for (key, value) in keys.as_object().expect("an object") {
-        scenario[key] = value.clone();
-    }
-    scenario
-}
-
-fn load(test: &str, scenario: &Value) -> Result<Scenario, String> {
-    let path = folder(test).join("scenario.json");
-    std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
-    Scenario::load(path.to_str().expect("it is text")).map_err(|e| e.to_string())
 }
 
 #[test]
@@ -125,39 +106,6 @@ fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
     assert_eq!(rows.iter().map(Constraint::dim).sum::<usize>(), 58 * 2);
 }
 
-#[test]
-fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
-    let scenario = load("own", &panda()).expect("it is good");
-    let balls = scenario.environment.balls().expect("good balls");
-    let pairs = scenario.environment.self_pairs();
-    let model = builtin_robot("panda").expect("built in");
-    let links = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
-    let ignored = [
-        ("panda_link0", "panda_link1"),
-        ("panda_link6", "panda_hand"),
-    ];
-    let mut expected = 0;
-    for (i, a) in links.iter().enumerate() {
-        for b in &links[i + 1..] {
-            let names = (a.link.as_str(), b.link.as_str());
-            let ignore = ignored.contains(&names) || ignored.contains(&(names.1, names.0));
-            expected += usize::from(a.ball.body != b.ball.body && !ignore);
-        }
-    }
-    assert_eq!(pairs.len(), expected);
-    assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
-    let rows = scenario.environment.constraints().expect("good balls");
-    assert!(
-        matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected)
-    );
-    // Neighbours overlap, as not all of them are ignored.
-    let error = scenario
-        .check_feasible()
-        .expect_err("neighbours overlap")
-        .to_string();
-    assert!(error.contains("inside link 'panda_link"), "{error}");
-}
-
 /// With a joint locked, and with the joints between the base and it, the shapes stay where they were.
 #[test]
 fn a_robot_with_locked_joints_keeps_its_shapes() {
@@ -192,102 +140,6 @@ fn a_robot_with_locked_joints_keeps_its_shapes() {
             "{locked:?}: {found}, {whole}"
         );
     }
-}
-
-#[test]
-fn pairs_that_a_file_names_are_part_of_the_scenario() {
-    let model = builtin_robot("panda").expect("built in");
-    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
-    let pairs = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
-    assert_eq!(
-        pairs,
-        IgnoredPairs::by_sampling(&model, &balls).expect("its own balls")
-    );
-    let text = pairs.to_json();
-    assert_eq!(
-        IgnoredPairs::parse(&text, "pairs.json").expect("as written"),
-        pairs
-    );
-    assert_eq!(
-        text.lines().filter(|l| l.contains("\"links\"")).count(),
-        pairs.ignored_pairs.len()
-    );
-    std::fs::write(folder("file").join("panda.pairs.json"), text).expect("writable");
-    let keys = json!({ "self_collision": { "ignored_pairs_file": "panda.pairs.json" } });
-    let scenario = load("file", &with(panda(), keys)).expect("it is good");
-    let written = serde_json::to_value(&scenario.file).expect("numbers");
-    let links: Vec<_> = pairs
-        .ignored_pairs
-        .iter()
-        .map(|pair| json!(pair.links))
-        .collect();
-    assert_eq!(written["self_collision"], json!({ "ignored_pairs": links }));
-    scenario
-        .check_feasible()
-        .expect("the start is clear of itself");
-    for (text, words) in [
-        ("{\"robot\": \"panda\"}", "missing field `ignored_pairs`"),
-        (
-            "{\"robot\": \"panda\", \"ignored_pairs\": [{\"links\": [\"a\"], \"reason\": \"\"}]}",
-            "ignored_pairs[0].links",
-        ),
-    ] {
-        let error = IgnoredPairs::parse(text, "pairs.json")
-            .expect_err("it is bad")
-            .to_string();
-        assert!(
-            error.starts_with("pairs.json: ") && error.contains(words),
-            "{error}"
-        );
-    }
-}
-
-/// `a` is always in `c` and in `d`; `b` is in `d` at six of seven configurations.
-#[test]
-fn neighbours_and_links_that_always_overlap_may() {
-    let link = |name: &str, x: f64, radius: f64| {
-        format!(
-            r#"<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
-            <collision><origin xyz="{x} 0 0"/><geometry><sphere radius="{radius}"/></geometry></collision></link>"#
-        )
-    };
-    let joint = |name: &str, parent: &str, child: &str| {
-        format!(
-            r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 0 1"/></joint>"#
-        )
-    };
-    let links =
-        link("a", 0.0, 0.1) + &link("b", 1.0, 0.1) + &link("c", 0.15, 0.1) + &link("d", 1.0, 1.85);
-    let joints = joint("ab", "a", "b") + &joint("bc", "b", "c") + &joint("cd", "c", "d");
-    let text = format!(r#"<robot name="four">{links}{joints}</robot>"#);
-    let (model, _) = aghf::urdf::parse_urdf(&text, "four.urdf").expect("it is good");
-    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
-    let found = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
-    let found: Vec<_> = found
-        .ignored_pairs
-        .iter()
-        .map(|p| (p.links.join(" "), p.reason.as_str()))
-        .collect();
-    let often = "overlap at each of 10000 random configurations";
-    let expected = [
-        ("a b", "neighbours"),
-        ("a c", often),
-        ("a d", often),
-        ("b c", "neighbours"),
-        ("c d", "neighbours"),
-    ];
-    assert_eq!(
-        found,
-        expected.map(|(links, reason)| (links.to_owned(), reason))
-    );
-    let srdf =
-        r#"<robot name="four"><disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
-    let srdf = Srdf::parse(srdf, "four.srdf", &model).expect("it is good");
-    let pair = &IgnoredPairs::of_srdf(&model, &srdf).ignored_pairs[0];
-    assert_eq!(
-        (pair.links.join(" "), pair.reason.as_str()),
-        ("d a".to_owned(), "disabled in the SRDF: Never")
-    );
 }
 
 #[test]
@@ -383,7 +235,7 @@ fn bad_surroundings_are_refused_by_key() {
     ] {
         let error = load("bad", &scenario).expect_err(words);
         assert!(
-            error.contains("scenario.json: ") && words.split(';').all(|w| error.contains(w)),
+            words.split(';').all(|w| error.contains(w)),
             "{error}; {words}"
         );
     }

@@ -24,8 +24,13 @@ pub fn folder() -> PathBuf {
 
 /// Writes a scenario file and loads it; the error is without the path of the file, which is there.
 pub fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
+    load_text(name, &scenario.to_string())
+}
+
+/// The same of any text.
+pub fn load_text(name: &str, text: &str) -> Result<Scenario, String> {
     let path = folder().join(format!("{name}.json"));
-    std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
+    std::fs::write(&path, text).expect("the folder is writable");
     let path = path.to_str().expect("it is text");
     Scenario::load(path).map_err(|e| {
         let error = e.to_string();
