@@ -4,7 +4,7 @@
 
 mod common;
 
-use aghf::scenario::{Scenario, SolveOptions, solve};
+use aghf_scenario::{Scenario, SolveOptions, solve};
 use common::{Times, criterion, measure, report};
 
 const SCENARIOS: [&str; 4] = [

@@ -2,9 +2,9 @@
 
 use aghf::model::Model;
 use aghf::motion::{Sample, sample};
-use aghf::output::{OutputFolder, Sampling, write_report, write_text};
-use aghf::report::{Motion, page};
-use aghf::scenario::{Scenario, SolveOptions, solve};
+use aghf_cli::output::{OutputFolder, Sampling, write_report, write_text};
+use aghf_cli::report::{Motion, page};
+use aghf_scenario::{Scenario, SolveOptions, solve};
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;

@@ -3,9 +3,9 @@
 
 use aghf::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use aghf::flow::{ControlForm, FlowSettings, Node, RightHandSide, flow_with};
-use aghf::output::check_table;
-use aghf::scenario::Scenario;
 use aghf::verify::duals::{CheckOptions, check_jacobian};
+use aghf_cli::output::check_table;
+use aghf_scenario::Scenario;
 use std::error::Error;
 
 /// Differences of the right-hand side at four points: their error is O(h^4) for the step h. In the accelerations it is linear.

@@ -55,7 +55,7 @@ impl Error {
     }
 
     /// Builds an [`Error::Io`] about `path`.
-    pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+    pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Io {
             path: path.into(),
             source,
@@ -64,7 +64,7 @@ impl Error {
 }
 
 /// Checks the length of an argument.
-pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<()> {
+pub fn check_length(what: &'static str, expected: usize, found: usize) -> Result<()> {
     if expected == found {
         Ok(())
     } else {
@@ -78,7 +78,7 @@ pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) ->
 
 /// Checks that a requested number is within its bounds. `what` names the setting.
 #[cfg(feature = "solvers")]
-pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> Result<()> {
+pub fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> Result<()> {
     if allowed.contains(&found) {
         return Ok(());
     }
@@ -89,7 +89,7 @@ pub(crate) fn check_count(what: &str, found: usize, allowed: RangeInclusive<usiz
 
 /// Checks that a requested number is positive and finite. `of` and `what` name the group and the number in it.
 #[cfg(feature = "solvers")]
-pub(crate) fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
+pub fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
@@ -98,7 +98,7 @@ pub(crate) fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
 }
 
 /// Formats a number for a message, without hundreds of digits.
-pub(crate) fn plain(x: f64) -> String {
+pub fn plain(x: f64) -> String {
     if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {
         format!("{x}")
     } else {

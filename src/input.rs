@@ -3,7 +3,6 @@
 use crate::error::{Error, Result};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
-#[cfg(feature = "output")]
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -18,7 +17,7 @@ const LARGEST_TEXT: u64 = 1 << 26;
 ///
 /// # Errors
 /// The file cannot be read, is larger than 64 MiB or is not UTF-8.
-pub(crate) fn read_text(path: &Path) -> Result<String> {
+pub fn read_text(path: &Path) -> Result<String> {
     if !is_standard_input(path) {
         let text = std::fs::File::open(path).and_then(read_whole);
         return text.map_err(|e| Error::io(path, e));
@@ -33,7 +32,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 }
 
 /// Reads as [`read_text`] does; the error for a missing file says that there is no built-in `kind` of that name either.
-pub(crate) fn read_named(path: &Path, kind: &str) -> Result<String> {
+pub fn read_named(path: &Path, kind: &str) -> Result<String> {
     read_text(path).map_err(|error| match error {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
             let condition = format!("there is neither a file nor a built-in {kind} of this name");
@@ -44,13 +43,12 @@ pub(crate) fn read_named(path: &Path, kind: &str) -> Result<String> {
 }
 
 /// Returns true if this path denotes the standard input.
-pub(crate) fn is_standard_input(path: &Path) -> bool {
+pub fn is_standard_input(path: &Path) -> bool {
     path == Path::new(STANDARD_INPUT)
 }
 
 /// The file name without its extension, which names the contents.
-#[cfg(feature = "output")]
-pub(crate) fn name_of(path: &str) -> String {
+pub fn name_of(path: &str) -> String {
     if is_standard_input(Path::new(path)) {
         return "stdin".to_owned();
     }
@@ -59,8 +57,7 @@ pub(crate) fn name_of(path: &str) -> String {
 }
 
 /// The entries of a folder, by name.
-#[cfg(feature = "output")]
-pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let of = |error| Error::io(folder, error);
     let entries = std::fs::read_dir(folder).map_err(of)?;
     let paths = entries.map(|entry| Ok(entry.map_err(of)?.path()));
@@ -73,8 +70,7 @@ pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
 ///
 /// # Errors
 /// The file cannot be read, or is larger than 64 MiB.
-#[cfg(feature = "output")]
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let bytes = std::fs::File::open(path).and_then(read_some);
     bytes.map_err(|e| Error::io(path, e))
 }

@@ -15,75 +15,59 @@
 //! # The book
 //!
 //! 1. [Two methods](guide::methods), and which to use when.
-//! 2. [A first motion](guide::first_motion): from a URDF to a plot.
-//! 3. [Asking for more](guide::asking_for_more): limits, obstacles, running costs, horizons; [all keys of a
-//!    scenario](mod@scenario).
-//! 4. [The notation](guide::notation) of the paper, the code and Pinocchio.
-//! 5. [Verification](verify) of every derivative, and what each witness cannot see.
-//! 6. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
+//! 2. [The notation](guide::notation) of the paper, the code and Pinocchio.
+//! 3. [Verification](verify) of every derivative, and what each witness cannot see.
+//! 4. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
 //!    [Jacobian](guide::jacobian), a [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an
 //!    [integrator](guide::integrator), a [joint](guide::joint).
-//! 7. [The command line](guide::command_line), [many solves](guide::sweeps), [the variants of the flow](guide::variants).
-//! 8. [Performance](guide::performance), and [a crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep
+//! 5. [Performance](guide::performance), and [a crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep
 //!    the code fast.
-//! 9. [The limits of the library](guide::limitations).
+//! 6. [The limits of the library](guide::limitations).
+//!
+//! First motions, the keys of a scenario and the command line are told in the packages `aghf-scenario` and `aghf-cli`.
 //!
 //! # The modules
 //!
 //! Each depends only on those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`],
-//! [`names`], [`urdf`], [`curve`], [`constraint`], [`ode`], [`motion`], [`flow`], [`plan`], [`relax`], [`verify`],
-//! [`scenario`], [`judge`], [`output`], [`report`], [`experiments`], [`cli`]; [`guide`] has the pages of the book.
+//! [`urdf`], [`curve`], [`constraint`], [`ode`], [`motion`], [`flow`], [`plan`], [`relax`], [`verify`]; [`guide`] has
+//! the pages of the book.
 //!
 //! Without default features the crate contains robots, their dynamics and the derivatives of the dynamics. The feature
-//! `solvers` adds everything up to [`verify`]; `output` adds scenarios, sweeps and reports; `cli`, the default, adds
-//! the command line.
+//! `solvers`, the default, adds the rest. Problems as files and the judge of motions are in the package
+//! `aghf-scenario`, the program `aghf` is in `aghf-cli`; both are in the folder `app` of the repository.
 //!
 //! # Limits
 //!
 //! The base is fixed, joints have one degree of freedom, and links are rigid. Contact, friction, damping and closed
 //! loops are not modelled.
 
-/// The code of the README, run as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-mod readme {}
-
-#[cfg(feature = "cli")]
-pub mod cli;
 #[cfg(feature = "solvers")]
 pub mod constraint;
 #[cfg(feature = "solvers")]
 pub mod curve;
 pub mod dynamics;
+#[doc(hidden)]
 pub mod error;
-#[cfg(feature = "output")]
-pub mod experiments;
 #[cfg(feature = "solvers")]
 pub mod flow;
 pub mod geometry;
-#[cfg(feature = "output")]
 pub mod guide;
-mod input;
-#[cfg(feature = "output")]
-pub mod judge;
+#[doc(hidden)]
+pub mod input;
+#[doc(hidden)]
 pub mod linalg;
 pub mod model;
 #[cfg(feature = "solvers")]
 pub mod motion;
+#[doc(hidden)]
 pub mod names;
 #[cfg(feature = "solvers")]
 pub mod ode;
-#[cfg(feature = "output")]
-pub mod output;
 #[cfg(feature = "solvers")]
 pub mod plan;
 #[cfg(feature = "solvers")]
 pub mod relax;
-#[cfg(feature = "output")]
-pub mod report;
 pub mod scalar;
-#[cfg(feature = "output")]
-pub mod scenario;
 pub mod spatial;
 pub mod urdf;
 #[cfg(feature = "solvers")]

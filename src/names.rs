@@ -17,7 +17,7 @@ pub trait Named: Copy + Display + FromStr<Err = Error> + Send + Sync + 'static {
 ///
 /// # Errors
 /// There is no such value; the error lists the names.
-pub(crate) fn parse<T: Named>(name: &str) -> Result<T> {
+pub fn parse<T: Named>(name: &str) -> Result<T> {
     let names = || T::ALL.iter().map(|(_, own, _)| *own);
     match T::ALL.iter().find(|(_, own, _)| *own == name) {
         Some((value, _, _)) => Ok(*value),
@@ -26,13 +26,14 @@ pub(crate) fn parse<T: Named>(name: &str) -> Result<T> {
 }
 
 /// The error for a `name` that is not one of `names`.
-pub(crate) fn none_of<'a>(what: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
+pub fn none_of<'a>(what: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
     let names = names.collect::<Vec<_>>().join(", ");
     Error::input("options", what, format!("'{name}' is none of {names}"))
 }
 
 /// Defines a [`Named`] enum: each value has documentation, which is also its line of help, and a name, by which it is
 /// serialised. The first value is the default.
+#[macro_export]
 macro_rules! named_enum {
     ($(#[$about:meta])* $visibility:vis enum $Enum:ident($what:literal) {
         $($(#[doc = $help:literal])+ $Value:ident = $name:literal,)+
@@ -81,4 +82,4 @@ macro_rules! named_enum {
     };
 }
 
-pub(crate) use named_enum;
+pub use named_enum;

@@ -88,7 +88,7 @@ impl Capsule {
     }
 
     /// The number of intervals between balls at this spacing, one less than the number of balls.
-    pub(crate) fn pieces(&self, spacing: f64) -> f64 {
+    pub fn pieces(&self, spacing: f64) -> f64 {
         (self.length() / spacing).ceil()
     }
 

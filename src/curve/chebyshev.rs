@@ -22,7 +22,7 @@ impl Chebyshev {
     pub const LARGEST_DEGREE: usize = 200;
 
     /// Checks a degree; the error gives the reason.
-    pub(crate) fn check_degree(p: usize) -> std::result::Result<(), String> {
+    pub fn check_degree(p: usize) -> std::result::Result<(), String> {
         if (2..=Self::LARGEST_DEGREE).contains(&p) {
             return Ok(());
         }

@@ -69,10 +69,8 @@ fn clear_square<S: Scalar>(what: &'static str, n: usize, matrix: &mut DMatrix<S>
 }
 
 /// Joint `from` and its ancestors, up to the base.
+#[doc(hidden)]
 #[inline]
-pub(crate) fn path_to_base<C: Scalar>(
-    model: &Model<C>,
-    from: usize,
-) -> impl Iterator<Item = usize> + '_ {
+pub fn path_to_base<C: Scalar>(model: &Model<C>, from: usize) -> impl Iterator<Item = usize> + '_ {
     std::iter::successors(Some(from), |i| model.joints()[*i].parent())
 }

@@ -1,11 +1,8 @@
 //! A book in pages: how to begin, and how to extend the mathematics.
 //!
-//! To begin with: [the two methods](methods); [a first motion](first_motion), from a URDF to a plot; [asking for
-//! more](asking_for_more), from limits to horizons; [the notation](notation) of the paper, the code and Pinocchio; [the
-//! command line](command_line).
-//!
-//! For reference: [many solves](sweeps) on one machine or several; [the variants of the flow](variants);
-//! [performance]; [the limits of the library](limitations).
+//! To begin with: [the two methods](methods), [the notation](notation) of the paper, the code and Pinocchio,
+//! [performance], [the limits of the library](limitations). First motions, all that a scenario can ask for and the
+//! variants of the flow are pages of the package `aghf-scenario`; the command line and sweeps are pages of `aghf-cli`.
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test.
 //! Each of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
@@ -28,19 +25,8 @@
 #[doc = include_str!("pictures/methods.svg")]
 pub mod methods {}
 
-#[doc = include_str!("first_motion.md")]
-#[doc = include_str!("pictures/first_motion.svg")]
-pub mod first_motion {}
-
-#[doc = include_str!("asking_for_more.md")]
-#[doc = include_str!("pictures/obstacles.svg")]
-pub mod asking_for_more {}
-
 #[doc = include_str!("notation.md")]
 pub mod notation {}
-
-#[doc = include_str!("command_line.md")]
-pub mod command_line {}
 
 #[doc = include_str!("your_crate.md")]
 pub mod your_crate {}
@@ -65,12 +51,6 @@ pub mod integrator {}
 
 #[doc = include_str!("joint.md")]
 pub mod joint {}
-
-#[doc = include_str!("sweeps.md")]
-pub mod sweeps {}
-
-#[doc = include_str!("variants.md")]
-pub mod variants {}
 
 #[doc = include_str!("performance.md")]
 #[doc = include_str!("pictures/degree.svg")]

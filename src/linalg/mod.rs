@@ -30,8 +30,7 @@ pub(crate) use tiled::{TILE, Tiled};
 pub(crate) use trust_region::{Region, Step, add_step};
 
 /// A matrix as a list of its rows, the form in files.
-#[cfg(feature = "output")]
-pub(crate) fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
+pub fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().copied().collect()).collect()
 }

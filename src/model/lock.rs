@@ -5,16 +5,12 @@ use crate::error::{Error, Result, plain};
 use crate::spatial::Placement;
 
 /// A model some of whose joints are locked.
-pub(crate) struct Reduced {
+pub struct Reduced {
     /// The model of the remaining joints.
-    pub(crate) model: Model,
+    pub model: Model,
     /// For each body of the full model, the body of the reduced model that contains it and its placement there; `None`
     /// is the base.
-    #[cfg_attr(
-        not(feature = "output"),
-        expect(dead_code, reason = "scenarios read it")
-    )]
-    pub(crate) bodies: Vec<(Option<usize>, Placement<f64>)>,
+    pub bodies: Vec<(Option<usize>, Placement<f64>)>,
 }
 
 impl Model<f64> {
@@ -31,7 +27,7 @@ impl Model<f64> {
 
     /// Locks joints as [`Model::with_locked_joints`] does, and returns the placements of the bodies in the reduced
     /// model.
-    pub(crate) fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
+    pub fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
         let mut positions = vec![None; self.dof()];
         for (i, q) in locked {
             let Some(joint) = self.joints.get(*i) else {

@@ -32,8 +32,7 @@ mod random;
 pub use build::{JointSpec, LARGEST_DOF, pendulum};
 pub use collision::{Collision, CollisionShape};
 pub use joint::{Joint, JointKind, Limits};
-#[cfg(feature = "output")]
-pub(crate) use lock::Reduced;
+pub use lock::Reduced;
 pub use random::{random_chain, random_tree};
 
 use crate::error::{Result, check_length};
@@ -51,16 +50,16 @@ pub struct Frame<C: Scalar> {
     /// The placement of the frame in that body.
     pub placement: Placement<C>,
     /// The joint that carries the link; `None` for the root, and for frames that are not links.
-    pub(crate) carrier: Option<Carrier>,
+    pub carrier: Option<Carrier>,
 }
 
 /// The joint and the parent of a link.
 #[derive(Clone, Debug)]
-pub(crate) struct Carrier {
+pub struct Carrier {
     /// The name of the joint, which may be fixed.
-    pub(crate) joint: String,
+    pub joint: String,
     /// The parent link, by the index of its frame; `None` if the base is not a link.
-    pub(crate) parent: Option<usize>,
+    pub parent: Option<usize>,
 }
 
 impl<C: Scalar> Frame<C> {

@@ -59,7 +59,7 @@ pub fn sample(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<Samp
 }
 
 /// Samples the curve at given times, each in the given segment.
-pub(crate) fn samples_at(
+pub fn samples_at(
     model: &Model,
     curve: &Curve,
     times: impl Iterator<Item = (usize, f64)>,

@@ -8,7 +8,7 @@ mod problem;
 mod simulate;
 mod violations;
 
-pub(crate) use control::samples_at;
+pub use control::samples_at;
 pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]
 pub(crate) use interrupt::Watch;
@@ -16,7 +16,6 @@ pub use interrupt::{Interrupt, Stopped};
 pub(crate) use path::{Path, curve_of, path_of};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
-#[cfg(feature = "output")]
-pub(crate) use violations::largest_torques;
-pub(crate) use violations::passive_share;
+pub use violations::largest_torques;
+pub use violations::passive_share;
 pub use violations::{Violation, violations};

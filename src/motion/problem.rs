@@ -21,7 +21,7 @@ impl<'m> Problem<'m> {
     pub const LONGEST_HORIZON: f64 = 31_536_000.0;
 
     /// Checks a horizon; the error gives the violated condition.
-    pub(crate) fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
+    pub fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
         if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
             return Ok(());
         }

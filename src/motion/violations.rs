@@ -84,7 +84,7 @@ pub fn violations<K: Constraint>(
 ///
 /// # Errors
 /// The curve has another number of joints than `model`.
-pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
+pub fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
     // The rows of passive joints are the torques themselves.
     let all = Constraints {
         state: (),
@@ -99,7 +99,7 @@ pub(crate) fn largest_torques(model: &Model, curve: &Curve, intervals: usize) ->
 ///
 /// # Errors
 /// The curve has another number of joints than `model`.
-pub(crate) fn passive_share(
+pub fn passive_share(
     model: &Model,
     curve: &Curve,
     limits: &TorqueLimits,

@@ -50,7 +50,7 @@ pub fn builtin_robot(name: &str) -> Result<Model> {
 }
 
 /// The URDF text of the robot called `name`, if it is built in.
-pub(crate) fn builtin_robot_text(name: &str) -> Option<&'static str> {
+pub fn builtin_robot_text(name: &str) -> Option<&'static str> {
     let (_, text) = ROBOTS.iter().find(|(robot, _)| *robot == name)?;
     Some(text)
 }

@@ -1,10 +1,8 @@
 //! Robots by name or by path.
 
 use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf_with};
-#[cfg(feature = "output")]
 use crate::error::Error;
 use crate::error::Result;
-#[cfg(feature = "output")]
 use crate::input::is_standard_input;
 use crate::input::read_named;
 use crate::model::Model;
@@ -33,7 +31,8 @@ pub fn load_robot_with(
 
 /// The text of a robot and its origin.
 #[derive(Clone, Debug)]
-pub(crate) struct RobotSource {
+pub struct RobotSource {
+    /// The text of the file.
     pub text: Cow<'static, str>,
     /// The name of a built-in robot, otherwise the path of its file.
     place: Place,
@@ -78,7 +77,6 @@ impl RobotSource {
 
     /// The folder of the file, to which mesh paths are relative; the current one for the standard input and for
     /// built-in robots, which have no meshes.
-    #[cfg(feature = "output")]
     pub fn folder(&self) -> &Path {
         match &self.place {
             Place::BuiltIn(_) => Path::new(""),
@@ -90,7 +88,6 @@ impl RobotSource {
     ///
     /// # Errors
     /// The current folder does not exist.
-    #[cfg(feature = "output")]
     pub fn absolute(&self) -> Result<String> {
         let path = match &self.place {
             Place::BuiltIn(name) => return Ok(name.clone()),

@@ -9,7 +9,7 @@ use roxmltree::{Document, Node};
 
 /// A visual shape of a link.
 #[derive(Clone, Debug)]
-pub(crate) struct Visual {
+pub struct Visual {
     /// The name of the link.
     pub link: String,
     /// The placement of the shape in the frame of the link.
@@ -22,7 +22,7 @@ pub(crate) struct Visual {
 
 /// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of those left
 /// out in words: no motion depends on any.
-pub(crate) fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
+pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
     let Ok(document) = Document::parse(text) else {
         return (visuals, vec!["the text is no XML".to_owned()]);

@@ -4,6 +4,7 @@
 pub mod derivatives;
 pub mod ode;
 pub mod relax;
+pub mod scenario;
 
 use aghf::dynamics::{Data, crba};
 use aghf::flow::Node;

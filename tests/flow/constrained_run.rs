@@ -1,18 +1,18 @@
 //! Flows with constraints from their first guess to their end.
 
 use crate::common::assert_refused;
+use crate::common::scenario::Scenario;
 use aghf::constraint::{Bound, Bounds, Constraint, Constraints, PlacedState, Side, TorqueLimits};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow, flow_constrained};
 use aghf::scalar::AlgebraOver;
-use aghf::scenario::Scenario;
 
 /// A limit on the speed keeps a pendulum slower, whichever Jacobian the flow uses; constraints that are far from active do
 /// nothing.
 #[test]
 fn the_flow_heeds_constraints() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("it is one");
+    let scenario = Scenario::load("pendulum_1_swingup");
+    let problem = scenario.problem();
     let settings = FlowSettings::new(9, 1e3, 100.0);
     let limited = |limit: f64, settings: &FlowSettings| {
         let speed = |side, value| Bound {
@@ -86,8 +86,8 @@ fn an_equality_in_the_state_is_refused() {
             row == 1
         }
     }
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("it is one");
+    let scenario = Scenario::load("pendulum_1_swingup");
+    let problem = scenario.problem();
     let bound = |value| Bound {
         entry: 0,
         side: Side::Upper,

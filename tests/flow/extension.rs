@@ -1,6 +1,7 @@
 //! Extensions from outside the crate: constraints behind pointers, Jacobians by name.
 
 use crate::common::relax::solved_within;
+use crate::common::scenario::Scenario;
 use aghf::constraint::{
     AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator,
     PlacedState, Sphere, SphereClearance, TorqueLimits, Weights,
@@ -10,7 +11,6 @@ use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow_constrai
 use aghf::model::{Model, random_tree};
 use aghf::relax::RelaxSettings;
 use aghf::scalar::AlgebraOver;
-use aghf::scenario::Scenario;
 use aghf::verify::duals::{CheckOptions, check_jacobians};
 use nalgebra::Vector3;
 use num_dual::HyperDual64;
@@ -109,8 +109,8 @@ fn a_boxed_constraint_is_the_same() {
 /// The flow, with every Jacobian, and the relaxation do with boxed constraints what they do without.
 #[test]
 fn flow_and_relaxation_take_boxed_constraints() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("sound");
+    let scenario = Scenario::load("pendulum_1_swingup");
+    let problem = scenario.problem();
     let penalty = Penalty {
         k_cons: 1e3,
         c_cons: 50.0,

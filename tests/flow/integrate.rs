@@ -3,11 +3,11 @@
 use crate::common::ode::{
     both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
 };
+use crate::common::scenario::Scenario;
 use aghf::flow::jacobian::ControlFormJacobian;
 use aghf::flow::{ControlForm, FlowSettings, flow, flow_with_integrator};
 use aghf::motion::{Feedback, simulate, simulate_with};
 use aghf::ode::{Esdirk34, Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
-use aghf::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 
 #[test]
@@ -300,8 +300,8 @@ fn an_integrator_of_ones_own_has_its_order() {
 /// Where the flow comes to rest does not depend on what took it there, nor does the way at a tight tolerance.
 #[test]
 fn every_integrator_takes_the_flow_to_the_same_curve() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let (model, problem) = (&scenario.model, scenario.problem().expect("sound"));
+    let scenario = Scenario::load("pendulum_1_swingup");
+    let (model, problem) = (&scenario.model, scenario.problem());
     let settings = FlowSettings {
         tolerance: 1e-8,
         ..FlowSettings::new(9, 1e3, 100.0)
@@ -354,8 +354,8 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
 
 #[test]
 fn simulations_agree_between_integrators() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let (model, problem) = (&scenario.model, scenario.problem().expect("sound"));
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let (model, problem) = (&scenario.model, scenario.problem());
     let settings = FlowSettings::new(12, 1e6, 10.0);
     let curve = flow(&problem, &settings, &mut |_| ())
         .expect("sound")

@@ -5,7 +5,6 @@
 mod common;
 
 mod any_to_rest;
-mod built_in;
 mod constrained_flow;
 mod constrained_run;
 mod curve;

@@ -2,6 +2,7 @@
 
 use crate::common::relax::solved;
 use crate::common::robot;
+use crate::common::scenario::Scenario;
 use aghf::constraint::{
     CollisionSphere, Constraint, Constraints, Sphere, SphereClearance, TorqueLimits,
 };
@@ -12,7 +13,6 @@ use aghf::flow::weak::{Action, ActionDerivatives, AnalyticLagrangian, StateGrid}
 use aghf::model::Model;
 use aghf::motion::Problem;
 use aghf::relax::RelaxSettings;
-use aghf::scenario::Scenario;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
@@ -82,8 +82,8 @@ fn it_rests_where_the_effort_is_least() {
         ("pendulum_2_swingup", 6, 3),
         ("kinova_free_01", 9, 1),
     ] {
-        let scenario = Scenario::load(name).expect("built in");
-        let problem = scenario.problem().expect("valid");
+        let scenario = Scenario::load(name);
+        let problem = scenario.problem();
         let settings = RestSettings {
             degree,
             segments,
@@ -283,8 +283,8 @@ fn a_sphere_is_kept_out_of() {
 /// A joint without a motor has no torque at the Gauss points where that is asked for, one for each coefficient of a segment.
 #[test]
 fn a_passive_joint_has_no_torque_at_the_gauss_points() {
-    let scenario = Scenario::load("cart_pole_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("cart_pole_swingup");
+    let problem = scenario.problem();
     let passive = scenario.passive();
     let limits = (0..scenario.model.dof()).map(|i| passive.contains(&i).then_some(0.0));
     let constraints = Constraints {

@@ -1,12 +1,12 @@
 //! The flow, the control that it leads to, and whether that control does it.
 
+use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{FlowRecord, FlowSettings, FlowSolution, effort_of, flow};
 use aghf::model::{Model, pendulum};
 use aghf::motion::{Feedback, Guess, Problem, Stopped, sample, simulate};
-use aghf::scenario::Scenario;
 use nalgebra::DMatrix;
 
 fn run(problem: &Problem<'_>, settings: &FlowSettings) -> FlowSolution {
@@ -109,8 +109,8 @@ fn a_long_flow_comes_to_rest() {
 
 #[test]
 fn a_tighter_tolerance_changes_little() {
-    let scenario = Scenario::load("kinova_free_01").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("kinova_free_01");
+    let problem = scenario.problem();
     let at = |tolerance| {
         run(
             &problem,
@@ -299,10 +299,10 @@ fn bad_problems_and_settings_are_errors() {
 #[test]
 fn every_jacobian_gives_the_same_curve() {
     for name in ["kinova_free_01", "digit_free_stretch"] {
-        let scenario = Scenario::load(name).expect("built in");
-        let problem = scenario.problem().expect("valid");
-        let parameters = scenario.file.flow;
-        let settings = FlowSettings::new(parameters.p, parameters.k, parameters.s_max);
+        let scenario = Scenario::load(name);
+        let problem = scenario.problem();
+        let of = |key: &str| scenario.number(&format!("/flow/{key}"));
+        let settings = FlowSettings::new(of("p") as usize, of("k"), of("s_max"));
         let reference = run(&problem, &settings).curve;
         for (kind_name, kind) in JacobianKind::by_name() {
             let curve = run(&problem, &settings.clone().with_jacobian(kind)).curve;

@@ -2,8 +2,8 @@
 
 use crate::python::share;
 use aghf::dynamics::{Data, rnea};
-use aghf::scenario::{Scenario, ScenarioFile};
 use aghf::urdf::Mimic;
+use aghf_scenario::{Scenario, ScenarioFile};
 
 /// Arms, legs, a hand and humanoids.
 const ROBOTS: [&str; 12] = [

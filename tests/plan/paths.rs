@@ -1,5 +1,6 @@
 //! Paths: free everywhere, the same for the same seed, and what is said where there is none.
 
+use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
 use crate::{across, outside, point, ring, wall, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator, PlacedState};
@@ -7,7 +8,6 @@ use aghf::error::Result;
 use aghf::motion::Problem;
 use aghf::plan::{Checker, Plan, PlanSettings, plan};
 use aghf::scalar::{AlgebraOver, Scalar};
-use aghf::scenario::Scenario;
 use std::cell::Cell;
 
 fn planned(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings) -> Plan {
@@ -80,9 +80,9 @@ fn it_finds_the_gap() {
 #[test]
 fn an_arm_goes_around_what_is_in_its_way() {
     for name in ["kinova_obstacles_01", "kinova_obstacles_05"] {
-        let scenario = Scenario::load(name).expect("built in");
-        let problem = scenario.problem().expect("valid");
-        let state = scenario.state_constraints().expect("valid");
+        let scenario = Scenario::load(name);
+        let problem = scenario.problem();
+        let state = scenario.clearance();
         let found = path(&problem, &state, &PlanSettings::default());
         let worst = worst(&problem, &state, &found);
         assert!(worst <= 0.0, "{name}: {worst}");

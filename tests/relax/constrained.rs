@@ -8,7 +8,6 @@ use aghf::constraint::{
 };
 use aghf::motion::{Problem, sample};
 use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
-use aghf::scenario::{Details, Scenario, SolveOptions, solve};
 use nalgebra::Vector3;
 
 type Kept = Constraints<Vec<AnyConstraint>>;
@@ -194,35 +193,6 @@ fn a_torque_limit_is_kept() {
         of_another.solve(),
         "torque limits: expected 1 entries, found 2",
     );
-}
-
-#[test]
-fn an_arm_among_spheres_keeps_clear() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let outcome = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
-    let summary = outcome.summary;
-    assert!(summary.success, "{summary:?}");
-    assert!(summary.control_effort < 29.0, "{summary:?}");
-    let clearance = summary.feasibility.smallest_clearance_m;
-    assert!(clearance.is_some_and(|m| m >= -1e-6), "{clearance:?}");
-}
-
-/// Here the first start does not end at a minimum within the constraints, and one of the next does. What is told of is the best of
-/// those that did.
-#[test]
-fn what_converged_is_told_of_rather_than_what_stalled() {
-    let scenario = Scenario::load("kinova_cross_08").expect("generated");
-    let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
-    let Details::Relax(details) = &report.summary.details else {
-        panic!("it is a relaxation");
-    };
-    assert!(
-        details.efforts_of_starts.len() > 1,
-        "the first start did not stall, find another scenario"
-    );
-    assert!(report.summary.success, "{:?}", report.summary);
-    assert_eq!(Some(details.minima[0].cost), details.cost);
-    assert!(details.minima.is_sorted_by(|a, b| a.cost < b.cost));
 }
 
 /// An end that is in a sphere cannot be helped, and it is said how deep it is.

@@ -1,16 +1,16 @@
 //! Searches that are stopped before their end.
 
 use crate::common::relax::{degree, solved};
+use crate::common::scenario::Scenario;
 use aghf::motion::{Interrupt, Stopped};
 use aghf::relax::{FreeHorizon, Iteration, RelaxSettings, RelaxSolution, Relaxation};
-use aghf::scenario::Scenario;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
 /// The solution where the interrupt is raised at the first iteration of which `when` is true.
 fn stopped_when(settings: RelaxSettings, when: impl Fn(&Iteration) -> bool) -> RelaxSolution {
-    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_3_swingup");
+    let problem = scenario.problem();
     let interrupt = Interrupt::default();
     let settings = RelaxSettings {
         interrupt: interrupt.clone(),
@@ -35,8 +35,8 @@ fn stopped_when(settings: RelaxSettings, when: impl Fn(&Iteration) -> bool) -> R
 
 #[test]
 fn a_search_without_time_is_its_first_guess() {
-    let scenario = Scenario::load("kinova_cross_01").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("kinova_free_02");
+    let problem = scenario.problem();
     let settings = RelaxSettings {
         time_limit: Some(Duration::ZERO),
         num_starts: 3,
@@ -58,8 +58,8 @@ fn what_was_found_before_the_interrupt_is_kept() {
         num_starts,
         ..degree(9)
     };
-    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
-    let few = solved(&scenario.problem().expect("valid"), &settings(8));
+    let scenario = Scenario::load("pendulum_3_swingup");
+    let few = solved(&scenario.problem(), &settings(8));
     assert_eq!(few.stopped, None);
     let all: BTreeSet<_> = few.iterations.iter().map(|i| i.start).collect();
     assert_eq!(all, (0..8).map(Some).collect());
@@ -122,8 +122,8 @@ fn the_best_horizon_until_the_interrupt_is_kept() {
 
 #[test]
 fn a_seed_bends_the_starts() {
-    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_3_swingup");
+    let problem = scenario.problem();
     let of = |seed| {
         let settings = RelaxSettings {
             seed,

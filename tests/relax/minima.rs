@@ -1,13 +1,13 @@
 //! The relaxation: optima that are known, and what it says of itself.
 
 use crate::common::relax::{degree, solved};
+use crate::common::scenario::Scenario;
 use crate::common::{robot, slider};
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, crba};
 use aghf::flow::{ControlForm, Node, RightHandSide, effort_of};
 use aghf::motion::Problem;
 use aghf::relax::{RelaxSettings, Relaxation};
-use aghf::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, DualNum};
 
@@ -56,8 +56,8 @@ fn no_effort_is_a_minimum() {
 /// The gradient vanishes, the curvature is positive, no neighbour is lower, and a second call gives the same bits.
 #[test]
 fn it_ends_at_a_minimum() {
-    let scenario = Scenario::load("pendulum_3_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_3_swingup");
+    let problem = scenario.problem();
     let settings = RelaxSettings {
         tolerance: 1e-11,
         ..degree(9)
@@ -100,8 +100,8 @@ fn it_ends_at_a_minimum() {
 /// More starts find nothing worse at the lowest degree, and the line is one of them.
 #[test]
 fn more_starts_are_no_worse() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let problem = scenario.problem();
     let starts = |starts| {
         solved(
             &problem,
@@ -125,8 +125,8 @@ fn more_starts_are_no_worse() {
 /// vanish with their slope at both ends, $\int (\varphi, \dot\varphi)^T G\, \Omega\, dt = 0$, whatever the penalty.
 #[test]
 fn the_flow_of_the_optimum_vanishes_on_the_basis() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let (model, problem) = (&scenario.model, scenario.problem());
     let fine = RelaxSettings {
         quadrature_tolerance: 1e-9,
         ..degree(12)
@@ -249,12 +249,12 @@ fn bad_settings_are_errors() {
 /// A search that is cut short says so.
 #[test]
 fn too_few_iterations_are_told() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
+    let scenario = Scenario::load("pendulum_2_swingup");
     let settings = RelaxSettings {
         iterations: 1,
         num_starts: 1,
         ..degree(9)
     };
-    let solution = solved(&scenario.problem().expect("valid"), &settings);
+    let solution = solved(&scenario.problem(), &settings);
     assert!(!solution.converged && solution.gradient_norm > settings.tolerance);
 }

@@ -2,6 +2,7 @@
 
 use crate::common::config;
 use crate::common::relax::{degree, solved, solved_within};
+use crate::common::scenario::Scenario;
 use crate::common::{point_mass, slider};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::gauss_legendre;
@@ -9,7 +10,6 @@ use aghf::dynamics::Data;
 use aghf::model::Model;
 use aghf::motion::{Problem, control_at, sample};
 use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
-use aghf::scenario::Scenario;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -42,8 +42,8 @@ fn largest_torques(model: &Model, solution: &RelaxSolution) -> Vec<f64> {
 #[test]
 fn more_starts_never_cost_more() {
     for name in ["pendulum_2_swingup", "kinova_free_01"] {
-        let scenario = Scenario::load(name).expect("built in");
-        let problem = scenario.problem().expect("valid");
+        let scenario = Scenario::load(name);
+        let problem = scenario.problem();
         let of = |num_starts| {
             let settings = RelaxSettings {
                 num_starts,
@@ -73,8 +73,8 @@ fn more_starts_never_cost_more() {
 
 #[test]
 fn any_number_of_threads_finds_the_same_bits() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let problem = scenario.problem();
     let limits = torque(vec![Some(40.0), Some(20.0)]);
     for constrained in [false, true] {
         let of = |threads| {
@@ -161,8 +161,8 @@ fn from(start: &RelaxSolution, settings: RelaxSettings) -> RelaxSettings {
 #[test]
 fn without_its_limits_a_motion_costs_less() {
     for name in ["pendulum_2_swingup", "pendulum_3_swingup"] {
-        let scenario = Scenario::load(name).expect("built in");
-        let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
+        let scenario = Scenario::load(name);
+        let (model, problem) = (&scenario.model, scenario.problem());
         let free = solved(&problem, &fine(degree(9)));
         let most = largest_torques(model, &free);
         let limits = torque(most.iter().map(|u| Some(0.95 * u)).collect());
@@ -189,8 +189,8 @@ fn without_its_limits_a_motion_costs_less() {
 #[test]
 fn limits_that_are_moved_away_are_none() {
     for name in ["pendulum_2_swingup", "pendulum_3_swingup", "kinova_free_01"] {
-        let scenario = Scenario::load(name).expect("built in");
-        let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
+        let scenario = Scenario::load(name);
+        let (model, problem) = (&scenario.model, scenario.problem());
         // Near enough that there is one minimum about: that of a slightly longer motion.
         let horizon = 1.02 * problem.horizon();
         let (start, goal) = (problem.start().to_vec(), problem.goal().to_vec());
@@ -211,10 +211,11 @@ fn limits_that_are_moved_away_are_none() {
 /// The order of rows is that of sums.
 #[test]
 fn the_order_of_constraints_does_not_matter() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let problem = scenario.problem().expect("valid");
-    let state = scenario.state_constraints().expect("valid");
-    let torque = scenario.torque_limits();
+    let scenario = Scenario::load("kinova_obstacles_01");
+    let problem = scenario.problem();
+    let mut state = scenario.clearance();
+    state.push(AnyConstraint::Bounds(Bounds::positions(&scenario.model)));
+    let torque = TorqueLimits::of(&scenario.model);
     let settings = RelaxSettings {
         degree: 9,
         ..RelaxSettings::constrained()
@@ -249,10 +250,10 @@ fn the_order_of_constraints_does_not_matter() {
 /// next to none between them.
 #[test]
 fn a_passive_joint_is_without_torque_where_it_can_be() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
+    let scenario = Scenario::load("pendulum_2_swingup");
     let model = &scenario.model;
     // From hanging down to the side, at rest under its first motor.
-    let mut goal = scenario.problem().expect("valid").start().to_vec();
+    let mut goal = scenario.problem().start().to_vec();
     let start = goal.clone();
     goal[0] += 0.3;
     goal[1] -= 0.3;
@@ -322,8 +323,8 @@ fn what_is_impossible_is_told() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     check(&problem, &limited(1, 0.9), 0.1);
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let problem = scenario.problem();
     let mean = (problem.goal()[0] - problem.start()[0]) / problem.horizon();
     let kept = Constraints {
         torque: TorqueLimits(vec![Some(200.0); 2]),

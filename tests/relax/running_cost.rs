@@ -1,6 +1,7 @@
 //! Running costs of a user's own: derivatives, optima that are known, and what is refused.
 
 use crate::common::relax::{degree, solved as of_least_effort, solved_within};
+use crate::common::scenario::Scenario;
 use crate::common::slider;
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::dynamics::{Data, rnea};
@@ -10,7 +11,6 @@ use aghf::relax::{
     ControlEffort, CostThroughDynamics, CostWithControl, HyperDual64, Point, PointCost,
     PointDerivatives, RelaxSettings, RelaxSolution, Relaxation, StageInput, WeightedSquares,
 };
-use aghf::scenario::Scenario;
 use nalgebra::DMatrix;
 use num_dual::DualNum;
 use rand::{RngExt, SeedableRng};
@@ -151,11 +151,11 @@ fn squared_velocity_alone_is_a_cost() {
 /// A joint that costs nothing leaves directions that the metric does not see, and Newton's method ends all the same.
 #[test]
 fn a_joint_may_cost_nothing() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
+    let scenario = Scenario::load("pendulum_2_swingup");
     let weighted =
         WeightedSquares::new(2, vec![1.0, 0.0], vec![0.0; 2], vec![0.0; 2]).expect("good");
     let cost = CostThroughDynamics::of(&scenario.model, weighted);
-    let problem = scenario.problem().expect("valid");
+    let problem = scenario.problem();
     let solution = solved(&problem, &degree(9), &cost);
     let both = of_least_effort(&problem, &degree(9));
     assert!(solution.cost < both.cost, "{} {}", solution.cost, both.cost);
@@ -165,8 +165,8 @@ fn a_joint_may_cost_nothing() {
 /// A smooth stand-in for energy: each motion is the better one by its own measure.
 #[test]
 fn least_power_is_not_least_effort() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let (model, problem) = (&scenario.model, scenario.problem());
     let power = CostThroughDynamics::new(model, |at| {
         let both = at.u.iter().zip(at.v);
         both.map(|(u, v)| (*u * *v).powi(2)).sum::<HyperDual64>()
@@ -194,8 +194,8 @@ fn least_power_is_not_least_effort() {
 /// Constraints go with any cost: torque limits charge a cost by hand as they charge the effort.
 #[test]
 fn another_cost_keeps_constraints() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let (model, problem) = (&scenario.model, scenario.problem().expect("valid"));
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let (model, problem) = (&scenario.model, scenario.problem());
     let settings = RelaxSettings {
         degree: 9,
         ..RelaxSettings::constrained()

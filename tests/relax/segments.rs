@@ -1,6 +1,7 @@
 //! Motions of several polynomials, and degrees that grow until they are enough.
 
 use crate::common::relax::{size, solved, solved_within};
+use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot, slider};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::curve::{Chebyshev, Curve};
@@ -9,7 +10,6 @@ use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::{Feedback, Problem, control_at, replay_error, sample, simulate};
 use aghf::relax::{RelaxSettings, RelaxSolution, Relaxation};
-use aghf::scenario::{Scenario, SolveOptions, solve};
 use nalgebra::{DMatrix, DVector};
 
 const HORIZON: f64 = 2.4;
@@ -109,8 +109,8 @@ fn the_cubic_is_found_on_pieces() {
 /// A curve of one size is one of every size that has its breakpoints and its degree, so it costs no more there.
 #[test]
 fn finer_pieces_cost_no_more() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let problem = scenario.problem();
     let from = |start: &RelaxSolution, segments, p| {
         let settings = RelaxSettings {
             start: Some(start.curve.clone()),
@@ -204,26 +204,9 @@ fn limits_are_kept_on_pieces() {
 }
 
 #[test]
-fn an_arm_keeps_clear_on_pieces() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let options = SolveOptions {
-        degree: Some(9),
-        segments: Some(2),
-        ..Default::default()
-    };
-    let summary = solve(&scenario, &options, &mut |_| {})
-        .expect("valid")
-        .summary;
-    assert!(
-        summary.success && (summary.pieces, summary.p) == (2, 9),
-        "{summary:?}"
-    );
-}
-
-#[test]
 fn an_adaptive_degree_ends_where_it_is_enough() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_1_swingup");
+    let problem = scenario.problem();
     let settings = RelaxSettings {
         degree_tolerance: Some(0.01),
         ..size(1, 9)
@@ -245,8 +228,8 @@ fn an_adaptive_degree_ends_where_it_is_enough() {
 
 #[test]
 fn a_degree_that_is_not_enough_is_told() {
-    let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
-    let problem = scenario.problem().expect("valid");
+    let scenario = Scenario::load("pendulum_2_swingup");
+    let problem = scenario.problem();
     for (segments, p, degrees) in [(1, 48, vec![48, 64]), (8, 24, vec![24, 32])] {
         let settings = RelaxSettings {
             degree_tolerance: Some(1e-9),

@@ -1,0 +1,183 @@
+//! The solves of a benchmark.
+
+use super::Problem;
+use crate::output::write_trajectory;
+use aghf::error::{Error, Result};
+use aghf::relax::{PlannedStarts, RelaxSettings, Relaxation};
+use aghf_scenario::Scenario;
+use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
+use serde::{Deserialize, Serialize};
+use std::fs::OpenOptions;
+use std::path::Path;
+use std::time::Instant;
+
+/// The accepted distance of a motion from its minimum, as a [tolerance](RelaxSettings::tolerance); its feasibility does
+/// not depend on it.
+const TOLERANCE: f64 = 0.7;
+/// The largest number of iterations per start.
+const ITERATIONS: usize = 120;
+/// The longest interval of the judged table, s, and the fraction of one before the end of a segment at which there is
+/// an additional row: accelerations may jump there.
+const INTERVAL: f64 = 1e-3;
+const BEFORE: f64 = 1e-4;
+
+/// The outcome of a problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// A motion was found, and the judge accepts it.
+    Valid,
+    /// A motion was found, but the judge does not accept it.
+    Invalid,
+    /// No motion was found.
+    Unsolved,
+    /// The problem is known to be infeasible.
+    Impossible,
+}
+
+/// The result of a problem.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The family.
+    pub family: String,
+    /// The problem.
+    pub problem: String,
+    /// The outcome.
+    pub end: End,
+    /// True if the motion is a minimum to within the tolerance.
+    pub minimum: bool,
+    /// The time on one core, from the scenario in memory to the motion, s.
+    pub solve_seconds: f64,
+    /// The control effort of the motion, N^2 m^2 s.
+    pub control_effort: f64,
+    /// The duration of the motion, s.
+    pub duration_s: f64,
+    /// The least clearance from obstacles and between links, as proved by the judge, m.
+    pub least_clearance_m: Option<f64>,
+    /// The reason why the motion is not valid.
+    pub reason: String,
+}
+
+/// The settings of the relaxation: a planned first start, on a horizon as long as it needs, and a loose tolerance.
+#[must_use]
+pub fn settings_of(scenario: &Scenario) -> RelaxSettings {
+    RelaxSettings {
+        planned_starts: PlannedStarts::First,
+        tolerance: TOLERANCE,
+        iterations: ITERATIONS,
+        longest_horizon: scenario.file.free_horizon.map(|free| free.longest_s),
+        ..RelaxSettings::constrained()
+    }
+}
+
+/// Solves and judges the problems that have no line in the file at `path` yet, and appends their lines; returns all
+/// lines, in the order of the problems. `observe` is called after each.
+///
+/// # Errors
+/// A problem cannot be read, or the file cannot be read or written.
+pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> Result<Vec<Row>> {
+    let mut known = if path.exists() {
+        read(path)?
+    } else {
+        Vec::new()
+    };
+    let file = OpenOptions::new().create(true).append(true).open(path);
+    let file = file.map_err(|error| Error::io(path, error))?;
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(known.is_empty())
+        .from_writer(file);
+    let mut rows = Vec::new();
+    for problem in problems {
+        let before = known.iter().position(|row| row.problem == problem.name);
+        if let Some(before) = before {
+            rows.push(known.swap_remove(before));
+            continue;
+        }
+        let row = solve(problem)?;
+        writer
+            .serialize(&row)
+            .map_err(|error| Error::io(path, error.into()))?;
+        writer.flush().map_err(|error| Error::io(path, error))?;
+        observe(&row);
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// The lines of a file.
+fn read(path: &Path) -> Result<Vec<Row>> {
+    let file = path.display().to_string();
+    let reader = csv::Reader::from_path(path);
+    let mut reader = reader.map_err(|error| Error::io(path, error.into()))?;
+    let rows = reader.deserialize().enumerate();
+    rows.map(|(line, row)| {
+        row.map_err(|error| Error::input(&file, format!("line {}", line + 2), error.to_string()))
+    })
+    .collect()
+}
+
+/// Solves a problem and judges the motion.
+fn solve(problem: &Problem) -> Result<Row> {
+    let scenario = problem.load()?;
+    let mut row = Row {
+        family: problem.family.clone(),
+        problem: problem.name.clone(),
+        end: End::Impossible,
+        minimum: false,
+        solve_seconds: 0.0,
+        control_effort: f64::NAN,
+        duration_s: f64::NAN,
+        least_clearance_m: None,
+        reason: String::new(),
+    };
+    if let Err(error) = scenario.check_feasible() {
+        row.reason = error.to_string();
+        return Ok(row);
+    }
+    let began = Instant::now();
+    let (posed, kept) = (scenario.problem()?, scenario.constraints()?);
+    let solution = Relaxation::new(&posed)
+        .constraints(&kept)
+        .settings(settings_of(&scenario))
+        .solve()?;
+    row.solve_seconds = began.elapsed().as_secs_f64();
+    (row.control_effort, row.duration_s) = (solution.cost, solution.curve.horizon());
+    row.minimum = solution.converged;
+    if solution.largest_violation > RelaxSettings::FEASIBLE {
+        row.end = End::Unsolved;
+        row.reason = format!(
+            "the best motion is off by {:.1e}",
+            solution.largest_violation
+        );
+        return Ok(row);
+    }
+    // By way of the table, as the motion of another tool would come.
+    let (model, curve) = (&scenario.model, &solution.curve);
+    let mut text = Vec::new();
+    let times = curve.breakpoints().windows(2).flat_map(|ends| {
+        let (begin, length) = (ends[0], ends[1] - ends[0]);
+        let intervals = (length / INTERVAL).ceil().max(1.0);
+        let inner = (0..intervals as usize).map(move |k| begin + k as f64 / intervals * length);
+        inner.chain([begin + (1.0 - BEFORE / intervals) * length])
+    });
+    let times = times.chain([curve.horizon()]);
+    write_trajectory(model, curve, times, None, &mut text)
+        .map_err(|error| Error::io(problem.name.as_str(), error))?;
+    let text = String::from_utf8_lossy(&text);
+    let trajectory = Trajectory::parse(&text, &problem.name, model)?;
+    let judgement = judge(&scenario, &trajectory, Tolerances::default())?;
+    let of_clearance = judgement.checks.iter().filter_map(|row| {
+        let clearance = matches!(row.check, Check::Obstacles | Check::SelfCollision);
+        clearance.then_some(row.proved_at_least).flatten()
+    });
+    row.least_clearance_m = of_clearance.reduce(f64::min);
+    row.end = if judgement.valid {
+        End::Valid
+    } else {
+        End::Invalid
+    };
+    let failed = judgement.checks.iter().filter(|row| !row.outcome.is_good());
+    let failed: Vec<_> = failed.map(|row| row.check.name()).collect();
+    row.reason = failed.join("; ");
+    Ok(row)
+}

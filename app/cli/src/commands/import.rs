@@ -1,0 +1,97 @@
+//! `aghf import`.
+
+use super::choice::choice;
+use super::{print, tell};
+use crate::output::{refuse_existing, write_json, write_text};
+use aghf::error::Result;
+use aghf::urdf::Mimic;
+use aghf_scenario::{MoveIt, MoveItHorizon};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Convert the problem of another planner to a scenario.
+#[derive(Debug, Args)]
+pub(super) struct Import {
+    #[command(subcommand)]
+    from: From,
+}
+
+#[derive(Debug, Subcommand)]
+enum From {
+    Moveit(FromMoveIt),
+}
+
+/// Convert a planning scene and a planning request of MoveIt, both in YAML, to a scenario.
+///
+/// The motion goes from the joint state of the request to its goal in joint space, at rest at both ends, within all
+/// limits of the robot; joints without a goal are locked. Boxes, cylinders and spheres of the scene are obstacles. The
+/// robot has the shapes of its URDF. A scenario is written only if all of the input could be read.
+#[derive(Debug, Args)]
+struct FromMoveIt {
+    /// The planning scene.
+    scene: PathBuf,
+    /// The planning request.
+    request: PathBuf,
+    /// A built-in robot, or the path of a URDF file.
+    #[arg(long)]
+    urdf: String,
+    /// The SRDF, which lists the links that may overlap [default: found by sampling, as in `aghf pairs`].
+    #[arg(long)]
+    srdf: Option<PathBuf>,
+    /// Treatment of mimic joints: refuse the robot, or let them move independently.
+    #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
+    mimic: Mimic,
+    /// Spacing of the balls that cover shapes other than spheres, m.
+    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
+    spacing: f64,
+    /// Horizon, s [default: free].
+    #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
+    horizon: Option<f64>,
+    /// Bounds of a free horizon, s [default: the shortest that the velocity limits allow, and fifteen times that].
+    #[arg(long, num_args = 2, value_names = ["SHORTEST", "LONGEST"], allow_negative_numbers = true)]
+    horizon_bounds: Option<Vec<f64>>,
+    /// File for the scenario.
+    #[arg(long, short)]
+    out: PathBuf,
+    /// Replace that file if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl Import {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let From::Moveit(problem) = self.from;
+        problem.run()
+    }
+}
+
+impl FromMoveIt {
+    fn run(self) -> Result<ExitCode> {
+        refuse_existing(&self.out, self.force)?;
+        let horizon = match (self.horizon, self.horizon_bounds.as_deref()) {
+            (Some(horizon), _) => MoveItHorizon::Given(horizon),
+            (None, Some([shortest, longest])) => MoveItHorizon::Between(*shortest, *longest),
+            (None, _) => MoveItHorizon::Free,
+        };
+        let problem = MoveIt {
+            scene: self.scene,
+            request: self.request,
+            urdf: self.urdf,
+            mimic: self.mimic,
+            srdf: self.srdf,
+            spacing: self.spacing,
+            horizon,
+        };
+        let scenario = problem.scenario(&self.out.display().to_string())?;
+        if let Err(error) = scenario.check_feasible() {
+            tell(&format!("note: it has no solution: {error}"));
+        }
+        let mut text = Vec::new();
+        write_json(&scenario.file, &mut text).map_err(|e| aghf::Error::io(self.out.clone(), e))?;
+        let text = String::from_utf8_lossy(&text);
+        write_text(&format!("{text}\n"), &self.out)?;
+        print(&format!("wrote {}", self.out.display()))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,66 @@
+//! `aghf judge`.
+
+use super::{CHECK_FAILED, RobotArgs, print};
+use crate::output::{judgement_table, refuse_existing, write_json, write_text};
+use aghf::error::{Error, Result};
+use aghf_scenario::judge::{Tolerances, Trajectory, judge};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Judge a trajectory from any source: is it a motion of the scenario?
+///
+/// The table is a CSV file as written by `aghf solve`: a column t in s, a column q_JOINT for every joint, and for all
+/// joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are derived,
+/// and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
+/// clearances at all times between the samples. Exit code 1 if a check fails or cannot be decided.
+#[derive(Debug, Args)]
+pub(super) struct Judge {
+    /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
+    scenario: String,
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// The table, "-" for the standard input.
+    trajectory: PathBuf,
+    /// Accepted deviation of everything but clearances: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; for torques as a
+    /// fraction of the largest torque of the motion.
+    #[arg(long, default_value_t = Tolerances::default().tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Accepted depth of balls of the robot in obstacles or in each other, m; clearances are proved to a tenth of it.
+    #[arg(long, default_value_t = Tolerances::default().overlap_m, allow_negative_numbers = true)]
+    overlap: f64,
+    /// File for the verdict as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Replace that file if it exists.
+    #[arg(long, requires = "json")]
+    force: bool,
+}
+
+impl Judge {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        if let Some(path) = &self.json {
+            refuse_existing(path, self.force)?;
+        }
+        let scenario = self.robot.scenario(&self.scenario)?;
+        let trajectory = Trajectory::load(&self.trajectory, &scenario.model)?;
+        let tolerances = Tolerances {
+            tolerance: self.tolerance,
+            overlap_m: self.overlap,
+        };
+        let judgement = judge(&scenario, &trajectory, tolerances)?;
+        print(&judgement_table(&judgement))?;
+        if let Some(path) = &self.json {
+            let mut text = Vec::new();
+            write_json(&judgement, &mut text).map_err(|e| Error::io(path.clone(), e))?;
+            let text = String::from_utf8_lossy(&text);
+            write_text(&format!("{text}\n"), path)?;
+            print(&format!("wrote {}", path.display()))?;
+        }
+        Ok(if judgement.valid {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(CHECK_FAILED)
+        })
+    }
+}

@@ -1,0 +1,62 @@
+//! `aghf pairs`.
+
+use super::{UrdfArgs, print, tell_notes};
+use crate::output::{refuse_existing, write_text};
+use aghf::error::Result;
+use aghf::urdf::{RobotSource, Srdf};
+use aghf_scenario::{IgnoredPairs, LinkBall};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// List the pairs of links of a robot that may overlap, with the reasons.
+///
+/// The pairs are those that an SRDF disables. Without one they are neighbours, and pairs that overlap at each of 10000
+/// random configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
+/// PATH}.
+#[derive(Debug, Args)]
+pub(super) struct Pairs {
+    /// A built-in robot, or the path of a URDF file, "-" for the standard input.
+    urdf: String,
+    #[command(flatten)]
+    reading: UrdfArgs,
+    /// SRDF of the robot.
+    #[arg(long)]
+    srdf: Option<PathBuf>,
+    /// Without an SRDF: spacing of the balls that cover shapes other than spheres, m.
+    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
+    spacing: f64,
+    /// File for the pairs [default: printed].
+    #[arg(long, short)]
+    out: Option<PathBuf>,
+    /// Replace that file if it exists.
+    #[arg(long, requires = "out")]
+    force: bool,
+}
+
+impl Pairs {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        if let Some(path) = &self.out {
+            refuse_existing(path, self.force)?;
+        }
+        let source = RobotSource::find(&self.urdf, Path::new(""))?;
+        let (model, notes) = source.parse(self.reading.options())?;
+        tell_notes(&self.urdf, &notes);
+        let pairs = match &self.srdf {
+            Some(path) => IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?),
+            None => {
+                let balls = LinkBall::of_model(&model, source.folder(), self.spacing)?;
+                IgnoredPairs::by_sampling(&model, &balls)?
+            }
+        };
+        match &self.out {
+            None => print(pairs.to_json().trim_end())?,
+            Some(path) => {
+                write_text(&pairs.to_json(), path)?;
+                let count = pairs.ignored_pairs.len();
+                print(&format!("wrote {}: {count} pairs", path.display()))?;
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

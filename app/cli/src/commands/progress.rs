@@ -1,0 +1,106 @@
+//! The progress line of a solve on a terminal.
+
+use aghf::relax::{Iteration, RelaxSettings};
+use aghf_scenario::{Method, Record, Scenario, SolveOptions};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
+
+/// The time between two frames of the spinner.
+const TICK: Duration = Duration::from_millis(100);
+
+/// A progress line on the terminal: a bar for the published flow, whose end is known, otherwise the starts, the best
+/// motion so far and the current iteration. It is absent if the standard error is not a terminal.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    /// The requested number of starts.
+    starts: usize,
+    /// The number of starts begun.
+    begun: usize,
+    /// The least cost of a curve that satisfies the constraints.
+    least: Option<f64>,
+}
+
+impl Progress {
+    /// The progress line of a solve of `scenario`; `hidden` if the output has other lines, or none.
+    pub fn new(scenario: &Scenario, options: &SolveOptions, hidden: bool) -> Self {
+        let to_rest = options.flows_to_rest();
+        let (bar, starts) = match options.method {
+            _ if hidden => (ProgressBar::hidden(), 0),
+            Method::Flow if !to_rest => (bar(options.flow_settings(scenario).s_max), 1),
+            Method::Flow => (spinner(), options.rest_settings(scenario).guesses),
+            Method::Relax => (spinner(), options.relax_settings(scenario).num_starts),
+        };
+        Self {
+            bar,
+            starts,
+            begun: 0,
+            least: None,
+        }
+    }
+
+    /// Updates the line with a record.
+    pub fn observe(&mut self, record: &Record) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        let message = match record {
+            Record::Flow(r) => format!("s {:.1e}, action {:.4e}", r.s, r.action_at_nodes),
+            Record::Rest(r) => format!(
+                "degree {}, action {:.4e}, gradient {:.1e}",
+                r.degree, r.action, r.gradient_norm
+            ),
+            Record::Relax(iteration) => self.of_relaxation(iteration),
+        };
+        self.bar.set_message(message);
+        self.bar.inc(1);
+    }
+
+    /// The progress of a relaxation.
+    fn of_relaxation(&mut self, iteration: &Iteration) -> String {
+        let Iteration {
+            cost, violation, ..
+        } = *iteration;
+        self.begun = iteration
+            .start
+            .map_or(self.begun, |i| self.begun.max(i + 1));
+        if violation <= RelaxSettings::FEASIBLE {
+            self.least = Some(self.least.map_or(cost, |least| least.min(cost)));
+        }
+        let stage = match iteration.start {
+            Some(start) => format!("start {} of {}", start + 1, self.starts.max(self.begun)),
+            None => format!("horizon {:.4} s", iteration.horizon),
+        };
+        let best = self.least.map_or_else(
+            || "nothing within the constraints yet".to_owned(),
+            |least| format!("best {least:.5e}"),
+        );
+        let off = match violation > 0.0 {
+            true => format!(", violation {violation:.1e}"),
+            false => String::new(),
+        };
+        format!(
+            "{best}; {stage}, degree {}: cost {cost:.4e}{off}, gradient {:.1e}",
+            iteration.degree, iteration.gradient_norm
+        )
+    }
+
+    /// Removes the line.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A spinner that turns while the program works.
+fn spinner() -> ProgressBar {
+    let style = ProgressStyle::with_template("{elapsed:>4} {spinner} {wide_msg}");
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(TICK);
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+}
+
+/// A bar that advances with the values of `s` of the flow.
+fn bar(s_max: f64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
+    ProgressBar::new(aghf::flow::output_count(s_max))
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

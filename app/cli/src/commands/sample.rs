@@ -1,0 +1,54 @@
+//! `aghf sample`.
+
+use super::output::SamplingArgs;
+use super::{print, printed};
+use crate::output::{refuse_existing, write_table, write_trajectory};
+use aghf::error::Result;
+use aghf_scenario::Solved;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Make a table of a motion from the summary of a solve, at any rate.
+///
+/// The columns are those of trajectory.csv: t (s), then q_JOINT (rad or m), v_JOINT (rad/s or m/s), a_JOINT (rad/s^2 or
+/// m/s^2) and u_JOINT (N m or N) of every joint. For a failed solve the first line is a comment, after a #, that gives
+/// the reason.
+#[derive(Debug, Args)]
+pub(super) struct Sample {
+    /// The summary.json of a solve.
+    summary: String,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    /// File for the table [default: the standard output].
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Replace the file if it exists.
+    #[arg(long, requires = "out")]
+    force: bool,
+}
+
+impl Sample {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let Solved {
+            scenario,
+            curve,
+            failure,
+            ..
+        } = Solved::load(&self.summary)?;
+        let (model, failure) = (&scenario.model, failure.as_deref());
+        let times = self.sampling.sampling().times(curve.horizon())?;
+        match &self.out {
+            Some(path) => {
+                refuse_existing(path, self.force)?;
+                write_table(model, &curve, times, failure, path)?;
+                print(&format!("wrote {}", path.display()))?;
+            }
+            None => {
+                let out = std::io::stdout().lock();
+                printed(write_trajectory(model, &curve, times, failure, out))?;
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,10 @@
+//! The program `aghf` and its parts: commands, tables and files of results, the report page, sweeps and benchmarks.
+
+pub mod benchmark;
+pub mod commands;
+pub mod degree_study;
+pub mod guide;
+pub mod output;
+pub mod report;
+pub mod reproduce;
+pub mod sweep;

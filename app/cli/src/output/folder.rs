@@ -1,0 +1,114 @@
+//! Folders for results, without accidental overwriting.
+
+use super::files::unfinished;
+use aghf::error::{Error, Result};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The largest number of folders of one name.
+const MOST: usize = 10_000;
+
+/// A folder that is tested for writing before the work begins. A newly created one is removed again if nothing was
+/// written.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    made: bool,
+    replace: bool,
+}
+
+impl OutputFolder {
+    /// Opens this folder, which is created if necessary, for files of these names.
+    ///
+    /// # Errors
+    /// A file exists already and may not be replaced, the folder cannot be created, or no file can be written in it.
+    pub fn open(path: &Path, files: &[&str], replace: bool) -> Result<Self> {
+        for file in files {
+            refuse_existing(&path.join(file), replace)?;
+        }
+        let made = !path.exists();
+        fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
+        Self::new(path, made, replace)
+    }
+
+    /// Creates a new folder: this one, or the same with the suffix `-2`, `-3` and so on.
+    ///
+    /// # Errors
+    /// The folder cannot be created, or no file can be written in it.
+    pub fn fresh(path: &Path) -> Result<Self> {
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+        }
+        for number in 1..=MOST {
+            let mut name = path.as_os_str().to_owned();
+            if number > 1 {
+                name.push(format!("-{number}"));
+            }
+            // Another process that looks for a folder at the same time finds this one taken.
+            match fs::create_dir(&name) {
+                Ok(()) => return Self::new(Path::new(&name), true, false),
+                Err(e) if e.kind() == ErrorKind::AlreadyExists => (),
+                Err(e) => return Err(Error::io(name, e)),
+            }
+        }
+        let condition = format!("there are {MOST} folders of this name already");
+        Err(Error::input(
+            path.display().to_string(),
+            "folder",
+            condition,
+        ))
+    }
+
+    fn new(path: &Path, made: bool, replace: bool) -> Result<Self> {
+        let folder = Self {
+            path: path.to_owned(),
+            made,
+            replace,
+        };
+        if made {
+            unfinished(path, true);
+        }
+        let probe = path.join(format!("probe.{}.partial", std::process::id()));
+        let written = fs::write(&probe, b"probe");
+        // Whatever was written of it, or nothing.
+        let _ = fs::remove_file(&probe);
+        written.map_err(|e| Error::io(path, e))?;
+        Ok(folder)
+    }
+
+    /// True if files in it may be replaced.
+    #[must_use]
+    pub fn replaces(&self) -> bool {
+        self.replace
+    }
+
+    /// The path of the folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if self.made {
+            // Only an empty one can be removed, and one that is not has results.
+            let _ = fs::remove_dir(&self.path);
+            unfinished(&self.path, false);
+        }
+    }
+}
+
+/// Refuses a file that exists already, unless it may be replaced.
+///
+/// # Errors
+/// Names the file.
+pub fn refuse_existing(path: &Path, replace: bool) -> Result<()> {
+    if replace || !path.exists() {
+        return Ok(());
+    }
+    let condition = "it exists already; --force replaces it";
+    let file = path.display().to_string();
+    Err(Error::input(file, "output", condition))
+}

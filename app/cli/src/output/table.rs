@@ -1,0 +1,331 @@
+//! Tables for people.
+
+use aghf::error::Result;
+use aghf::model::Model;
+use aghf::relax::DegreeRefinement;
+use aghf::verify::duals::Finding;
+use aghf::verify::field::Verdict;
+use aghf_scenario::{
+    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RestDetails, RobotShape, Scenario,
+    Summary, builtin_scenarios, generated_scenarios,
+};
+use comfy_table::{CellAlignment, Table, presets};
+
+/// An empty table without lines.
+pub(crate) fn table() -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table
+}
+
+/// Formats a number: short, but with its order of magnitude.
+pub(crate) fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+/// The number of starts whose costs are listed.
+const SHOWN: usize = 16;
+
+/// Formats the result of a solve as a table.
+#[must_use]
+pub fn summary_table(summary: &Summary) -> String {
+    let mut table = table();
+    for row in summary_rows(summary) {
+        table.add_row(row);
+    }
+    table.to_string()
+}
+
+/// The rows of that table, each a name and a value.
+pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
+    let s = summary;
+    let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
+    let (settings, rows) = match &s.details {
+        Details::Flow(d) => flow_rows(d),
+        Details::Rest(d) => rest_rows(d),
+        Details::Relax(d) => relax_rows(d),
+    };
+    let degree = match s.pieces {
+        1 => format!("p {}", s.p),
+        pieces => format!("{pieces} pieces of p {}", s.p),
+    };
+    let settings = format!("{}, {degree}, {settings}", s.method);
+    let gains = format!(
+        "final error with feedback ({}, {})",
+        s.feedback.kp, s.feedback.kv
+    );
+    let mut all = Vec::new();
+    let mut add = |what: &str, value: &str| all.push([what.to_owned(), value.to_owned()]);
+    add("scenario", &format!("{} ({})", s.scenario, s.robot));
+    add("method", &settings);
+    add("success", if s.success { "yes" } else { "no" });
+    add(
+        &gains,
+        &format!(
+            "{}, to be below {}",
+            optional(s.final_error_inf),
+            s.success_threshold
+        ),
+    );
+    add("final error open loop", &optional(s.open_loop_error_inf));
+    add("control effort, int |u|^2 dt", &short(s.control_effort));
+    add("dynamics defect, max |qdot - v|", &short(s.dynamics_defect));
+    add("solve time", &format!("{:.4} s", s.solve_seconds));
+    for (what, value) in rows {
+        add(what, &value);
+    }
+    if let Some(failure) = &s.failure {
+        add("failure", failure);
+    }
+    for note in &s.notes {
+        add("note", note);
+    }
+    for note in &s.outside_limits {
+        add("outside limits", note);
+    }
+    if let Some(clearance) = s.feasibility.smallest_clearance_m {
+        add("smallest clearance", &format!("{} m", short(clearance)));
+    }
+    if let Some(passive) = s.feasibility.largest_passive_torque {
+        let largest = s.feasibility.largest_torque;
+        let both = format!("{} of {}", short(passive), short(largest));
+        add("largest torque of passive joints", &both);
+    }
+    let limits = s.feasibility.limit_violations.iter();
+    // The torques of passive joints have a row of their own.
+    for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
+        add("limit exceeded", &violation.to_string());
+    }
+    all
+}
+
+/// The parameters and the results that only the published flow has.
+fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "jacobian {}, integrator {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
+        d.jacobian, d.integrator, d.k, d.s_max, d.tolerance, d.guess
+    );
+    let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
+    let work = format!(
+        "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
+        d.steps, d.rejected_steps, d.omega_evaluations, d.jacobian_evaluations, d.factorisations
+    );
+    let rows = vec![
+        ("action", short(d.action)),
+        ("action at the nodes, before and after", nodes.join(", ")),
+        ("work", work),
+    ];
+    (settings, rows)
+}
+
+/// The parameters and the results that only a flow to rest has.
+fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!("{}, k {:e}, tolerance {:e}", d.variant, d.k, d.tolerance);
+    let work = format!(
+        "{} steps, {} factorisations, {} updates of the duals, {} guesses",
+        d.steps, d.factorisations, d.dual_updates, d.guesses
+    );
+    let mut rows = vec![
+        ("action", short(d.action)),
+        (
+            "gradient norm, relative",
+            format!("{:.1e}", d.gradient_norm),
+        ),
+        ("slip at the points, max |qdot - v|", short(d.slip)),
+    ];
+    if let Some(violation) = d.largest_violation {
+        rows.push(("largest violation", short(violation)));
+    }
+    rows.push(("work", work));
+    (settings, rows)
+}
+
+/// The parameters and the results that only a relaxation has.
+fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
+    let settings = format!(
+        "tolerance {:e}, {} starts",
+        d.tolerance,
+        d.efforts_of_starts.len().max(1)
+    );
+    let all = &d.efforts_of_starts;
+    let mut starts: Vec<_> = all.iter().take(SHOWN).map(|x| short(*x)).collect();
+    if all.len() > SHOWN {
+        starts.push(format!("and {} more", all.len() - SHOWN));
+    }
+    let work = format!(
+        "{} iterations, {} factorisations, {} points",
+        d.iterations, d.factorisations, d.quadrature_points
+    );
+    let stopped = || "the simulation stopped".to_owned();
+    let replay = d.replay_error_inf.map_or_else(stopped, short);
+    let mut rows = Vec::new();
+    if let Some(cost) = d.cost {
+        rows.push(("cost that was minimised", short(cost)));
+        rows.push(("horizon", format!("{} s", short(d.horizon_s))));
+    }
+    if let Some(adapted) = &d.adapted {
+        rows.push(("effort by degree", efforts_by_degree(adapted)));
+    }
+    rows.extend([
+        ("error of an interval by nodes alone", replay),
+        (
+            "gradient norm, relative",
+            format!("{:.1e}", d.gradient_norm),
+        ),
+        ("smallest curvature, relative", short(d.smallest_curvature)),
+        ("cost of the starts at the lowest degree", starts.join(", ")),
+        ("work", work),
+    ]);
+    (settings, rows)
+}
+
+/// The change of the effort with the degree, and its comparison with the tolerance.
+fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
+    let efforts = adapted.degrees.iter().zip(&adapted.costs);
+    let efforts: Vec<_> = efforts
+        .map(|(p, x)| format!("{} at {p}", short(*x)))
+        .collect();
+    let verdict = if adapted.converged {
+        "settled"
+    } else {
+        "NOT settled"
+    };
+    let tolerance = adapted.tolerance;
+    format!("{}: {verdict} to {tolerance}", efforts.join(", "))
+}
+
+/// Formats the verdicts of proofs as a table.
+#[must_use]
+pub fn verdict_table(verdicts: &[Verdict]) -> String {
+    let mut table = table();
+    table.set_header(["label", "statement", "entries", "bound", ""]);
+    for v in verdicts {
+        table.add_row([
+            v.label.clone(),
+            v.statement.clone(),
+            v.entries.to_string(),
+            format!("{:.0e}", v.bound),
+            if v.failure.is_none() {
+                "holds"
+            } else {
+                "FAILS"
+            }
+            .to_owned(),
+        ]);
+    }
+    table.to_string()
+}
+
+/// Formats the findings of derivative checks as a table: the worst of each quantity.
+#[must_use]
+pub fn check_table(findings: &[Finding]) -> String {
+    let mut table = table();
+    table.set_header([
+        "quantity",
+        "k",
+        "worst relative error",
+        "bound",
+        "entry",
+        "state",
+        "",
+    ]);
+    for f in findings {
+        table.add_row([
+            f.quantity.clone(),
+            f.k.map_or_else(String::new, |k| format!("{k:e}")),
+            format!("{:.1e}", f.error),
+            format!("{:.0e}", f.bound),
+            format!("({}, {})", f.entry.0, f.entry.1),
+            f.sample.to_string(),
+            if f.passes() { "ok" } else { "OFF" }.to_owned(),
+        ]);
+    }
+    table.to_string()
+}
+
+/// Formats the joints of a robot as a table.
+#[must_use]
+pub fn robot_table(model: &Model) -> String {
+    let mut table = table();
+    table.set_header([
+        "joint",
+        "kind",
+        "carried by",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+        "mass, kg",
+    ]);
+    for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
+        let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
+        let limits = joint.limits();
+        let numbers = [
+            limits.lower,
+            limits.upper,
+            limits.velocity,
+            limits.effort,
+            inertia.mass,
+        ];
+        let limit = |x: f64| {
+            if x.is_finite() {
+                short(x)
+            } else {
+                "-".to_owned()
+            }
+        };
+        let words = [joint.name(), joint.kind().name(), carrier].map(str::to_owned);
+        table.add_row(words.into_iter().chain(numbers.map(limit)));
+    }
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.to_string()
+}
+
+/// Formats all scenarios as a table: robot, horizon and obstacles, then the descriptions of the generated families.
+///
+/// # Errors
+/// A scenario cannot be loaded.
+pub fn scenario_table() -> Result<String> {
+    let mut table = table();
+    let builtin = builtin_scenarios().map(str::to_owned);
+    for name in builtin.chain(generated_scenarios()) {
+        let Scenario { file, .. } = Scenario::load(&name)?;
+        let counts = [
+            (file.sphere_obstacles.len(), "sphere", "spheres"),
+            (file.box_obstacles.len(), "box", "boxes"),
+            (file.cylinder_obstacles.len(), "cylinder", "cylinders"),
+            (file.capsule_obstacles.len(), "capsule", "capsules"),
+        ];
+        let there = counts.into_iter().filter(|(count, ..)| *count > 0);
+        let counted = there.map(|(count, one, more)| match count {
+            1 => format!("1 {one}"),
+            _ => format!("{count} {more}"),
+        });
+        let mut obstacles: Vec<String> = counted.collect();
+        if !file.half_spaces.is_empty() {
+            obstacles.push("floor".to_owned());
+        }
+        let against = match file.robot_shape {
+            _ if obstacles.is_empty() => String::new(),
+            RobotShape::JointFrames => "joint frames".to_owned(),
+            RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
+            RobotShape::Collision { .. } => "collision shapes".to_owned(),
+        };
+        let horizon = match file.free_horizon {
+            None => format!("{} s", file.horizon_s),
+            Some(free) => format!("{} to {} s", free.shortest_s, free.longest_s),
+        };
+        table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);
+    }
+    let families = FAMILIES
+        .iter()
+        .map(|f| format!("{}_SEED: {}", f.name, f.about));
+    let families: Vec<String> = families.collect();
+    Ok(format!("{table}\n\n{}", families.join("\n")))
+}

@@ -1,0 +1,187 @@
+//! A motion as a table, and the files of a solve.
+
+use super::files::{Partial, write_whole};
+use super::{OutputFolder, write_json};
+use aghf::curve::Curve;
+use aghf::error::{Error, Result};
+use aghf::model::Model;
+use aghf::motion::samples_at;
+use aghf_scenario::SolveReport;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The times of the rows of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// This number of times at equal distances, both ends of the motion included.
+    Samples(usize),
+    /// This number of times per second, in Hz, from the start, and one at the end.
+    Rate(f64),
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self::Samples(201)
+    }
+}
+
+impl Sampling {
+    /// The largest number of rows of a table: several GB of text for an arm.
+    pub const MOST: usize = 10_000_000;
+
+    /// The times of a motion with this horizon, all in s.
+    ///
+    /// # Errors
+    /// The number or the rate is out of range.
+    pub fn times(self, horizon: f64) -> Result<impl Iterator<Item = f64> + use<>> {
+        let most = Self::MOST;
+        let refuse = |what: &str, condition: String| Err(Error::input("options", what, condition));
+        // Times are quotients, so that none is off by more than its rounding.
+        let (count, per_second) = match self {
+            Self::Samples(samples) if !(2..=most).contains(&samples) => {
+                let condition = format!("it is {samples}, at least 2 and at most {most} is needed");
+                return refuse("samples", condition);
+            }
+            Self::Samples(samples) => (samples - 1, (samples - 1) as f64 / horizon),
+            Self::Rate(rate) => {
+                if !(rate.is_finite() && rate > 0.0) {
+                    return refuse("rate", format!("it is {rate}, a positive number is needed"));
+                }
+                // A product that is a whole number but for rounding is that number.
+                let count = (horizon * rate * (1.0 - 1e-12)).ceil();
+                if count >= most as f64 {
+                    let condition = format!("{rate} Hz over {horizon} s are more than {most} rows");
+                    return refuse("rate", condition);
+                }
+                (count as usize, rate)
+            }
+        };
+        let inner = (0..count).map(move |i| (i as f64 / per_second).min(horizon));
+        Ok(inner.chain([horizon]))
+    }
+}
+
+/// The names of the files of a solve: the table, the summary and the page of a success, and those of a failure.
+pub const REPORT_FILES: [&str; 6] = [
+    "trajectory.csv",
+    "summary.json",
+    "report.html",
+    "trajectory.failed.csv",
+    "summary.failed.json",
+    "report.failed.html",
+];
+
+/// Writes the table of a motion: one row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s),
+/// `a_JOINT` (rad/s^2 or m/s^2) and `u_JOINT` (N m or N) of all joints in their order. For a `failure` the first line
+/// is a comment, after `#`, that gives the reason. Rows are written as they are computed.
+///
+/// # Errors
+/// The writer fails, or the curve has another number of joints than `model`.
+pub fn write_trajectory(
+    model: &Model,
+    curve: &Curve,
+    times: impl Iterator<Item = f64>,
+    failure: Option<&str>,
+    mut writer: impl Write,
+) -> io::Result<()> {
+    if let Some(reason) = failure {
+        let reason = reason.replace(['\n', '\r'], " ");
+        writeln!(writer, "# failed: {reason}")?;
+    }
+    let mut csv = csv::Writer::from_writer(writer);
+    let columns = ["q", "v", "a", "u"].iter().flat_map(|quantity| {
+        let joints = model.joints().iter();
+        joints.map(move |joint| format!("{quantity}_{}", joint.name()))
+    });
+    let header = std::iter::once("t".to_owned()).chain(columns);
+    csv.write_record(header).map_err(of_csv)?;
+    let times = times.map(|t| (curve.segment_at(t), t));
+    for sample in samples_at(model, curve, times) {
+        let s = sample.map_err(io::Error::other)?;
+        let row = [&s.q, &s.v, &s.a, &s.u].into_iter().flatten();
+        let row = std::iter::once(&s.t).chain(row);
+        csv.write_record(row.map(|x| format!("{x:?}")))
+            .map_err(of_csv)?;
+    }
+    csv.flush()
+}
+
+/// Converts the error of the CSV writer without losing its kind.
+fn of_csv(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
+}
+
+/// Writes the table of a motion to the file at `path` by [`write_trajectory`].
+///
+/// # Errors
+/// Those of [`write_trajectory`].
+pub fn write_table(
+    model: &Model,
+    curve: &Curve,
+    times: impl Iterator<Item = f64>,
+    failure: Option<&str>,
+    path: &Path,
+) -> Result<()> {
+    write_whole(path, |file| {
+        write_trajectory(model, curve, times, failure, file)
+    })
+}
+
+/// Writes `trajectory.csv`, see [`write_trajectory`], `summary.json`, and `report.html` if there is a `page`, into
+/// `folder` and returns their paths; a failed solve writes `trajectory.failed.csv` and so on, so that the files of an
+/// earlier success remain. If files may be replaced, a success removes those of an earlier failure, and no page of an
+/// earlier solve remains next to another motion.
+///
+/// # Errors
+/// A file cannot be written, and then none is; or the sampling is out of range.
+pub fn write_report(
+    model: &Model,
+    outcome: &SolveReport,
+    page: Option<&str>,
+    folder: &OutputFolder,
+    sampling: Sampling,
+) -> Result<Vec<PathBuf>> {
+    let summary = &outcome.summary;
+    let (success, failure) = REPORT_FILES.split_at(REPORT_FILES.len() / 2);
+    let (own, other) = match summary.success {
+        true => (success, failure),
+        false => (failure, success),
+    };
+    let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
+    let times = sampling.times(outcome.curve.horizon())?;
+    let reason = summary.failure.as_deref();
+    let mut parts = vec![
+        Partial::write(&paths[0], |file| {
+            write_trajectory(model, &outcome.curve, times, reason, file)
+        })?,
+        Partial::write(&paths[1], |file| {
+            write_json(summary, &mut *file)?;
+            file.write_all(b"\n")
+        })?,
+    ];
+    match page {
+        Some(page) => parts.push(Partial::write(&paths[2], |file| {
+            file.write_all(page.as_bytes())
+        })?),
+        None => {
+            let stale = paths.remove(2);
+            if folder.replaces() {
+                // Mostly there is none.
+                let _ = std::fs::remove_file(stale);
+            }
+        }
+    }
+    for part in parts {
+        part.complete(folder.replaces())?;
+    }
+    if summary.success && folder.replaces() {
+        for name in other {
+            // Mostly there is none.
+            let _ = std::fs::remove_file(folder.path().join(name));
+        }
+    }
+    Ok(paths)
+}

@@ -1,0 +1,307 @@
+//! The data of a page.
+
+use super::encode::of_f32;
+use super::plots::{Axes, Line, Plot, colours, css, plot};
+use super::scene::{Scene, scene_of};
+use super::told::{Told, commands, method, told_in};
+use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
+use crate::output::summary_rows;
+use aghf::curve::Curve;
+use aghf::error::Result;
+use aghf::model::{JointKind, Model};
+use aghf::motion::Sample;
+use aghf::relax::LocalMinimum;
+use aghf_scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
+use serde::Serialize;
+
+/// The largest number of ghosts next to a motion: its first guess, and other minima.
+const MOST_GHOSTS: usize = 3;
+
+/// A motion to be displayed.
+pub struct Motion<'a> {
+    /// Its scenario.
+    pub scenario: &'a Scenario,
+    /// Its curve.
+    pub curve: &'a Curve,
+    /// The reason of a failure; `None` for a success.
+    pub failure: Option<&'a str>,
+    told: Told,
+    /// The report of its solve.
+    outcome: Option<&'a SolveReport>,
+}
+
+impl<'a> Motion<'a> {
+    /// The motion of a solve.
+    #[must_use]
+    pub fn of_report(scenario: &'a Scenario, outcome: &'a SolveReport) -> Self {
+        let summary = &outcome.summary;
+        Self {
+            scenario,
+            curve: &outcome.curve,
+            failure: summary.failure.as_deref(),
+            told: Told {
+                facts: summary_rows(summary),
+                commands: commands(summary),
+                method: method(&summary.provenance.options),
+                effort: Some(summary.control_effort),
+                least_clearance: summary.feasibility.smallest_clearance_m,
+            },
+            outcome: Some(outcome),
+        }
+    }
+
+    /// The motion of a solve whose summary is in the file at `path`, without the progress of its search.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn of_solved(solved: &'a Solved, path: &str) -> Result<Self> {
+        Ok(Self {
+            scenario: &solved.scenario,
+            curve: &solved.curve,
+            failure: solved.failure.as_deref(),
+            told: told_in(path, &solved.options)?,
+            outcome: None,
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct JointData {
+    name: String,
+    /// "rad" or "m".
+    unit: &'static str,
+    color: String,
+    /// The integral of the squared torque.
+    effort: f64,
+}
+
+#[derive(Serialize)]
+struct MinimumData {
+    cost: f64,
+    starts: usize,
+    /// The index of the track, if it is shown.
+    track: Option<usize>,
+}
+
+/// The data of a motion on a page.
+#[derive(Serialize)]
+pub(super) struct MotionData {
+    name: String,
+    robot: String,
+    method: String,
+    horizon: f64,
+    failure: Option<String>,
+    facts: Vec<[String; 2]>,
+    commands: Vec<String>,
+    made_by: String,
+    joints: Vec<JointData>,
+    scene: Scene,
+    /// The tracks, that of the motion first.
+    tracks: Vec<Track>,
+    /// `q`, `v`, `a` and `u` of all joints at the times of the first track.
+    values: String,
+    clearance: Option<Clearance>,
+    /// The least clearance, m.
+    least_clearance: Option<f64>,
+    plots: Vec<Plot>,
+    minima: Vec<MinimumData>,
+    effort: f64,
+}
+
+impl MotionData {
+    pub fn new(motion: &Motion<'_>) -> Result<Self> {
+        let (scenario, model) = (motion.scenario, &motion.scenario.model);
+        let rows = rows_of(model, motion.curve, MOTION)?;
+        let placements = placements_of(model, &rows)?;
+        let clearance = Clearance::new(scenario, &placements)?;
+        let mut tracks = vec![Track::new(
+            "motion".to_owned(),
+            "motion",
+            &rows,
+            &placements,
+        )];
+        let ghost = |name: String, kind, curve: &Curve| -> Result<Track> {
+            let rows = rows_of(model, curve, GHOST)?;
+            Ok(Track::new(name, kind, &rows, &placements_of(model, &rows)?))
+        };
+        let mut minima = Vec::new();
+        if let Some(outcome) = motion.outcome {
+            if let Some(guess) = &outcome.trace.first_guess {
+                tracks.push(ghost("first guess".to_owned(), "guess", guess)?);
+            }
+            for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate()
+            {
+                let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
+                let mut minimum = MinimumData {
+                    cost: *cost,
+                    starts: *starts,
+                    track: (i == 0).then_some(0),
+                };
+                if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
+                    minimum.track = Some(tracks.len());
+                    tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
+                }
+                minima.push(minimum);
+            }
+        }
+        let colours = colours(model.dof());
+        let efforts: Vec<f64> = (0..model.dof()).map(|i| effort_of(&rows, i)).collect();
+        let joints = model.joints().iter().enumerate();
+        let joints = joints.map(|(i, joint)| JointData {
+            name: joint.name().to_owned(),
+            unit: unit_of(joint.kind()),
+            color: css(colours[i]),
+            effort: efforts[i],
+        });
+        let values = rows.iter().flat_map(|row| {
+            let all = [&row.q, &row.v, &row.a, &row.u].into_iter();
+            all.flatten().copied()
+        });
+        let mut plots = plots_of_joints(model, &rows)?;
+        plots.extend(plot_of_clearance(&rows, clearance.as_ref())?);
+        if let Some(outcome) = motion.outcome {
+            plots.extend(super::convergence::plots_of_search(outcome)?);
+        }
+        let at_rows = clearance.as_ref().map(Clearance::least);
+        Ok(Self {
+            name: scenario.name.clone(),
+            robot: scenario.file.robot.clone(),
+            method: motion.told.method.clone(),
+            horizon: motion.curve.horizon(),
+            failure: motion.failure.map(str::to_owned),
+            facts: motion.told.facts.clone(),
+            commands: motion.told.commands.clone(),
+            made_by: made_by(motion),
+            joints: joints.collect(),
+            scene: scene_of(scenario)?,
+            tracks,
+            values: of_f32(values),
+            clearance,
+            least_clearance: motion.told.least_clearance.or(at_rows),
+            plots,
+            minima,
+            effort: motion.told.effort.unwrap_or(efforts.iter().sum()),
+        })
+    }
+}
+
+/// The version that solved the motion.
+fn made_by(motion: &Motion<'_>) -> String {
+    let provenance = motion.outcome.map(|outcome| &outcome.summary.provenance);
+    match provenance {
+        Some(provenance) => format!("aghf {} {}", provenance.version, provenance.commit),
+        None => format!("aghf {}", env!("CARGO_PKG_VERSION")),
+    }
+}
+
+fn minima_of(summary: &Summary) -> &[LocalMinimum] {
+    match &summary.details {
+        Details::Relax(relax) => &relax.minima,
+        Details::Flow(_) | Details::Rest(_) => &[],
+    }
+}
+
+fn unit_of(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Prismatic => "m",
+        JointKind::Revolute | JointKind::Continuous => "rad",
+    }
+}
+
+/// The integral of the squared torque of a joint, by Simpson's rule: each segment has an even number of equal
+/// intervals.
+fn effort_of(rows: &[Sample], joint: usize) -> f64 {
+    let mut sum = 0.0;
+    let mut at = 0;
+    while at + 2 < rows.len() {
+        let [a, b, c] = [0, 1, 2].map(|k| &rows[at + k]);
+        // Where a segment begins the time stands still.
+        if b.t <= a.t {
+            at += 1;
+            continue;
+        }
+        let [x, y, z] = [a, b, c].map(|row| row.u[joint] * row.u[joint]);
+        sum += (c.t - a.t) / 6.0 * (x + 4.0 * y + z);
+        at += 2;
+    }
+    sum
+}
+
+/// Plots of positions, velocities, accelerations and torques, with the region beyond the joint limits shaded.
+fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
+    let kinds = || model.joints().iter().map(|j| unit_of(j.kind()));
+    let all = |unit: &str| kinds().all(|own| own == unit);
+    let units = match (all("rad"), all("m")) {
+        (true, _) => ["rad", "rad/s", "rad/s²", "N m"],
+        (_, true) => ["m", "m/s", "m/s²", "N"],
+        _ => ["rad or m", "rad/s or m/s", "rad/s² or m/s²", "N m or N"],
+    };
+    let titles = ["Position", "Velocity", "Acceleration", "Torque"];
+    let colours = colours(model.dof());
+    let value = |row: &Sample, what: usize, joint: usize| match what {
+        0 => row.q[joint],
+        1 => row.v[joint],
+        2 => row.a[joint],
+        _ => row.u[joint],
+    };
+    let mut plots = Vec::new();
+    for (what, (title, unit)) in titles.into_iter().zip(units).enumerate() {
+        let joints = model.joints().iter().enumerate();
+        let lines = joints.map(|(i, joint)| {
+            let limits = joint.limits();
+            Line {
+                points: rows.iter().map(|r| (r.t, value(r, what, i))).collect(),
+                colour: colours[i],
+                bounds: match what {
+                    0 => limits.lower..limits.upper,
+                    1 => -limits.velocity..limits.velocity,
+                    2 => f64::NEG_INFINITY..f64::INFINITY,
+                    _ => -limits.effort..limits.effort,
+                },
+            }
+        });
+        plots.push(plot(
+            Axes {
+                title: title.to_owned(),
+                unit,
+                time: true,
+                logarithmic: false,
+                per_joint: true,
+                legend: Vec::new(),
+            },
+            &lines.collect::<Vec<_>>(),
+        )?);
+    }
+    Ok(plots)
+}
+
+fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<Option<Plot>> {
+    let Some(clearance) = clearance else {
+        return Ok(None);
+    };
+    let colour = colours(1)[0];
+    let points = rows.iter().zip(&clearance.distances);
+    let line = Line {
+        points: points.map(|(row, distance)| (row.t, *distance)).collect(),
+        colour,
+        bounds: 0.0..f64::INFINITY,
+    };
+    let axes = Axes {
+        title: "Clearance".to_owned(),
+        unit: "m",
+        time: true,
+        logarithmic: false,
+        per_joint: false,
+        legend: Vec::new(),
+    };
+    plot(axes, &[line]).map(Some)
+}
+
+/// The iterations of the start that led to the motion, and those after the starts.
+pub(super) fn iterations_of(outcome: &SolveReport) -> impl Iterator<Item = &Record> {
+    let best = outcome.trace.best_start;
+    outcome.history.iter().filter(move |record| match record {
+        Record::Relax(i) => i.start.is_none() || i.start == best,
+        Record::Flow(_) | Record::Rest(_) => true,
+    })
+}

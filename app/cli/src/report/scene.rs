@@ -1,0 +1,249 @@
+//! The scene: the shapes of the links, the obstacles, and the points whose paths are drawn.
+
+use super::links::{base_shapes, capsules_along_links};
+use super::mesh::{MeshData, Meshes};
+use aghf::error::Result;
+use aghf::geometry::{Shape, Solid};
+use aghf::model::{CollisionShape, Model};
+use aghf::spatial::Placement;
+use aghf::urdf::{Visual, load_mesh, read_visuals};
+use aghf_scenario::Scenario;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+/// A scene of the page. Lengths in m, in the base frame except for shapes of bodies.
+#[derive(Serialize)]
+pub(super) struct Scene {
+    pub shapes: Vec<Item>,
+    pub meshes: Vec<MeshData>,
+    pub obstacles: Vec<Item>,
+    pub planes: Vec<Plane>,
+    pub tips: Vec<Tip>,
+    /// The source of the robot's shapes, and the shapes that could not be shown.
+    pub notes: Vec<String>,
+}
+
+/// A shape with its pose.
+#[derive(Serialize)]
+pub(super) struct Item {
+    /// The body; `None` for the base.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<usize>,
+    pub kind: &'static str,
+    /// Half lengths along the axes of the shape; for a capsule the last is that of its segment.
+    pub size: [f64; 3],
+    /// Position, and orientation as a unit quaternion `x y z w`.
+    pub pose: [f64; 7],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The index of the mesh, for a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<usize>,
+    /// True for the symbol of a joint.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub joint: bool,
+}
+
+/// The boundary of a half-space.
+#[derive(Serialize)]
+pub(super) struct Plane {
+    pub name: String,
+    pub normal: [f64; 3],
+    pub offset: f64,
+}
+
+/// A point of a body whose path is drawn.
+#[derive(Clone, Serialize)]
+pub(super) struct Tip {
+    pub name: String,
+    pub body: usize,
+    pub point: [f64; 3],
+}
+
+impl Item {
+    /// A shape at `placement` in a body.
+    pub fn new(body: Option<usize>, placement: &Placement<f64>, shape: &Shape<f64>) -> Self {
+        let (kind, size) = match *shape {
+            Shape::Sphere { radius } => ("sphere", [radius; 3]),
+            Shape::Cuboid { half_extents } => ("box", half_extents.into()),
+            Shape::Cylinder {
+                radius,
+                half_length,
+            } => ("cylinder", [radius, radius, half_length]),
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => ("capsule", [radius, radius, half_length]),
+        };
+        Self {
+            body,
+            kind,
+            size,
+            pose: pose(placement),
+            color: None,
+            name: None,
+            mesh: None,
+            joint: false,
+        }
+    }
+}
+
+/// Position and unit quaternion `x y z w` of a placement.
+pub(super) fn pose(placement: &Placement<f64>) -> [f64; 7] {
+    let rotation = Rotation3::from_matrix_unchecked(placement.rotation);
+    let turn = UnitQuaternion::from_rotation_matrix(&rotation);
+    let (p, q) = (placement.translation, turn.coords);
+    [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+}
+
+/// Builds the scene of a scenario.
+pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
+    let environment = &scenario.environment;
+    let names = environment.obstacle_names();
+    let spheres = environment.spheres().map(|sphere| Solid {
+        placement: Placement::new(Matrix3::identity(), sphere.centre),
+        shape: Shape::Sphere {
+            radius: sphere.radius,
+        },
+    });
+    let spheres: Vec<Solid> = spheres.collect();
+    let planes: Vec<_> = environment.half_spaces().collect();
+    // The names are those of spheres, half-spaces and other solids, in this order.
+    let (of_spheres, others) = names.split_at(spheres.len());
+    let (of_planes, of_solids) = others.split_at(planes.len());
+    let solids = spheres.iter().chain(environment.solids());
+    let named = solids.zip(of_spheres.iter().chain(of_solids));
+    let obstacles = named.map(|(solid, name)| Item {
+        name: Some(name.clone()),
+        ..Item::new(None, &solid.placement, &solid.shape)
+    });
+    let planes = planes.iter().zip(of_planes).map(|(plane, name)| Plane {
+        name: name.clone(),
+        normal: plane.normal.into(),
+        offset: plane.offset,
+    });
+    let (obstacles, planes) = (obstacles.collect(), planes.collect());
+    let mut robot = Robot::new(scenario);
+    robot.gather();
+    Ok(Scene {
+        shapes: robot.shapes,
+        meshes: robot.meshes.data(),
+        obstacles,
+        planes,
+        tips: super::links::tips(&scenario.model),
+        notes: robot.notes,
+    })
+}
+
+/// The shapes of a robot during their collection.
+struct Robot<'a> {
+    scenario: &'a Scenario,
+    model: &'a Model,
+    shapes: Vec<Item>,
+    meshes: Meshes,
+    notes: Vec<String>,
+}
+
+impl<'a> Robot<'a> {
+    fn new(scenario: &'a Scenario) -> Self {
+        Self {
+            scenario,
+            model: &scenario.model,
+            shapes: Vec::new(),
+            meshes: Meshes::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Collects the visual shapes of each link, otherwise its collision shapes; capsules along links without either.
+    fn gather(&mut self) {
+        let (visuals, faults) = read_visuals(&self.scenario.source.text);
+        self.notes.extend(faults);
+        let mut unseen = Vec::new();
+        for frame in self.model.frames() {
+            let own = visuals.iter().filter(|visual| visual.link == frame.name);
+            let mut shown = Vec::new();
+            let mut whole = true;
+            for Visual {
+                placement,
+                shape,
+                color,
+                ..
+            } in own
+            {
+                let placement = frame.placement.compose(placement);
+                match self.item(&frame.name, frame.body, &placement, shape) {
+                    Some(item) => shown.push(Item {
+                        color: *color,
+                        ..item
+                    }),
+                    None => whole = false,
+                }
+            }
+            if shown.is_empty() || !whole {
+                let collisions = self.model.collisions().iter();
+                let own: Vec<_> = collisions.filter(|c| c.link == frame.name).collect();
+                let shapes: Vec<_> = own
+                    .iter()
+                    .filter_map(|c| self.item(&c.link, c.body, &c.placement, &c.shape))
+                    .collect();
+                if !shapes.is_empty() {
+                    shown = shapes;
+                }
+            }
+            if shown.is_empty() {
+                unseen.push(frame.body);
+            }
+            self.shapes.extend(shown);
+        }
+        let seen = |body: Option<usize>| self.shapes.iter().any(|item| item.body == body);
+        unseen.retain(|body| !seen(*body));
+        let capsules = capsules_along_links(self.model, &unseen);
+        // A robot that shows itself needs no capsules where its frames have no extent.
+        if self.shapes.is_empty() {
+            let base = base_shapes(self.model);
+            self.shapes.extend(base);
+        }
+        self.shapes.extend(capsules);
+    }
+
+    /// A shape of a link; `None`, with a note, for a mesh that cannot be read.
+    fn item(
+        &mut self,
+        link: &str,
+        body: Option<usize>,
+        placement: &Placement<f64>,
+        shape: &CollisionShape,
+    ) -> Option<Item> {
+        let (file, scale) = match shape {
+            CollisionShape::Solid(shape) => return Some(Item::new(body, placement, shape)),
+            CollisionShape::Mesh { file, scale } => (file, scale),
+        };
+        let key = format!("{file} {scale:?}");
+        let known = self.meshes.find(&key);
+        let number = match known {
+            Some(number) => number,
+            None => match load_mesh(file, self.scenario.source.folder(), scale) {
+                Ok(triangles) => self.meshes.add(key, &triangles),
+                Err(error) => {
+                    self.notes
+                        .push(format!("link '{link}' without its mesh: {error}"));
+                    return None;
+                }
+            },
+        };
+        Some(Item {
+            kind: "mesh",
+            mesh: Some(number),
+            ..Item::new(
+                body,
+                placement,
+                &Shape::Cuboid {
+                    half_extents: Vector3::repeat(1.0),
+                },
+            )
+        })
+    }
+}

@@ -1,0 +1,305 @@
+//! The file `results.csv`: one line per set, written as soon as the set is solved.
+//!
+//! An interrupted sweep is resumed: incomplete lines are dropped, and each set is in the file at most once.
+//! `sweep.json` next to it identifies the sweep, so that results of two sweeps cannot be mixed; a lock on the file
+//! excludes a second process. At the end the lines are sorted in the order of the grid.
+
+use super::{ParameterSet, Row, Shard, Sweep};
+use crate::output::{write_json, write_whole};
+use aghf::error::{Error, Result};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Writes rows as a JSON array of objects; numbers that are not finite are null.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_rows(rows: &[Row], path: &Path) -> Result<()> {
+    write_whole(path, |file| write_json(&rows, file))
+}
+
+/// The rows of a sweep, or of a shard of it, in a file that is locked and open for further rows.
+#[derive(Debug)]
+pub struct Results<'s> {
+    sweep: &'s Sweep,
+    shard: Shard,
+    path: PathBuf,
+    /// The file and its rows behind one lock, so that both agree and lines are complete.
+    state: Mutex<(File, BTreeMap<usize, Row>)>,
+}
+
+impl<'s> Results<'s> {
+    /// Opens the results of `shard` in `folder`, both created if necessary, and reads the existing rows. An incomplete
+    /// last line, of an interrupted process, is dropped.
+    ///
+    /// # Errors
+    /// The folder has results of another sweep, another process uses the file, or a line of it is invalid.
+    pub fn open(sweep: &'s Sweep, shard: Shard, folder: &Path) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        let path = folder.join(file_name(shard));
+        let identity = folder.join("sweep.json");
+        if identity.exists() {
+            check_identity(sweep, &identity)?;
+        } else if path.exists() {
+            let condition = "it is missing, so the results beside it could be of any sweep";
+            return Err(Error::input(
+                identity.display().to_string(),
+                "sweep",
+                condition,
+            ));
+        } else {
+            let value = sweep.identity()?;
+            write_whole(&identity, |file| write_json(&value, file))?;
+        }
+        let io = |e| Error::io(&path, e);
+        let mut options = File::options();
+        let mut file = options
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(&path)
+            .map_err(io)?;
+        file.try_lock().map_err(|e| match e {
+            TryLockError::WouldBlock => {
+                let condition = "another process is at work on it";
+                Error::input(path.display().to_string(), "results", condition)
+            }
+            TryLockError::Error(e) => Error::io(&path, e),
+        })?;
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(io)?;
+        let complete = complete(&text);
+        let rows = parse(sweep, shard, complete, &path)?;
+        if complete.len() < text.len() {
+            file.set_len(complete.len() as u64).map_err(io)?;
+        }
+        if complete.is_empty() {
+            append_line(&mut file, header(sweep)?.as_bytes()).map_err(io)?;
+        }
+        Ok(Self {
+            sweep,
+            shard,
+            path,
+            state: Mutex::new((file, rows)),
+        })
+    }
+
+    /// The sets of the shard that have no row yet.
+    #[must_use]
+    pub fn missing(&self) -> Vec<ParameterSet> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let missing = self.sets().filter(|set| !state.1.contains_key(&set.index));
+        missing.copied().collect()
+    }
+
+    /// The existing rows, in the order of the grid.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.1.values().cloned().collect()
+    }
+
+    fn sets(&self) -> impl Iterator<Item = &'s ParameterSet> {
+        let shard = self.shard;
+        (self.sweep.sets.iter()).filter(move |set| shard.has(set.index))
+    }
+
+    /// Appends a row to the file; it is on the disk when this returns.
+    ///
+    /// # Errors
+    /// The file cannot be written. A partial row is dropped when the file is opened again.
+    pub fn append(&self, row: Row) -> Result<()> {
+        let line = lines([&row], false)?;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        append_line(&mut state.0, &line).map_err(|e| Error::io(&self.path, e))?;
+        state.1.insert(row.set, row);
+        Ok(())
+    }
+
+    /// Sorts the lines of the file in the order of the grid and returns its rows and its path.
+    ///
+    /// # Errors
+    /// Sets are missing, or the file cannot be written.
+    pub fn finish(self) -> Result<(Vec<Row>, PathBuf)> {
+        let missing = self.missing();
+        if let Some(first) = missing.first() {
+            let (count, all) = (missing.len(), self.sets().count());
+            let condition = format!(
+                "{count} of {all} sets are missing, the first is set {}",
+                first.index
+            );
+            let file = self.path.display().to_string();
+            return Err(Error::input(file, "results", condition));
+        }
+        // The lock is held until the new file is in place.
+        let (_file, rows) = self
+            .state
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        let rows: Vec<Row> = rows.into_values().collect();
+        let text = lines(&rows, true)?;
+        write_whole(&self.path, |file| file.write_all(&text))?;
+        Ok((rows, self.path))
+    }
+}
+
+/// Merges files of shards, each with a `sweep.json` next to it, into `results.csv` in `folder`.
+///
+/// # Errors
+/// A file is of another sweep or has an invalid line, two of them differ in a set, or sets are missing.
+pub fn merge(sweep: &Sweep, files: &[PathBuf], folder: &Path) -> Result<(Vec<Row>, PathBuf)> {
+    let results = Results::open(sweep, Shard::WHOLE, folder)?;
+    {
+        let mut state = results.state.lock().unwrap_or_else(PoisonError::into_inner);
+        for path in files {
+            check_identity(sweep, &path.with_file_name("sweep.json"))?;
+            let text = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+            for (set, row) in parse(sweep, Shard::WHOLE, complete(&text), path)? {
+                let known = state.1.entry(set).or_insert_with(|| row.clone());
+                if !known.agrees(&row) {
+                    let condition = "another file has other values for this set";
+                    let element = format!("set {set}");
+                    return Err(Error::input(path.display().to_string(), element, condition));
+                }
+            }
+        }
+    }
+    results.finish()
+}
+
+/// The files of shards in a folder, by name.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn shard_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let io = |e| Error::io(folder, e);
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with("results.shard-") && name.ends_with(".csv") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn file_name(shard: Shard) -> String {
+    match shard {
+        Shard::WHOLE => "results.csv".to_owned(),
+        Shard { index, count } => format!("results.shard-{index}-of-{count}.csv"),
+    }
+}
+
+/// Refuses a `sweep.json` of another sweep.
+fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let refuse = |element: String, condition| {
+        Err(Error::input(path.display().to_string(), element, condition))
+    };
+    let Ok(found) = serde_json::from_str::<Value>(&text) else {
+        return refuse("sweep".to_owned(), "it is no JSON");
+    };
+    match difference(&found, &sweep.identity()?) {
+        Some(key) => {
+            let key = if key.is_empty() { "sweep" } else { &key[1..] };
+            let condition = "the results here are of a sweep with another value; choose another folder or remove this one";
+            refuse(key.to_owned(), condition)
+        }
+        None => Ok(()),
+    }
+}
+
+/// The path of the first value that differs.
+fn difference(a: &Value, b: &Value) -> Option<String> {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            a.keys()
+                .chain(b.keys())
+                .find_map(|key| match (a.get(key), b.get(key)) {
+                    (Some(a), Some(b)) => difference(a, b).map(|rest| format!(".{key}{rest}")),
+                    _ => Some(format!(".{key}")),
+                })
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => (a.iter().zip(b))
+            .enumerate()
+            .find_map(|(i, (a, b))| difference(a, b).map(|rest| format!(".{i}{rest}"))),
+        _ => (a != b).then(String::new),
+    }
+}
+
+/// The text up to the end of its last complete line.
+fn complete(text: &[u8]) -> &[u8] {
+    let end = text.iter().rposition(|byte| *byte == b'\n');
+    &text[..end.map_or(0, |end| end + 1)]
+}
+
+/// Parses the rows of a text of complete lines, by set.
+fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeMap<usize, Row>> {
+    let file = path.display().to_string();
+    let refuse = |line: usize, condition: String| {
+        Error::input(file.clone(), format!("line {line}"), condition)
+    };
+    let mut rows = BTreeMap::new();
+    if text.is_empty() {
+        return Ok(rows);
+    }
+    if !text.starts_with(header(sweep)?.as_bytes()) {
+        let condition = "it is not the header that this version writes".to_owned();
+        return Err(refuse(1, condition));
+    }
+    let mut reader = csv::Reader::from_reader(text);
+    let names = reader.headers().map_err(|e| refuse(1, e.to_string()))?;
+    let names = names.clone();
+    for (i, line) in reader.records().enumerate() {
+        let row = line.and_then(|line| Row::read(&line, &names, sweep.method()));
+        let row = row.map_err(|e| refuse(i + 2, e.to_string()))?;
+        let fits = sweep.sets.get(row.set).is_some_and(|set| {
+            shard.has(row.set)
+                && row.parameters == set.parameters
+                && row.scenario == sweep.scenarios[set.scenario].name
+        });
+        if !fits {
+            let condition = format!("its set {} is not one of this sweep", row.set);
+            return Err(refuse(i + 2, condition));
+        }
+        if let Some(row) = rows.insert(row.set, row) {
+            let condition = format!("set {} is there already", row.set);
+            return Err(refuse(i + 2, condition));
+        }
+    }
+    Ok(rows)
+}
+
+/// The header line.
+fn header(sweep: &Sweep) -> Result<String> {
+    let any = Row::failed(sweep, &sweep.sets[0], "", 0.0);
+    let text = String::from_utf8_lossy(&lines([&any], true)?).into_owned();
+    Ok(text
+        .lines()
+        .take(1)
+        .map(|line| line.to_owned() + "\n")
+        .collect())
+}
+
+/// Formats rows as lines.
+fn lines<'r>(rows: impl IntoIterator<Item = &'r Row>, header: bool) -> Result<Vec<u8>> {
+    let mut csv = csv::WriterBuilder::new();
+    let mut csv = csv.has_headers(header).from_writer(Vec::new());
+    let no_text = |e: String| Error::input("results", "row", format!("it is no CSV: {e}"));
+    for row in rows {
+        csv.serialize(row).map_err(|e| no_text(e.to_string()))?;
+    }
+    csv.into_inner().map_err(|e| no_text(e.to_string()))
+}
+
+/// Appends to a file with one write and waits until it is on the disk.
+fn append_line(file: &mut File, line: &[u8]) -> io::Result<()> {
+    file.write_all(line)?;
+    file.sync_data()
+}

@@ -1,0 +1,107 @@
+//! The commands that the README and the guide show.
+
+use crate::command::{aghf, empty_folder};
+use std::path::Path;
+
+fn text_of(path: &str) -> String {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The arguments of `aghf` between backticks or on lines of their own, in order.
+fn commands(text: &str) -> Vec<Vec<String>> {
+    let parts = text.split(['`', '\n']);
+    let own = parts.filter_map(|part| {
+        let part = part.split(" #").next().unwrap_or_default().trim();
+        let behind = |prefix| part.strip_prefix(prefix);
+        behind("cargo run --release -- ").or_else(|| behind("aghf "))
+    });
+    let words = own.map(|command| command.split_whitespace().map(str::to_owned).collect());
+    words
+        .filter(|words: &Vec<String>| words[0].chars().all(|c| c.is_ascii_lowercase()))
+        .collect()
+}
+
+/// Every command of the table has a page of help, and every option that stands in its row is on it.
+#[test]
+fn the_table_of_commands_names_options_that_are_there() {
+    let folder = empty_folder("readme_table");
+    let table = text_of("src/guide/command_line.md");
+    let mut seen = 0;
+    // Rows that begin with an option are those of `solve`.
+    let table = table.replace("\n| `--", "\n| `aghf solve --");
+    for row in table.lines().filter(|line| line.starts_with("| `aghf ")) {
+        let command = &commands(row)[0];
+        let names = command
+            .iter()
+            .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
+        let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
+        let help = aghf(&folder, &words);
+        assert_eq!(help.code, Some(0), "{command:?}: {}", help.stderr);
+        let pieces = row.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
+        for option in pieces.filter(|piece| piece.starts_with("--") && piece.len() > 2) {
+            assert!(help.stdout.contains(option), "{command:?} has no {option}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 25, "{seen} options");
+}
+
+/// The commands of the README, on a robot and a scenario where it leaves the choice; those that open a browser or take long only exist.
+#[test]
+fn the_commands_of_the_readme_run() {
+    let folder = empty_folder("readme_commands");
+    let solved = aghf(&folder, &["solve", "pendulum_2_swingup", "--out", "out"]);
+    assert_eq!(solved.code, Some(0), "{}", solved.stderr);
+    let mut run = 0;
+    for words in commands(&text_of("README.md")) {
+        if ["view", "benchmark", "reproduce"].contains(&words[0].as_str()) {
+            let help = aghf(&folder, &[&words[0], "--help"]);
+            assert_eq!(help.code, Some(0), "{words:?}");
+            continue;
+        }
+        let words = words.iter().map(|word| match word.as_str() {
+            "ROBOT" => "pendulum_2",
+            "SCENARIO" => "pendulum_2_swingup",
+            "TRAJECTORY.csv" => "out/trajectory.csv",
+            other => other,
+        });
+        let words: Vec<&str> = words.collect();
+        let output = aghf(&folder, &words);
+        assert_eq!(output.code, Some(0), "{words:?}: {}", output.stderr);
+        run += 1;
+    }
+    assert!(run >= 5, "{run} commands");
+}
+
+/// The scenario of the guide's first motion, through all commands that it names.
+#[test]
+fn the_first_motion_goes_from_a_scenario_to_a_table() {
+    let folder = empty_folder("first_motion");
+    let guide = text_of("src/guide/first_motion.md");
+    let scenario = guide.split("let text = r#\"").nth(1).expect("a scenario");
+    let scenario = scenario.split("\"#;").next().expect("its end");
+    std::fs::write(folder.join("reach.json"), scenario).expect("writable");
+    for words in [
+        "robots kinova_gen3 --urdf robot.urdf",
+        "robots robot.urdf",
+        "check robot.urdf --samples 1",
+        "solve reach.json --out out",
+        "sample out/summary.json --rate 1000 --out at_1000_hz.csv",
+        "judge reach.json out/trajectory.csv",
+    ] {
+        let words: Vec<&str> = words.split(' ').collect();
+        let output = aghf(&folder, &words);
+        assert_eq!(
+            output.code,
+            Some(0),
+            "{words:?}: {}{}",
+            output.stdout,
+            output.stderr
+        );
+    }
+    for command in commands(&guide) {
+        let help = aghf(&folder, &[&command[0], "--help"]);
+        assert_eq!(help.code, Some(0), "{command:?}");
+    }
+}

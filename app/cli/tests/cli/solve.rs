@@ -1,0 +1,352 @@
+//! The `aghf` binary solves a scenario from end to end: its files, its output, its exit codes.
+
+use crate::command::{aghf, assert_bad_input, empty_folder, files};
+use aghf::dynamics::{Data, rnea};
+use aghf_scenario::Scenario;
+use serde_json::{Value, json};
+use std::path::Path;
+
+fn json_file(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+/// The header and the rows of a CSV.
+fn csv_file(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut reader = csv::Reader::from_path(path).expect("it is there");
+    let header = reader
+        .headers()
+        .expect("it has one")
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let rows = reader.records().map(|row| {
+        let row = row.expect("as long as the header");
+        row.iter().map(|x| x.parse().expect("a number")).collect()
+    });
+    (header, rows.collect())
+}
+
+#[test]
+fn without_arguments_it_plans_over_the_table() {
+    let folder = empty_folder("default");
+    let run = aghf(&folder, &[]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let expected = [
+        "out/kinova_table_01/report.html",
+        "out/kinova_table_01/summary.json",
+        "out/kinova_table_01/trajectory.csv",
+    ];
+    assert_eq!(files(&folder), expected.map(str::to_owned).into());
+    for words in expected
+        .iter()
+        .chain(&["kinova_table_01 (kinova_gen3)", "success", "yes"])
+    {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+
+    let Scenario {
+        file: scenario,
+        model,
+        ..
+    } = Scenario::load("kinova_table_01").expect("built in");
+    let (header, rows) = csv_file(&folder.join(expected[2]));
+    let joints = (1..=7).map(|i| format!("joint_{i}"));
+    let columns = ["q", "v", "a", "u"]
+        .iter()
+        .flat_map(|x| joints.clone().map(move |j| format!("{x}_{j}")));
+    assert_eq!(
+        header,
+        std::iter::once("t".to_owned())
+            .chain(columns)
+            .collect::<Vec<_>>()
+    );
+    assert_eq!((header.len(), rows.len()), (1 + 4 * 7, 201));
+    assert!(rows.iter().flatten().all(|x| x.is_finite()));
+    assert!(rows.windows(2).all(|w| w[0][0] < w[1][0]), "time ascends");
+    let duration = rows[200][0];
+    assert!(
+        rows[0][0] == 0.0 && (1.0..1.5).contains(&duration),
+        "{duration}"
+    );
+    for (row, q, v) in [
+        (&rows[0], &scenario.q_start, &scenario.v_start),
+        (&rows[200], &scenario.q_goal, &scenario.v_goal),
+    ] {
+        let state = q.iter().chain(v);
+        assert!(
+            row[1..15]
+                .iter()
+                .zip(state)
+                .all(|(a, b)| (a - b).abs() < 1e-12),
+            "{row:?}"
+        );
+    }
+
+    // The control is the inverse dynamics of the other columns.
+    for row in rows.iter().step_by(40) {
+        let column = |i: usize| &row[1 + 7 * i..][..7];
+        let mut tau = [0.0; 7];
+        let data = &mut Data::new(&model);
+        rnea(&model, data, column(0), column(1), column(2), &mut tau).expect("lengths agree");
+        assert_eq!(column(3), tau, "at {}", row[0]);
+    }
+
+    let summary = json_file(&folder.join(expected[1]));
+    for key in [
+        "final_error_inf",
+        "open_loop_error_inf",
+        "control_effort",
+        "dynamics_defect",
+        "solve_seconds",
+        "gradient_norm",
+        "smallest_curvature",
+        "quadrature_points",
+        "iterations",
+        "factorisations",
+    ] {
+        assert!(
+            summary[key].as_f64().is_some_and(|x| x > 0.0),
+            "{key}: {summary}"
+        );
+    }
+    for (key, value) in [
+        ("scenario", "kinova_table_01"),
+        ("robot", "kinova_gen3"),
+        ("method", "relax"),
+    ] {
+        assert_eq!(summary[key], value);
+    }
+    assert_eq!(summary["success"], true);
+    assert!(summary["final_error_inf"].as_f64() < Some(0.05));
+    assert_eq!(summary["horizon_s"].as_f64(), Some(duration));
+
+    // It goes around the post, which the motion without one does not.
+    let run = aghf(&folder, &["judge", "kinova_table_01", expected[2]]);
+    assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
+    let text = include_str!("../../../../robots/kinova_gen3/kinova_table_01.json");
+    let mut without: serde_json::Value = serde_json::from_str(text).expect("it is built in");
+    without
+        .as_object_mut()
+        .expect("an object")
+        .remove("cylinder_obstacles");
+    std::fs::write(folder.join("without.json"), without.to_string()).expect("it can be written");
+    let run = aghf(&folder, &["solve", "without.json", "--out", "without"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let run = aghf(
+        &folder,
+        &["judge", "kinova_table_01", "without/trajectory.csv"],
+    );
+    assert_eq!(run.code, Some(1), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("cylinder_obstacles[0] 'post'"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn json_is_the_summary_and_nothing_else() {
+    let folder = empty_folder("json");
+    let run = aghf(&folder, &["solve", "pendulum_1_swingup", "--json"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let written = std::fs::read_to_string(folder.join("out/pendulum_1_swingup/summary.json"));
+    assert_eq!(run.stdout, written.expect("it is there"));
+    serde_json::from_str::<Value>(&run.stdout).expect("it is JSON");
+}
+
+#[test]
+fn options_override_the_scenario_and_show_in_the_summary() {
+    let folder = empty_folder("options");
+    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --p 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
+        --guess line-state --out deep/in/here --json --no-report";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let expected = ["deep/in/here/summary.json", "deep/in/here/trajectory.csv"];
+    assert_eq!(files(&folder), expected.map(str::to_owned).into());
+    let summary = json_file(&folder.join(expected[0]));
+    for (key, value) in [
+        ("p", json!(8)),
+        ("k", json!(3e4)),
+        ("s_max", json!(50.0)),
+        ("tolerance", json!(1e-5)),
+        ("guess", json!("line-state")),
+        ("method", json!("flow")),
+        ("jacobian", json!("dual")),
+    ] {
+        assert_eq!(summary[key], value, "{key}");
+    }
+    for key in [
+        "action",
+        "steps",
+        "omega_evaluations",
+        "jacobian_evaluations",
+    ] {
+        assert!(
+            summary[key].as_f64().is_some_and(|x| x > 0.0),
+            "{key}: {summary}"
+        );
+    }
+}
+
+#[test]
+fn options_of_the_relaxation_show_in_the_summary() {
+    let folder = empty_folder("relax_options");
+    let arguments = "solve pendulum_1_swingup --p 10 --tolerance 1e-7 --starts 3 --json";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let summary: Value = serde_json::from_str(&run.stdout).expect("it is JSON");
+    assert_eq!(
+        (&summary["p"], &summary["tolerance"]),
+        (&json!(10), &json!(1e-7))
+    );
+    assert_eq!(
+        summary["efforts_of_starts"].as_array().map(Vec::len),
+        Some(3)
+    );
+    assert!(summary["gradient_norm"].as_f64() <= Some(1e-7));
+    // What only the flow has is not there.
+    assert!(summary.get("k").is_none() && summary.get("omega_evaluations").is_none());
+}
+
+#[test]
+fn pieces_and_an_adaptive_degree_show_in_the_summary() {
+    let folder = empty_folder("relax_pieces");
+    let arguments = "solve pendulum_1_swingup --p 7 --pieces 2 --adaptive 0.05";
+    let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for words in ["2 pieces of p 9", "effort by degree", "settled to 0.05"] {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    let summary = json_file(&folder.join("out/pendulum_1_swingup/summary.json"));
+    assert_eq!(
+        (&summary["p"], &summary["pieces"], &summary["unknowns"]),
+        (&json!(9), &json!(2), &json!(2 * 8 - 2))
+    );
+    assert_eq!(summary["adapted"]["degrees"], json!([7, 9]));
+    assert_eq!(summary["adapted"]["settled"], json!(true));
+    assert!(
+        summary["replay_error_inf"]
+            .as_f64()
+            .is_some_and(|x| x > 0.0)
+    );
+}
+
+#[test]
+fn degrees_writes_a_row_for_each_size() {
+    let folder = empty_folder("degrees");
+    let arguments = [
+        "degrees",
+        "pendulum_1_swingup",
+        "1x7",
+        "2x5",
+        "3x6",
+        "--starts",
+        "2",
+    ];
+    let run = aghf(&folder, &arguments);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written =
+        ["degrees.csv", "report.html"].map(|name| format!("out/degrees/pendulum_1_swingup/{name}"));
+    assert_eq!(files(&folder), written.clone().into());
+    let file = &written[0];
+    let mut reader = csv::Reader::from_path(folder.join(file)).expect("it is there");
+    let header = reader.headers().expect("it has one").clone();
+    let column = |name: &str| header.iter().position(|h| h == name).expect("it is there");
+    let names = ["pieces", "p", "unknowns", "success"].map(column);
+    let rows = reader.records().map(|row| {
+        let row = row.expect("as long as the header");
+        assert!(
+            row[column("control_effort")]
+                .parse::<f64>()
+                .is_ok_and(|x| x > 6.0)
+        );
+        names.map(|i| row[i].to_owned()).join(" ")
+    });
+    let rows: Vec<String> = rows.collect();
+    assert_eq!(rows, ["1 7 4 true", "2 5 6 true", "3 6 13 true"]);
+}
+
+#[test]
+fn a_scenario_file_is_solved_under_its_own_name() {
+    let folder = empty_folder("file");
+    std::fs::create_dir(folder.join("tasks")).expect("writable");
+    let robots = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/pendulum_1");
+    std::fs::copy(
+        robots.join("pendulum_1.urdf"),
+        folder.join("tasks/mine.urdf"),
+    )
+    .expect("writable");
+    let mut scenario = json_file(&robots.join("pendulum_1_swingup.json"));
+    scenario["robot"] = json!("mine.urdf");
+    std::fs::write(folder.join("tasks/lift.json"), scenario.to_string()).expect("writable");
+    let run = aghf(&folder, &["solve", "tasks/lift.json", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let summary = json_file(&folder.join("out/lift/summary.json"));
+    assert_eq!(
+        (&summary["scenario"], &summary["robot"]),
+        (&json!("lift"), &json!("mine.urdf"))
+    );
+}
+
+/// A flow that misses the goal.
+pub const MISSING: &[&str] = &[
+    "solve",
+    "pendulum_5_swingup",
+    "--method",
+    "flow",
+    "--k",
+    "1e5",
+    "--s-max",
+    "1",
+];
+
+#[test]
+fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
+    let folder = empty_folder("failed");
+    let run = aghf(&folder, MISSING);
+    assert_eq!(run.code, Some(3), "{}", run.stderr);
+    let words: Vec<_> = run
+        .stdout
+        .lines()
+        .filter(|l| l.contains("success"))
+        .collect();
+    assert!(
+        words.iter().any(|l| l.trim_end().ends_with("no")),
+        "{}",
+        run.stdout
+    );
+    let expected = [
+        "summary.failed.json",
+        "trajectory.failed.csv",
+        "report.failed.html",
+    ];
+    let expected = expected.map(|f| format!("out/pendulum_5_swingup/{f}"));
+    assert_eq!(files(&folder), expected.clone().into());
+    let summary = json_file(&folder.join(&expected[0]));
+    assert_eq!(summary["success"], false);
+    let text = std::fs::read_to_string(folder.join(&expected[1])).expect("it is there");
+    let (first, table) = text.split_once('\n').expect("it has lines");
+    let reason = summary["failure"].as_str().expect("there is a reason");
+    assert_eq!(first, format!("# failed: {reason}"));
+    assert_eq!(table.lines().count(), 202);
+}
+
+/// A horizon that is too short for the limits is refused before any search.
+#[test]
+fn a_horizon_that_is_too_short_is_bad_input() {
+    let folder = empty_folder("too_short");
+    let [start, goal] = [0.0, 3.0].map(|q| [q, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0]);
+    let at_rest = [0.0; 7];
+    let far = json!({
+        "robot": "kinova_gen3", "horizon_s": 0.5,
+        "q_start": start, "v_start": at_rest,
+        "q_goal": goal, "v_goal": at_rest,
+    });
+    std::fs::write(folder.join("far.json"), far.to_string()).expect("writable");
+    assert_bad_input(
+        &folder,
+        &["solve", "far.json"],
+        "aghf: far: horizon_s: ; joint_1; it is 0.5 s",
+    );
+}

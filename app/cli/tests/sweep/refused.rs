@@ -1,0 +1,226 @@
+//! Sweep files that are refused.
+
+use crate::files::{FULL, GRID, load};
+use aghf_cli::sweep::Sweep;
+
+#[test]
+fn bad_sweep_files_are_refused_by_name_and_key() {
+    for (from, to, words) in [
+        (
+            "timeout_s",
+            "timeout",
+            "grid.toml: timeout: ; unknown field `timeout`",
+        ),
+        ("p = [5, 7]", "", "grid.toml: sweep: ; missing field `p`"),
+        ("p = [5, 7]", "p = [5, 7", "grid.toml: line 5: "),
+        ("p = [5, 7]", "p = [5, 7.5]", "grid.toml: p[1]: ; 7.5"),
+        (
+            "p = [5, 7]",
+            "p = [5, 1]",
+            "grid.toml: p[1]: it is 1, at least 2",
+        ),
+        ("p = [5, 7]", "p = []", "grid.toml: p: it is an empty list"),
+        (
+            "p = [5, 7]",
+            "p = [5, 7, 5]",
+            "grid.toml: p[2]: the value is there already",
+        ),
+        (
+            "1, 10",
+            "1, 1.0",
+            "grid.toml: s_max[1]: the value is there already",
+        ),
+        ("1e3", "-1e3", "grid.toml: k[0]: it is -1000, a positive"),
+        ("1e3", "nan", "grid.toml: k[0]: it is NaN, a positive"),
+        ("1e3", "\"much\"", "grid.toml: k[0]: ; much"),
+        ("600", "0", "grid.toml: timeout_s: it is 0, a positive"),
+        ("600", "1e300", "grid.toml: timeout_s: it is 1"),
+        ("600", "600\nname = \"../up\"", "grid.toml: name: '../up'"),
+        (
+            "600",
+            "600\nmethod = \"magic\"",
+            "grid.toml: method: ; unknown variant `magic`",
+        ),
+        (
+            "p = [5, 7]",
+            "p = [5, 7]\ndegree = [5]",
+            "grid.toml: degree: the method 'flow' has no such parameter",
+        ),
+        (
+            "600",
+            "600\nguess = [\"line-state\", \"circle\"]",
+            "grid.toml: guess[1]: ; circle",
+        ),
+        (
+            "600",
+            "600\nk_cons = [1e5]",
+            "grid.toml: scenarios[0]: k_cons and c_cons: 'pendulum_2_swingup' has no constraints",
+        ),
+        ("600", "600\nc_cons = [0]", "grid.toml: c_cons[0]: it is 0"),
+        (
+            "600",
+            "600\nrobot = \"kinova_gen3\"",
+            "grid.toml: scenarios[0]: ; robot: the scenario names its robot",
+        ),
+        (
+            "\"pendulum_2_swingup\"",
+            "\"pendulum_x*\"",
+            "grid.toml: scenarios[0]: no built-in scenario matches",
+        ),
+        (
+            "\"pendulum_2_swingup\"",
+            "\"no.json\"",
+            "grid.toml: scenarios[0]: ; no.json; neither",
+        ),
+        (
+            "\"pendulum_2_swingup\"",
+            "\"pendulum_3*\"",
+            "grid.toml: scenarios[1]: 'pendulum_3_swingup' is there",
+        ),
+    ] {
+        assert!(GRID.contains(from), "{from}");
+        let error = load("bad", &GRID.replace(from, to)).expect_err(words);
+        let error = error.to_string();
+        let all = words.split("; ").all(|word| error.contains(word));
+        assert!(all, "{error}; want {words}");
+    }
+    let error = Sweep::load("table_99")
+        .expect_err("there is none")
+        .to_string();
+    assert!(
+        error.starts_with("table_99: sweep: there is neither"),
+        "{error}"
+    );
+}
+
+#[test]
+fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
+    // So many numbers of starts that the grid is too large.
+    let many: Vec<_> = (1..=10_000).map(|n: usize| n.to_string()).collect();
+    let many = format!("starts = [{}]", many.join(", "));
+    for (from, to, words) in [
+        (
+            "600",
+            "600\nk = [1]",
+            "k: the method 'relax' has no such parameter",
+        ),
+        (
+            "600",
+            "600\np = [9]",
+            "p: the method 'relax' has no such parameter",
+        ),
+        (
+            "600",
+            "600\nwaves = [9]",
+            "waves: unknown field `waves`, expected one of ; starts",
+        ),
+        (
+            "[9, 16]",
+            "[9, 65]",
+            "degree[1]: it is 65, at least 4 and at most 64",
+        ),
+        (
+            "[9, 16]",
+            "[9, 16, 9]",
+            "degree[2]: the value is there already",
+        ),
+        ("[9, 16]", "[9, -1]", "degree[1]: ; -1"),
+        ("[9, 16]", "[]", "degree: it is an empty list"),
+        (
+            "segments = [1, 2]",
+            "segments = [1, 17]",
+            "segments[1]: it is 17, ; degree 16",
+        ),
+        (
+            "segments = [1, 2]",
+            "segments = [0]",
+            "segments[0]: it is 0",
+        ),
+        (
+            "starts = [1, 3]",
+            "starts = [1, 0]",
+            "starts[1]: it is 0, at least 1",
+        ),
+        ("[1e-6]", "[0]", "tolerance[0]: it is 0, a positive number"),
+        (
+            "seed = [7, 8]",
+            "seed = [7, 7]",
+            "seed[1]: the value is there already",
+        ),
+        ("seed = [7, 8]", "seed = [-7]", "seed[0]: ; -7"),
+        (
+            "[0.5]",
+            "[-0.5]",
+            "running_cost.velocity[0]: it is -0.5, a weight",
+        ),
+        (
+            "[0.5]",
+            "[inf]",
+            "running_cost.velocity[0]: it is inf, a weight",
+        ),
+        (
+            "velocity = [0.5]",
+            "speed = [0.5]",
+            "running_cost.speed: ; unknown field `speed`",
+        ),
+        (
+            "position = [true]",
+            "position = [0.0]",
+            "enforced_limits.position[0]: it is 0, a share",
+        ),
+        (
+            "position = [true]",
+            "position = [2]",
+            "enforced_limits.position[0]: it is 2, a share",
+        ),
+        (
+            "position = [true]",
+            "position = [true, 1]",
+            "enforced_limits.position[1]: the value",
+        ),
+        (
+            "position = [true]",
+            "position = [\"all\"]",
+            "enforced_limits.position[0]: true, false",
+        ),
+        (
+            "position = [true]",
+            "position = [{ joints = [\"joint_1\"] }]",
+            "enforced_limits.position[0]: a sweep enforces limits of all joints or of none",
+        ),
+        (
+            "{ torque = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }",
+            "{ torque = [0, 1], velocity = [1, 0], acceleration = [0] }",
+            "scenarios[0]: running_cost of 'kinova_obstacles_01': ; all are zero",
+        ),
+        ("\"kinova_obstacles_01\"", "\"kinova_cross_01\"", ""),
+        (
+            "\"kinova_obstacles_01\"]",
+            "\"kinova_cross_01\"]\nrobot = \"kinova_gen3\"",
+            "scenarios[0]: ; robot: scenarios 'kinova_cross' are for kinova_gen3 alone",
+        ),
+        (
+            "\"kinova_obstacles_01\"]",
+            "\"limits_01\"]\nrobot = \"no.urdf\"",
+            "scenarios[0]: ; robot: ; no.urdf",
+        ),
+        (
+            "starts = [1, 3]",
+            &many,
+            "sweep: the grid has more than 1000000 sets",
+        ),
+    ] {
+        assert!(FULL.contains(from), "{from}");
+        let loaded = load("bad_relax", &FULL.replace(from, to));
+        if words.is_empty() {
+            assert!(loaded.is_ok(), "{:?}", loaded.err());
+            continue;
+        }
+        let error = loaded.expect_err(words).to_string();
+        let all = words.split("; ").all(|word| error.contains(word));
+        assert!(
+            all && error.contains("grid.toml: "),
+            "{error}; want {words}"
+        );
+    }
+}

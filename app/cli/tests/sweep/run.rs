@@ -1,0 +1,290 @@
+//! Sweep files, rankings and tables of results.
+
+use crate::files::{FULL, GRID, folder, load};
+use aghf::relax::PlannedStarts;
+use aghf_cli::sweep::{
+    FlowWork, Ranked, RelaxWork, Row, RowOutcome, Sweep, Work, best, builtin_sweeps, ranking,
+    ranking_of, ranking_table, write_ranking, write_rows,
+};
+use aghf_scenario::{Method, SolveOptions};
+use serde_json::Value;
+
+/// A row with a value in every column.
+fn full(grid: &Sweep, set: usize, work: Work) -> Row {
+    Row {
+        outcome: RowOutcome::Success,
+        final_error_inf: Some(1e-300),
+        open_loop_error_inf: Some(f64::INFINITY),
+        control_effort: Some(0.1),
+        minimised: Some(-0.0),
+        dynamics_defect: Some(f64::MAX),
+        smallest_clearance_m: Some(-0.02),
+        work,
+        ..Row::failed(grid, &grid.sets[set], "none, \"or\" one", 0.25)
+    }
+}
+
+/// The table for data frames says what the text does, with numbers as numbers; every column of a full row has a value, and the names of
+/// columns are the same wherever they are.
+#[test]
+fn a_json_file_has_what_a_csv_has() {
+    let flow = load(
+        "json",
+        &GRID
+            .replace("p =", "k_cons = [5]\nc_cons = [6]\np =")
+            .replace("pendulum_2_swingup", "kinova_obstacles_01")
+            .replace(", \"pendulum_3_swingup\"", ""),
+    );
+    let relax = load("json", FULL);
+    let work_of_flow = Work::Flow(FlowWork {
+        steps: Some(3),
+        omega_evaluations: Some(4),
+        jacobian_evaluations: Some(usize::MAX / 2),
+    });
+    let work_of_relaxation = Work::Relax(RelaxWork {
+        horizon_s: Some(2.0),
+        gradient_norm: Some(1e-9),
+        largest_violation: Some(0.0),
+        starts_tried: Some(8),
+        minima: Some(2),
+        iterations: Some(12),
+        factorisations: Some(13),
+    });
+    for (grid, work, columns) in [
+        (flow.expect("good"), work_of_flow, 20),
+        (relax.expect("good"), work_of_relaxation, 30),
+    ] {
+        let full = full(&grid, 1, work);
+        let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
+        let reason = rows[0].reason.as_deref();
+        assert_eq!(reason, Some("no time"), "a row is a line");
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        rows.iter()
+            .for_each(|row| csv.serialize(row).expect("it is flat"));
+        let text = csv.into_inner().expect("it is in memory");
+        let mut csv = csv::Reader::from_reader(text.as_slice());
+        let names = csv.headers().expect("a header").clone();
+        assert_eq!(names.len(), columns);
+
+        let path = folder("json").join("rows.json");
+        write_rows(&rows, &path).expect("the folder is writable");
+        let text = std::fs::read_to_string(&path).expect("it is there");
+        let table: Vec<serde_json::Map<String, Value>> = serde_json::from_str(&text).expect("rows");
+        assert_eq!(table.len(), 2);
+        for (row, record) in table.iter().zip(csv.records()) {
+            let record = record.expect("good");
+            assert_eq!(row.len(), names.len());
+            for (name, text) in names.iter().zip(&record) {
+                match &row[name] {
+                    Value::Null => assert!(["", "inf"].contains(&text), "{name}: {text}"),
+                    Value::Number(x) => {
+                        assert_eq!(text.parse::<f64>().ok(), x.as_f64(), "{name}");
+                    }
+                    Value::String(x) => assert_eq!(text, x, "{name}"),
+                    other => panic!("{name}: {other:?}"),
+                }
+            }
+        }
+        let empty = |name: &&str| table[1][*name].is_null();
+        let missing: Vec<_> = names.iter().filter(empty).collect();
+        assert_eq!(missing, ["open_loop_error_inf"], "that is infinite");
+        // A ranking has the columns of the parameters under the same names.
+        let path = folder("json").join("ranking.csv");
+        write_ranking(&ranking(&grid, &rows[..1]), &path).expect("the folder is writable");
+        let mut ranked = csv::Reader::from_path(&path).expect("it is there");
+        let ranked = ranked.headers().expect("a header").clone();
+        let end = names.iter().position(|name| name == "outcome");
+        let end = end.expect("a column");
+        let own = ranked.iter().skip(1).take(end - 2);
+        assert!(own.eq(names.iter().skip(2).take(end - 2)), "{ranked:?}");
+    }
+}
+
+/// Two scenarios with four sets each: the second is the fastest of those that succeed in both, the third has the least effort,
+/// the fourth is faster but fails once, and the first fails twice.
+#[test]
+fn the_ranking_is_by_success_then_time() {
+    let four = GRID
+        .replace("p = [5, 7]", "p = [7]")
+        .replace("1e3,", "1e3, 1e4,");
+    let grid = load("ranking", &four.replace("1, 10", "1")).expect("good");
+    let made = [
+        (false, 0.1, 1.0),
+        (true, 2.0, 50.0),
+        (true, 4.0, 10.0),
+        (true, 0.5, 5.0),
+        (false, 0.1, 1.0),
+        (true, 1.0, 60.0),
+        (true, 3.0, 20.0),
+        (false, 0.5, 5.0),
+    ];
+    let rows: Vec<Row> = (grid.sets.iter().zip(made))
+        .map(|(set, (success, seconds, effort))| Row {
+            outcome: if success {
+                RowOutcome::Success
+            } else {
+                RowOutcome::GoalMissed
+            },
+            reason: None,
+            control_effort: Some(effort),
+            final_error_inf: Some(effort / 1e4),
+            smallest_clearance_m: Some(0.2 - seconds / 10.0),
+            ..Row::failed(&grid, set, "", seconds)
+        })
+        .collect();
+    let k = |r: &Ranked| r.parameters.flow().expect("of the flow").k;
+    let ranked = ranking(&grid, &rows);
+    let of = |scope: &str| {
+        ranked
+            .iter()
+            .filter(|r| r.scenario == scope)
+            .collect::<Vec<_>>()
+    };
+    let all = of("all");
+    assert_eq!(
+        all.iter().map(|r| k(r)).collect::<Vec<_>>(),
+        [1e4, 1e5, 1e7, 1e3]
+    );
+    assert_eq!(
+        all.iter().map(|r| r.success_rate).collect::<Vec<_>>(),
+        [1.0, 1.0, 0.5, 0.0]
+    );
+    assert_eq!(
+        (all[0].solve_seconds, all[0].control_effort),
+        (Some(1.5), Some(55.0))
+    );
+    assert_eq!(
+        (all[0].final_error_inf, all[0].minimised),
+        (Some(60.0 / 1e4), None)
+    );
+    assert_eq!(
+        (all[2].solve_seconds, all[3].solve_seconds),
+        (Some(0.5), None)
+    );
+    assert_eq!(
+        (all[0].smallest_clearance_m, all[3].smallest_clearance_m),
+        (Some(0.0), None),
+        "the smallest of those that succeed"
+    );
+    let one = of("pendulum_2_swingup");
+    assert_eq!(
+        one.iter().map(|r| k(r)).collect::<Vec<_>>(),
+        [1e7, 1e4, 1e5, 1e3]
+    );
+    // The same for a part of the scenarios, and of a table of which no other part is there.
+    let three: Vec<f64> = ranking_of(&grid, &rows[4..], "pendulum_3")
+        .iter()
+        .map(k)
+        .collect();
+    assert_eq!(three, [1e4, 1e5, 1e3, 1e7]);
+    let all: Vec<_> = all.into_iter().cloned().collect();
+    let [fastest, least] = best(&all).expect("some succeed");
+    assert_eq!((k(fastest), k(least)), (1e4, 1e5));
+    assert_eq!(best(&all[3..]), None, "none succeeds");
+    let table = ranking_table(&ranked);
+    let lines: Vec<Vec<_>> = table
+        .lines()
+        .map(|l| l.split_whitespace().collect())
+        .collect();
+    assert_eq!(lines[1][..6], ["all", "time", "100", "%", "7", "1e4"]);
+    assert_eq!(lines[2][..6], ["all", "effort", "100", "%", "7", "1e5"]);
+    assert_eq!(lines[2].last(), Some(&"-0.2000"), "the clearance: {table}");
+    assert_eq!(lines.len(), 7, "{table}");
+}
+
+#[test]
+fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
+    let tables = [
+        ("table_09_pendulums", 5, 7 * 8 * 10),
+        ("table_10_kinova", 5, 7 * 7 * 17),
+        ("table_11_digit", 2, 6 * 8 * 17),
+        ("table_12_kinova_obstacles", 5, 7 * 6 * 9 * 6 * 3),
+        ("table_13_digit_obstacles", 2, 7 * 6 * 9 * 6 * 3),
+        ("table_09_quick", 5, 12),
+        ("table_10_quick", 5, 12),
+        ("relax_quick", 5, 6),
+        ("relax_limits_quick", 9, 6),
+    ];
+    assert!(builtin_sweeps().eq(tables.iter().map(|t| t.0)));
+    for (name, scenarios, sets) in tables {
+        let sweep = Sweep::load(name).expect("built in");
+        assert_eq!(sweep.method() == Method::Flow, name.starts_with("table"));
+        assert_eq!(sweep.scenarios.len(), scenarios, "{name}");
+        assert_eq!(sweep.sets_a_scenario(), sets, "{name}");
+        assert_eq!(sweep.sets.len(), scenarios * sets);
+    }
+}
+
+/// Results that earlier versions began go on: what was swept has the keys that it had then, and the columns too.
+#[test]
+fn sweeps_of_the_flow_are_what_they_were() {
+    let keys = |text: &str| -> Vec<String> {
+        let sweep = load("identity", text).expect("good");
+        let identity = sweep.identity().expect("it is JSON");
+        let grid = identity["grid"].as_object().expect("an object");
+        grid.keys().cloned().collect()
+    };
+    assert_eq!(keys(GRID), ["guess", "k", "p", "s_max", "timeout_s"]);
+    let named = GRID.replace("600", "600\nmethod = \"flow\"\nname = \"other\"");
+    assert_eq!(keys(&named), keys(GRID));
+    assert!(keys(FULL).contains(&"method".to_owned()));
+    let grid = load("identity", GRID).expect("good");
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.serialize(Row::failed(&grid, &grid.sets[0], "", 0.0))
+        .expect("it is flat");
+    let text = String::from_utf8(csv.into_inner().expect("it is in memory")).expect("text");
+    let header = "set,scenario,p,k,s_max,guess,k_cons,c_cons,outcome,reason,final_error_inf,open_loop_error_inf,\
+         control_effort,action,dynamics_defect,smallest_clearance_m,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
+    assert_eq!(text.lines().next(), Some(header));
+}
+
+/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as it is.
+#[test]
+fn a_folder_is_swept_and_stands_for_its_scenarios() {
+    let folder = folder("of_a_folder").join("problems");
+    std::fs::create_dir_all(&folder).expect("it is writable");
+    for name in ["pendulum_3_swingup", "pendulum_2_swingup"] {
+        let path = format!("robots/{}/{name}.json", &name[..10]);
+        std::fs::copy(path, folder.join(format!("own_{name}.json"))).expect("both are there");
+    }
+    std::fs::write(folder.join("notes.txt"), "no scenario").expect("it is writable");
+    let names = |sweep: &Sweep| -> Vec<String> {
+        let scenarios = sweep.scenarios.iter();
+        scenarios.map(|scenario| scenario.name.clone()).collect()
+    };
+    let sweep = Sweep::load(folder.to_str().expect("it is text")).expect("good");
+    let expected = ["own_pendulum_2_swingup", "own_pendulum_3_swingup"];
+    assert_eq!(names(&sweep), expected);
+    assert_eq!(
+        (sweep.name.as_str(), sweep.method()),
+        ("problems", Method::Relax)
+    );
+    assert_eq!(sweep.sets.len(), 2);
+    let options = sweep.options(&sweep.sets[0].parameters);
+    let usual = SolveOptions {
+        threads: Some(1),
+        ..Default::default()
+    };
+    assert_eq!(format!("{options:?}"), format!("{usual:?}"));
+
+    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntimeout_s = 9\nplanned_starts = [\"later\", \"first\"]";
+    let sweep = load("of_a_folder", grid).expect("good");
+    assert_eq!(names(&sweep), expected);
+    let planned = |i: usize| sweep.options(&sweep.sets[i].parameters).planned_starts;
+    assert_eq!(
+        [0, 1, 2, 3].map(planned),
+        [
+            PlannedStarts::Later,
+            PlannedStarts::First,
+            PlannedStarts::Later,
+            PlannedStarts::First
+        ]
+        .map(Some)
+    );
+
+    let empty = folder.join("empty");
+    std::fs::create_dir_all(&empty).expect("it is writable");
+    let error = Sweep::load(empty.to_str().expect("it is text")).expect_err("nothing is in it");
+    let words = "scenarios[0]: the folder '.' has no scenario";
+    assert!(error.to_string().contains(words), "{error}");
+}

@@ -1,0 +1,233 @@
+//! The feasibility of a motion: its clearance, and the limits that it violates.
+
+use super::{PASSIVE_TORQUE_SHARE, Scenario};
+use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
+use aghf::curve::Curve;
+use aghf::error::Result;
+use aghf::motion::{Violation, largest_torques, sample, violations};
+use serde::Serialize;
+use std::fmt;
+
+/// The smallest number of time intervals on which a motion is checked.
+const INTERVALS: usize = 2000;
+
+/// The number of violations that a sentence names.
+const NAMED: usize = 3;
+
+/// A report on whether a motion can be carried out.
+#[derive(Clone, Debug, Serialize)]
+pub struct Feasibility {
+    /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
+    /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
+    pub smallest_clearance_m: Option<f64>,
+    /// The violations, however small, of everything that the scenario enforces and of all limits of the robot: the
+    /// worst one per kind of limit and joint, and per pair of a link and an obstacle. Violations of enforced limits
+    /// come first.
+    pub limit_violations: Vec<LimitViolation>,
+    /// The largest absolute torque of any joint, N m or N.
+    pub largest_torque: f64,
+    /// The largest absolute torque of a passive joint; `None` without passive joints.
+    pub largest_passive_torque: Option<f64>,
+}
+
+/// A violated limit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LimitViolation {
+    /// The joint, for a limit of a joint.
+    pub joint: Option<String>,
+    /// The kind of the limit.
+    pub limit: Limit,
+    /// The limit in words.
+    pub name: String,
+    /// The largest excess over the limit, or over the enforced share of it; see [`Violation::by`].
+    pub by: f64,
+    /// The unit of the excess: rad or m, rad/s or m/s, N m or N.
+    pub unit: &'static str,
+    /// The time of the largest excess, s.
+    pub at_s: f64,
+    /// `true` if the scenario enforces the limit.
+    pub enforced: bool,
+}
+
+impl fmt::Display for LimitViolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            name, unit, at_s, ..
+        } = self;
+        let by = three_figures(self.by);
+        let space = if unit.is_empty() { "" } else { " " };
+        write!(f, "{name} by {by}{space}{unit} at {} s", time(*at_s))
+    }
+}
+
+/// Formats a time with three significant digits, and with three decimals from 1 s on.
+fn time(t: f64) -> String {
+    if t == 0.0 || (1.0..1e6).contains(&t) {
+        format!("{t:.3}")
+    } else {
+        three_figures(t)
+    }
+}
+
+/// Formats a positive number with three significant digits.
+fn three_figures(x: f64) -> String {
+    if !(1e-3..1e4).contains(&x) {
+        return format!("{x:.2e}");
+    }
+    // Of 1e-3 the logarithm is -3, of 999 it is 2; beyond that no digit is behind the point.
+    let decimals = (2.0 - x.log10().floor()).max(0.0);
+    format!("{x:.*}", decimals as usize)
+}
+
+/// The kind of a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Limit {
+    /// The position of a joint.
+    Position,
+    /// The speed of a joint.
+    Velocity,
+    /// The torque or force of a joint.
+    Torque,
+    /// The torque or force of a joint without a motor, which is zero.
+    Passive,
+    /// The distance from an obstacle.
+    Clearance,
+    /// Any other quantity.
+    Other,
+}
+
+impl From<RowKind> for Limit {
+    fn from(kind: RowKind) -> Self {
+        match kind {
+            RowKind::Position(_) => Self::Position,
+            RowKind::Velocity(_) => Self::Velocity,
+            RowKind::Torque(_) => Self::Torque,
+            RowKind::Clearance => Self::Clearance,
+            RowKind::Other => Self::Other,
+        }
+    }
+}
+
+impl Feasibility {
+    /// Checks a motion by [`violations`] at no fewer than 2001 times.
+    ///
+    /// # Errors
+    /// The robot of the curve has another number of joints, or a torque limit is negative.
+    pub fn of(scenario: &Scenario, curve: &Curve) -> Result<Self> {
+        let model = &scenario.model;
+        let enforced = scenario.constraints()?;
+        let mut limit_violations = Vec::new();
+        add(scenario, curve, &enforced, true, &mut limit_violations)?;
+        add(
+            scenario,
+            curve,
+            &scenario.other_limits(),
+            false,
+            &mut limit_violations,
+        )?;
+        let samples = if scenario.environment.is_empty() {
+            Vec::new()
+        } else {
+            sample(model, curve, INTERVALS)?
+        };
+        let torques = largest_torques(model, curve, INTERVALS.div_ceil(curve.segments()))?;
+        let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
+        let passive = scenario.passive();
+        let configurations = samples.iter().map(|s| s.q.as_slice());
+        let environment = &scenario.environment;
+        Ok(Self {
+            smallest_clearance_m: environment.smallest_clearance(model, configurations)?,
+            limit_violations,
+            largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
+            largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),
+        })
+    }
+
+    /// Returns true if everything that the scenario enforces is satisfied within `tolerance`, in the unit of each
+    /// quantity. The torques of passive joints may reach `tolerance` or, if that is larger, [`PASSIVE_TORQUE_SHARE`] of
+    /// the largest torque: a polynomial cannot keep them at exactly zero between its points.
+    #[must_use]
+    pub fn holds(&self, tolerance: f64) -> bool {
+        self.beyond(tolerance).next().is_none()
+    }
+
+    /// The enforced limits that are violated by more than `tolerance`, in words; `None` if [all are
+    /// satisfied](Self::holds).
+    #[must_use]
+    pub fn reason(&self, tolerance: f64) -> Option<String> {
+        let in_words = |violation: &LimitViolation| match violation.limit {
+            Limit::Passive => {
+                let largest = three_figures(self.largest_torque);
+                format!(
+                    "{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}"
+                )
+            }
+            _ => violation.to_string(),
+        };
+        let named: Vec<_> = self.beyond(tolerance).map(in_words).collect();
+        let (first, more) = named.split_at(NAMED.min(named.len()));
+        let more = match more.len() {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
+    }
+
+    /// The violations of enforced rows beyond what is allowed for them.
+    fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
+        let allowed = move |limit| match limit {
+            Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
+            _ => tolerance,
+        };
+        let all = self.limit_violations.iter();
+        all.filter(move |violation| violation.enforced && violation.by > allowed(violation.limit))
+    }
+}
+
+/// Adds the violations of `constraints`: the worst per kind of limit and joint, or per name for rows without a joint.
+fn add<K: Constraint>(
+    scenario: &Scenario,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    enforced: bool,
+    found: &mut Vec<LimitViolation>,
+) -> Result<()> {
+    let model = &scenario.model;
+    let intervals = INTERVALS.div_ceil(curve.segments());
+    let first = found.len();
+    for Violation { row, by, at_s } in violations(model, curve, constraints, intervals)? {
+        if by <= 0.0 {
+            continue;
+        }
+        let RowLabel { name, unit, kind } = constraints.label(row, model);
+        let joint = kind
+            .joint()
+            .and_then(|i| model.joints().get(i))
+            .map(|joint| joint.name().to_owned());
+        let limit = match kind {
+            RowKind::Torque(_) if constraints.is_equality(row) => Limit::Passive,
+            kind => kind.into(),
+        };
+        let new = LimitViolation {
+            joint,
+            limit,
+            name,
+            by,
+            unit,
+            at_s,
+            enforced,
+        };
+        let same = |old: &&mut LimitViolation| {
+            old.limit == new.limit
+                && old.joint == new.joint
+                && (new.joint.is_some() || old.name == new.name)
+        };
+        match found[first..].iter_mut().find(same) {
+            Some(old) if old.by < new.by => *old = new,
+            Some(_) => {}
+            None => found.push(new),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,384 @@
+//! Reading a scenario.
+
+use super::builtin::builtin_scenario;
+use super::generate::generate_for;
+use super::json::{numbers_by_name, read_json};
+use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
+use super::obstacles::{
+    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
+    SphereObstacle,
+};
+use super::own_terms::OwnTerms;
+use super::passive::check_passive;
+use super::provenance::is_summary;
+use super::self_collision::in_full;
+use super::{EnforcedLimits, Environment, SolveOptions, Solved};
+use aghf::curve::Chebyshev;
+use aghf::error::{Error, Result, plain};
+use aghf::input::{name_of, read_named};
+use aghf::model::{Model, Reduced};
+use aghf::motion::{Feedback, Guess, Problem};
+use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The parameters of the flow for a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FlowParameters {
+    /// Degree of the polynomial.
+    pub p: usize,
+    /// Penalty of (11).
+    pub k: f64,
+    /// The value of `s` at which the flow stops.
+    pub s_max: f64,
+    /// The initial curve.
+    pub guess: Guess,
+    /// Weight of the constraints in (A2).
+    pub k_cons: f64,
+    /// Sharpness of the activation of the constraints in (A3).
+    pub c_cons: f64,
+}
+
+impl Default for FlowParameters {
+    /// The paper's best values for Kinova: the constraint weights of the scenario with obstacles, the rest from the one
+    /// without.
+    fn default() -> Self {
+        Self {
+            p: 9,
+            k: 1e9,
+            s_max: 0.1,
+            guess: Guess::default(),
+            k_cons: 1e9,
+            c_cons: 1.0,
+        }
+    }
+}
+
+/// A scenario as written in a file. Angles in rad, lengths in m, times in s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioFile {
+    /// The name of a built-in robot, or the path of a URDF file relative to the scenario file.
+    pub robot: String,
+    /// The treatment of mimic joints.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub mimic: Mimic,
+    /// The locked joints with their positions; they are not among the `N` joints of the keys below.
+    #[serde(
+        default,
+        deserialize_with = "numbers_by_name",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub locked_joints: BTreeMap<String, f64>,
+    /// The names of the joints without a motor: their torque is zero.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passive: Vec<String>,
+    /// The horizon `T`.
+    pub horizon_s: f64,
+    /// Configuration at the start, `N` entries.
+    pub q_start: Vec<f64>,
+    /// Velocity at the start.
+    pub v_start: Vec<f64>,
+    /// Configuration at the end.
+    pub q_goal: Vec<f64>,
+    /// Velocity at the end.
+    pub v_goal: Vec<f64>,
+    /// For the relaxation: true if the final velocity is free; `v_goal` then serves only as the first guess.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free_final_velocity: bool,
+    /// The cost that is minimised instead of the control effort. The published flow always minimises the control
+    /// effort, and reports this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub running_cost: Option<RunningCostWeights>,
+    /// For the relaxation: the bounds and the price of a free horizon; the search starts from `horizon_s`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free_horizon: Option<HorizonBounds>,
+    /// The spheres to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sphere_obstacles: Vec<SphereObstacle>,
+    /// The boxes to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub box_obstacles: Vec<BoxObstacle>,
+    /// The cylinders to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cylinder_obstacles: Vec<CylinderObstacle>,
+    /// The capsules to keep clear of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub capsule_obstacles: Vec<CapsuleObstacle>,
+    /// The half-spaces to stay in.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub half_spaces: Vec<HalfSpaceObstacle>,
+    /// The parts of the robot that keep clear of obstacles.
+    #[serde(default)]
+    pub robot_shape: RobotShape,
+    /// The links that keep clear of each other; none by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_collision: Option<SelfCollision>,
+    /// The joint limits that act as constraints; all by default.
+    #[serde(default)]
+    pub enforced_limits: EnforcedLimits,
+    /// The parameters of the flow; by default the paper's for Kinova.
+    #[serde(default)]
+    pub flow: FlowParameters,
+    /// The gains of the forward simulation; by default the paper's for Kinova, 10 and 10.
+    #[serde(default = "kinova_gains")]
+    pub feedback: Feedback,
+    /// The final error below which a solve is a success; by default the paper's 0.05.
+    #[serde(default = "paper_threshold")]
+    pub success_threshold: f64,
+}
+
+fn is_default(mimic: &Mimic) -> bool {
+    *mimic == Mimic::default()
+}
+
+fn kinova_gains() -> Feedback {
+    Feedback { kp: 10.0, kv: 10.0 }
+}
+
+fn paper_threshold() -> f64 {
+    0.05
+}
+
+/// A scenario with its robot, checked.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The name: the file name without its extension.
+    pub name: String,
+    /// The contents of the file.
+    pub file: ScenarioFile,
+    /// The robot, without the locked joints.
+    pub model: Model,
+    /// The notes from loading the robot.
+    pub load_notes: LoadReport,
+    /// The obstacles.
+    pub environment: Environment,
+    /// The name of the robot if it is built in, otherwise its absolute path.
+    pub robot_place: String,
+    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
+    pub robot_xxh64: String,
+    /// The text of the robot and its origin.
+    pub source: RobotSource,
+    /// The constraints and the cost that no key can name.
+    pub(super) own: OwnTerms,
+}
+
+impl Scenario {
+    /// Loads the scenario that is built in or generated under this name, otherwise the one in the file at this path.
+    ///
+    /// # Errors
+    /// Names the file, the key and the fault.
+    pub fn load(name_or_path: &str) -> Result<Self> {
+        Self::load_for(name_or_path, None, None)
+    }
+
+    /// Loads as [`load`](Self::load) does, with another robot (for families of generated scenarios that accept any) or
+    /// another treatment of mimic joints.
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load), and a robot given for a scenario that names its own.
+    pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
+        let (scenario, _) = Self::load_with_options(name_or_path, robot, mimic)?;
+        Ok(scenario)
+    }
+
+    /// Loads as [`load_for`](Self::load_for) does, together with the options of the solve if the file is a summary;
+    /// default options otherwise.
+    ///
+    /// # Errors
+    /// Those of [`load_for`](Self::load_for), and of [`Solved::load`] for a summary.
+    pub fn load_with_options(
+        name_or_path: &str,
+        robot: Option<&str>,
+        mimic: Option<Mimic>,
+    ) -> Result<(Self, SolveOptions)> {
+        let options = SolveOptions::default();
+        if let Some(generated) = generate_for(name_or_path, robot, mimic.unwrap_or_default()) {
+            let scenario = Self::new(generated?, name_or_path, Path::new(""))?;
+            return Ok((scenario, options));
+        }
+        if robot.is_some() {
+            let condition = "the scenario names its robot; only generated ones can be for another";
+            return Err(Error::input(name_or_path, "robot", condition));
+        }
+        let path = Path::new(name_or_path);
+        let (text, folder) = match builtin_scenario(name_or_path) {
+            Some(text) => (text.to_owned(), Path::new("")),
+            None => (
+                read_named(path, "scenario")?,
+                path.parent().unwrap_or(Path::new("")),
+            ),
+        };
+        if is_summary(&text) {
+            let solved = Solved::parse(&text, name_or_path, mimic)?;
+            return Ok((solved.scenario, solved.options));
+        }
+        let mut file: ScenarioFile = read_json(&text, name_or_path)?;
+        file.mimic = mimic.unwrap_or(file.mimic);
+        Ok((Self::new(file, name_or_path, folder)?, options))
+    }
+
+    /// Parses a scenario from JSON text. `path` and `folder` are as in [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
+        Self::new(read_json(text, path)?, path, folder)
+    }
+
+    /// Builds a scenario from the contents of a file, or from values of a program. Errors name `path`; its file name
+    /// without extension becomes the name of the scenario. The robot is looked for in `folder` unless it is built in.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
+        let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
+        let options = UrdfOptions { mimic: file.mimic };
+        let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
+        let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;
+        let (robot, load_notes) = source.parse(options).map_err(of_robot)?;
+        let robot_place = source.absolute().map_err(of_robot)?;
+        let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
+        if let Some(given) = file.self_collision.take() {
+            let read = in_full(given, folder);
+            let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
+            file.self_collision = Some(read);
+        }
+        let environment = Environment::new(&robot, &file, source.folder(), path)?;
+        let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
+        let states = [
+            ("q_start", &file.q_start),
+            ("v_start", &file.v_start),
+            ("q_goal", &file.q_goal),
+            ("v_goal", &file.v_goal),
+        ];
+        for (key, state) in states {
+            if state.len() != model.dof() {
+                let (expected, found) = (model.dof(), state.len());
+                let left = if file.locked_joints.is_empty() {
+                    ""
+                } else {
+                    " that are not locked"
+                };
+                let joints =
+                    format!("the robot has {expected} joints{left}, but {found} values are given");
+                return refuse(key, joints);
+            }
+        }
+        let positive = [
+            ("flow.k", file.flow.k),
+            ("flow.s_max", file.flow.s_max),
+            ("flow.k_cons", file.flow.k_cons),
+            ("flow.c_cons", file.flow.c_cons),
+            ("success_threshold", file.success_threshold),
+        ];
+        for (key, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return refuse(
+                    key,
+                    format!("it is {}, a positive number is needed", plain(value)),
+                );
+            }
+        }
+        for (key, gain) in [
+            ("feedback.kp", file.feedback.kp),
+            ("feedback.kv", file.feedback.kv),
+        ] {
+            if !(gain.is_finite() && gain >= 0.0) {
+                return refuse(
+                    key,
+                    format!("it is {}, a gain is not negative", plain(gain)),
+                );
+            }
+        }
+        Problem::check_horizon(file.horizon_s)
+            .map_err(|condition| Error::input(path, "horizon_s", condition))?;
+        Chebyshev::check_degree(file.flow.p)
+            .map_err(|condition| Error::input(path, "flow.p", condition))?;
+        check_objective(&file, model.dof(), path)?;
+        file.enforced_limits.check(&model, path)?;
+        check_passive(&file, &model, path)?;
+        Ok(Self {
+            name: name_of(path),
+            file,
+            model,
+            load_notes,
+            environment,
+            robot_place,
+            robot_xxh64: format!("{robot_xxh64:016x}"),
+            source,
+            own: OwnTerms::default(),
+        })
+    }
+
+    /// The trajectory optimisation problem of this scenario.
+    ///
+    /// # Errors
+    /// As [`Problem::new`].
+    pub fn problem(&self) -> Result<Problem<'_>> {
+        let state = |q: &[f64], v: &[f64]| [q, v].concat();
+        Problem::new(
+            &self.model,
+            state(&self.file.q_start, &self.file.v_start),
+            state(&self.file.q_goal, &self.file.v_goal),
+            self.file.horizon_s,
+        )
+    }
+
+    /// The boundary positions outside the limits of their joints, in words. They are reported rather than refused,
+    /// because the paper's Digit scenarios have some.
+    #[must_use]
+    pub fn outside_limits(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (key, q) in [
+            ("q_start", &self.file.q_start),
+            ("q_goal", &self.file.q_goal),
+        ] {
+            for (joint, q) in self.model.joints().iter().zip(q) {
+                let (lower, upper) = (joint.limits().lower, joint.limits().upper);
+                if !(lower..=upper).contains(q) {
+                    let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
+                    notes.push(format!(
+                        "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
+                    ));
+                }
+            }
+        }
+        notes
+    }
+}
+
+/// Locks these joints in the robot and in its shape. `path` names the scenario in errors.
+fn lock(
+    robot: Model,
+    environment: Environment,
+    joints: &BTreeMap<String, f64>,
+    path: &str,
+) -> Result<(Model, Environment)> {
+    if joints.is_empty() {
+        return Ok((robot, environment));
+    }
+    let mut locked = Vec::with_capacity(joints.len());
+    for (name, position) in joints {
+        let Some(i) = robot.joints().iter().position(|j| j.name() == name) else {
+            let condition = "the robot has no such joint that moves";
+            return Err(Error::input(
+                path,
+                format!("locked_joints.{name}"),
+                condition,
+            ));
+        };
+        locked.push((i, *position));
+    }
+    let named = |error: Error| match error {
+        Error::Input {
+            element, condition, ..
+        } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
+        other => other,
+    };
+    let Reduced { model, bodies } = robot.reduced(&locked).map_err(named)?;
+    model.check_regular(path).map_err(named)?;
+    Ok((model, environment.reduced(&bodies)))
+}

@@ -1,0 +1,13 @@
+//! A book in pages: from a first motion to all that a scenario can ask for. The library's own pages are
+//! [`aghf::guide`].
+
+#[doc = include_str!("first_motion.md")]
+#[doc = include_str!("pictures/first_motion.svg")]
+pub mod first_motion {}
+
+#[doc = include_str!("asking_for_more.md")]
+#[doc = include_str!("pictures/obstacles.svg")]
+pub mod asking_for_more {}
+
+#[doc = include_str!("variants.md")]
+pub mod variants {}

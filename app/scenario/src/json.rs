@@ -1,0 +1,91 @@
+//! JSON input with errors that name the key.
+
+use aghf::error::{Error, Result};
+use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
+use serde::{Deserializer, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Reads a value from JSON; an error names the faulty key. `file` names the text.
+pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
+    let refuse = |key: &str, condition: String| Error::input(file, key, condition);
+    if text.trim_start().starts_with('<') {
+        return Err(refuse(
+            "scenario",
+            "it is XML, such as a URDF, and no JSON".to_owned(),
+        ));
+    }
+    // Said first, as the first entry would be blamed.
+    if text.trim_start().starts_with('[') {
+        return Err(refuse("scenario", NO_OBJECT.to_owned()));
+    }
+    let reader = &mut serde_json::Deserializer::from_str(text);
+    let value: T = serde_path_to_error::deserialize(&mut *reader).map_err(|error| {
+        let path = error.path().to_string();
+        let key = if path == "." { "scenario" } else { &path };
+        let mut condition = error.inner().to_string();
+        if condition.starts_with("invalid type: unit variant") {
+            let name = path.rsplit('.').next().unwrap_or_default();
+            condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
+        }
+        refuse(key, condition)
+    })?;
+    let of_text = |e: serde_json::Error| refuse("scenario", e.to_string());
+    reader.end().map_err(of_text)?;
+    let given = serde_json::from_str(text).map_err(of_text)?;
+    let read = serde_json::to_value(&value).map_err(of_text)?;
+    match list_for_object(&given, &read) {
+        Some(path) => Err(refuse(path.trim_start_matches('.'), NO_OBJECT.to_owned())),
+        None => Ok(value),
+    }
+}
+
+const NO_OBJECT: &str = "it is a list, not an object with keys";
+
+/// The path of a list in `given` that serde read as an object: it accepts one as the values of the keys in order.
+fn list_for_object(given: &Value, read: &Value) -> Option<String> {
+    match (given, read) {
+        (Value::Object(given), Value::Object(read)) => given.iter().find_map(|(key, given)| {
+            let path = list_for_object(given, read.get(key)?)?;
+            Some(format!(".{key}{path}"))
+        }),
+        (Value::Array(given), Value::Array(read)) => {
+            let mut both = given.iter().zip(read).enumerate();
+            both.find_map(|(i, (given, read))| {
+                Some(format!("[{i}]{}", list_for_object(given, read)?))
+            })
+        }
+        (Value::Array(_), _) => Some(String::new()),
+        _ => None,
+    }
+}
+
+/// Reads an object of numbers and refuses repeated keys, of which serde would silently keep the last.
+pub(super) fn numbers_by_name<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
+    struct Numbers;
+    impl<'de> Visitor<'de> for Numbers {
+        type Value = BTreeMap<String, f64>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("an object of numbers")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(
+            self,
+            mut map: A,
+        ) -> std::result::Result<Self::Value, A::Error> {
+            let mut numbers = BTreeMap::new();
+            while let Some((name, number)) = map.next_entry::<String, f64>()? {
+                if numbers.contains_key(&name) {
+                    return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                }
+                numbers.insert(name, number);
+            }
+            Ok(numbers)
+        }
+    }
+    deserializer.deserialize_map(Numbers)
+}

@@ -1,0 +1,55 @@
+#![doc = include_str!("keys.md")]
+
+/// The code of the README, run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+mod readme {}
+
+mod builtin;
+mod by_flow;
+mod curve_file;
+mod environment;
+mod feasibility;
+mod file;
+mod generate;
+pub mod guide;
+mod json;
+pub mod judge;
+mod limits;
+mod moveit;
+mod nearest;
+mod objective;
+mod obstacles;
+mod options;
+mod own_terms;
+mod passive;
+mod preflight;
+mod provenance;
+mod report;
+mod robot_shape;
+mod self_collision;
+mod summary;
+
+pub use builtin::builtin_scenarios;
+pub use curve_file::CurveFile;
+pub use environment::Environment;
+pub use feasibility::{Feasibility, Limit, LimitViolation};
+pub use file::{FlowParameters, Scenario, ScenarioFile};
+pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
+pub use limits::{Enforced, EnforcedLimits};
+pub use moveit::{MoveIt, MoveItHorizon};
+pub use nearest::{Distances, Nearest};
+pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
+pub use obstacles::{
+    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
+    SphereObstacle,
+};
+pub use options::{FlowVariant, Method, SolveOptions};
+pub use own_terms::SharedCost;
+pub use passive::PASSIVE_TORQUE_SHARE;
+pub use preflight::least_horizon;
+pub use provenance::{Provenance, Solved};
+pub use report::{Record, SolveReport, Trace, solve};
+pub use robot_shape::LinkBall;
+pub use self_collision::{IgnoredPair, IgnoredPairs};
+pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

@@ -1,0 +1,322 @@
+//! The joint limits that act as constraints.
+
+use super::{Limit, Scenario};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
+use aghf::error::{Error, Result, plain};
+use aghf::model::{JointKind, Model};
+use serde::{Deserialize, Serialize};
+
+/// The joint limits that act as constraints; by default all limits of the robot. Violations of the others are only
+/// reported.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "an object with some of the keys position, velocity and torque"
+)]
+pub struct EnforcedLimits {
+    /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
+    pub position: Enforced,
+    /// The velocity limits.
+    pub velocity: Enforced,
+    /// The torque and force limits.
+    pub torque: Enforced,
+}
+
+/// The enforced part of one kind of limit.
+///
+/// In JSON: `true`, `false`, a share, or an object with the optional keys `share` and `joints`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Written", into = "Written")]
+pub enum Enforced {
+    /// No limit.
+    No,
+    /// The limits of some or all joints, scaled.
+    Share {
+        /// The usable fraction of a limit, above 0 and at most 1.
+        share: f64,
+        /// The names of the joints; `None` for all.
+        joints: Option<Vec<String>>,
+    },
+}
+
+impl Default for Enforced {
+    /// All limits, unscaled.
+    fn default() -> Self {
+        Self::Share {
+            share: whole(),
+            joints: None,
+        }
+    }
+}
+
+impl EnforcedLimits {
+    /// No limits.
+    pub const NONE: Self = Self {
+        position: Enforced::No,
+        velocity: Enforced::No,
+        torque: Enforced::No,
+    };
+
+    /// Returns true if limits of any kind are enforced, whether or not the robot has such limits.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        *self != Self::NONE
+    }
+
+    /// The enforced lower and upper bound on the position, velocity or torque of joint `joint` of `model`, in rad or m,
+    /// rad/s or m/s, N m or N; one of them may be infinite. `None` if nothing is enforced, or if `limit` is not a limit
+    /// of a joint.
+    #[must_use]
+    pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        let joint = model.joints().get(joint)?;
+        let share = self.of(limit)?.share(joint.name())?;
+        let limits = joint.limits();
+        let both = |most: f64| [-share * most, share * most];
+        let [lower, upper] = match limit {
+            Limit::Position => within([limits.lower, limits.upper], share),
+            Limit::Velocity => both(limits.velocity),
+            Limit::Torque => both(limits.effort),
+            Limit::Passive | Limit::Clearance | Limit::Other => return None,
+        };
+        (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
+    }
+
+    /// The enforced part of a kind of limit.
+    fn of(&self, limit: Limit) -> Option<&Enforced> {
+        match limit {
+            Limit::Position => Some(&self.position),
+            Limit::Velocity => Some(&self.velocity),
+            Limit::Torque => Some(&self.torque),
+            Limit::Passive | Limit::Clearance | Limit::Other => None,
+        }
+    }
+
+    /// Refuses invalid shares and unknown joint names. `path` names the scenario.
+    pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
+        for limit in Limit::OF_JOINTS {
+            let Some(Enforced::Share { share, joints }) = self.of(limit) else {
+                continue;
+            };
+            let key = format!("enforced_limits.{}", limit.name());
+            if !(*share > 0.0 && *share <= 1.0) {
+                let condition =
+                    format!("it is {}, a share is above 0 and at most 1", plain(*share));
+                return Err(Error::input(path, key, condition));
+            }
+            let known = |name: &String| model.joints().iter().any(|joint| joint.name() == name);
+            if let Some(unknown) = joints.iter().flatten().find(|name| !known(name)) {
+                let condition = format!("the robot has no joint '{unknown}' that moves");
+                return Err(Error::input(path, format!("{key}.joints"), condition));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The central part of a range of relative size `share`.
+fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
+    let cut = 0.5 * (1.0 - share) * (upper - lower);
+    if cut.is_finite() {
+        [lower + cut, upper - cut]
+    } else {
+        [lower, upper]
+    }
+}
+
+impl Enforced {
+    /// The share enforced for a joint.
+    fn share(&self, joint: &str) -> Option<f64> {
+        let Self::Share { share, joints } = self else {
+            return None;
+        };
+        let named = |joints: &Vec<String>| joints.iter().any(|name| name == joint);
+        joints.as_ref().is_none_or(named).then_some(*share)
+    }
+}
+
+impl Limit {
+    /// The kinds of limits that belong to a joint.
+    pub(super) const OF_JOINTS: [Self; 3] = [Self::Position, Self::Velocity, Self::Torque];
+
+    /// The name of the limit, which is its key in a scenario.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Torque => "torque",
+            Self::Passive => "passive torque",
+            Self::Clearance => "clearance",
+            Self::Other => "other",
+        }
+    }
+
+    /// The unit of the limit for a joint of this kind.
+    pub(super) fn unit(self, kind: JointKind) -> &'static str {
+        let slides = kind == JointKind::Prismatic;
+        match self {
+            Self::Position if slides => "m",
+            Self::Position => "rad",
+            Self::Velocity if slides => "m/s",
+            Self::Velocity => "rad/s",
+            Self::Torque | Self::Passive if slides => "N",
+            Self::Torque | Self::Passive => "N m",
+            Self::Clearance => "m",
+            Self::Other => "",
+        }
+    }
+}
+
+impl Scenario {
+    /// The enforced bounds of this scenario, as [`EnforcedLimits::bound`] defines them. The bounds on the torque of a
+    /// passive joint are always zero.
+    #[must_use]
+    pub fn bound(&self, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        if limit == Limit::Torque && self.is_passive(joint) {
+            return Some([0.0; 2]);
+        }
+        (self.file.enforced_limits).bound(&self.model, limit, joint)
+    }
+
+    /// Returns true if the scenario has no constraint: no obstacle, no enforced limit, no passive joint and no
+    /// user-defined constraint.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.environment.is_empty()
+            && !self.limits_are_enforced()
+            && self.own.constraints.is_empty()
+    }
+
+    /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
+    pub(super) fn limits_are_enforced(&self) -> bool {
+        let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
+        Limit::OF_JOINTS.into_iter().any(bounded)
+    }
+
+    /// The constraints on the state: clearance from obstacles, enforced limits, and user-defined constraints.
+    ///
+    /// # Errors
+    /// Those of [`Environment::constraints`](super::Environment::constraints).
+    pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
+        let mut constraints = self.environment.constraints()?;
+        let bound = |limit, joint| self.bound(limit, joint);
+        constraints.extend(limits_of_state(self.model.dof(), bound));
+        constraints.extend(self.own.constraints.iter().cloned());
+        Ok(constraints)
+    }
+
+    /// All constraints on a motion.
+    ///
+    /// # Errors
+    /// Those of [`state_constraints`](Self::state_constraints).
+    pub fn constraints(&self) -> Result<Constraints<Vec<AnyConstraint>>> {
+        Ok(Constraints {
+            state: self.state_constraints()?,
+            torque: self.torque_limits(),
+        })
+    }
+
+    /// The enforced torque limits, zero for passive joints; empty if there are none.
+    #[must_use]
+    pub fn torque_limits(&self) -> TorqueLimits {
+        let bound = |limit, joint| self.bound(limit, joint);
+        limits_of_torque(self.model.dof(), bound)
+    }
+
+    /// The limits of the robot that are not enforced, not even in part.
+    pub(super) fn other_limits(&self) -> Constraints<Vec<AnyConstraint>> {
+        let all = EnforcedLimits::default();
+        let other = |limit, joint| match self.bound(limit, joint) {
+            Some(_) => None,
+            None => all.bound(&self.model, limit, joint),
+        };
+        let n = self.model.dof();
+        Constraints {
+            state: limits_of_state(n, other),
+            torque: limits_of_torque(n, other),
+        }
+    }
+}
+
+/// The bounds on the positions and velocities of `n` joints as constraints, without those that have no rows.
+fn limits_of_state(
+    n: usize,
+    bound: impl Fn(Limit, usize) -> Option<[f64; 2]>,
+) -> Vec<AnyConstraint> {
+    let mut constraints = Vec::new();
+    for (limit, first) in [(Limit::Position, 0), (Limit::Velocity, n)] {
+        let bounds: Vec<Bound> = (0..n)
+            .filter_map(|i| Some((first + i, bound(limit, i)?)))
+            .flat_map(|(entry, bound)| {
+                let sides = [Side::Lower, Side::Upper].into_iter().zip(bound);
+                sides.map(move |(side, value)| Bound { entry, side, value })
+            })
+            .filter(|bound| bound.value.is_finite())
+            .collect();
+        if !bounds.is_empty() {
+            constraints.push(AnyConstraint::Bounds(Bounds(bounds)));
+        }
+    }
+    constraints
+}
+
+/// The bounds on the torques of `n` joints; empty if there are none.
+fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> TorqueLimits {
+    let limits: Vec<Option<f64>> = (0..n)
+        .map(|i| bound(Limit::Torque, i).map(|[_, most]| most))
+        .collect();
+    let any = limits.iter().any(Option::is_some);
+    TorqueLimits(if any { limits } else { Vec::new() })
+}
+
+/// The JSON form of an [`Enforced`].
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "true, false, a share such as 0.8, or an object with the keys share and joints is needed"
+)]
+enum Written {
+    All(bool),
+    Share(f64),
+    Part(Part),
+}
+
+/// A part of the limits, as an object.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    #[serde(default = "whole")]
+    share: f64,
+    #[serde(default)]
+    joints: Option<Vec<String>>,
+}
+
+fn whole() -> f64 {
+    1.0
+}
+
+impl From<Written> for Enforced {
+    fn from(written: Written) -> Self {
+        let (share, joints) = match written {
+            Written::All(false) => return Self::No,
+            Written::All(true) => (whole(), None),
+            Written::Share(share) => (share, None),
+            Written::Part(Part { share, joints }) => (share, joints),
+        };
+        Self::Share { share, joints }
+    }
+}
+
+impl From<Enforced> for Written {
+    fn from(enforced: Enforced) -> Self {
+        match enforced {
+            Enforced::No => Self::All(false),
+            all if all == Enforced::default() => Self::All(true),
+            Enforced::Share {
+                share,
+                joints: None,
+            } => Self::Share(share),
+            Enforced::Share { share, joints } => Self::Part(Part { share, joints }),
+        }
+    }
+}

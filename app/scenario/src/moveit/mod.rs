@@ -1,0 +1,287 @@
+//! Scenarios from MoveIt's planning scenes and requests.
+
+mod messages;
+mod obstacles;
+mod yaml;
+
+use super::preflight::slowest;
+use super::{
+    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, LinkBall, RobotShape, Scenario,
+    ScenarioFile, SelfCollision,
+};
+use aghf::error::{Error, Result, plain};
+use aghf::input::read_text;
+use aghf::model::{Joint, Model};
+use aghf::motion::{Feedback, Problem};
+use aghf::urdf::{Mimic, RobotSource, Srdf, UrdfOptions};
+use messages::{Goal, Request, RobotState, Scene};
+use obstacles::add_obstacles;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use yaml::read_yaml;
+
+/// The shortest default horizon, s.
+const SHORTEST: f64 = 0.1;
+
+/// The default first and longest horizon of a search, as multiples of the shortest one that the velocity limits allow.
+const FIRST: f64 = 2.0;
+const LONGEST: f64 = 15.0;
+
+/// The files of a MoveIt planning problem, and the options for converting it to a scenario.
+#[derive(Clone, Debug)]
+pub struct MoveIt {
+    /// The planning scene, YAML.
+    pub scene: PathBuf,
+    /// The planning request, YAML.
+    pub request: PathBuf,
+    /// The name of a built-in robot, or the path of a URDF file.
+    pub urdf: String,
+    /// The treatment of mimic joints.
+    pub mimic: Mimic,
+    /// The SRDF, whose disabled pairs of links are not checked; without one the pairs are found by
+    /// [sampling](IgnoredPairs::by_sampling).
+    pub srdf: Option<PathBuf>,
+    /// The spacing of the balls that cover shapes other than spheres, m.
+    pub spacing: f64,
+    /// The horizon.
+    pub horizon: MoveItHorizon,
+}
+
+/// The horizon of a converted scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MoveItHorizon {
+    /// Free, from the shortest one that the velocity limits allow, but at least 0.1 s, to fifteen times that.
+    Free,
+    /// Free between these bounds, s.
+    Between(f64, f64),
+    /// Fixed, s.
+    Given(f64),
+}
+
+impl MoveIt {
+    /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space, at
+    /// rest at both ends, within all limits of the robot, with the boxes, cylinders and spheres of the scene as
+    /// obstacles, the collision shapes of the robot, and the pairs of links that may overlap. Joints that are not in
+    /// the goal are locked at their position in the request, or otherwise in the scene. `path` is the future path of
+    /// the scenario, which is loaded once as a check.
+    ///
+    /// # Errors
+    /// Names the file, the element and the fault, such as a goal, an obstacle or a frame that scenarios do not support.
+    pub fn scenario(&self, path: &str) -> Result<Scenario> {
+        let [scene_name, request_name] =
+            [&self.scene, &self.request].map(|path| path.display().to_string());
+        let scene: Scene = read_yaml(&read_text(&self.scene)?, &scene_name, "scene")?;
+        let request: Request = read_yaml(&read_text(&self.request)?, &request_name, "request")?;
+        let source = RobotSource::find(&self.urdf, Path::new(""))?;
+        let (model, _) = source.parse(UrdfOptions { mimic: self.mimic })?;
+        let scene_state = Positions::of(&scene.robot_state, &model, &scene_name, "robot_state")?;
+        let start = Positions::of(&request.start_state, &model, &request_name, "start_state")?;
+        let goal = goal_of(&request, &model, &request_name)?;
+
+        let mut locked = BTreeMap::new();
+        let [mut q_start, mut q_goal] = [Vec::new(), Vec::new()];
+        let mut moving = Vec::new();
+        for joint in model.joints() {
+            let name = joint.name();
+            let from = start.0.get(name).or_else(|| scene_state.0.get(name));
+            let Some(from) = from else {
+                let condition =
+                    format!("joint '{name}' of the robot is neither there nor in the scene");
+                return Err(Error::input(
+                    request_name,
+                    "start_state.joint_state",
+                    condition,
+                ));
+            };
+            match goal.get(name) {
+                Some(to) => {
+                    q_start.push(*from);
+                    q_goal.push(*to);
+                    moving.push(joint);
+                }
+                None => {
+                    locked.insert(name.to_owned(), *from);
+                }
+            }
+        }
+        let (horizon_s, free_horizon) = self.horizon(&moving, &q_start, &q_goal);
+        let longest = free_horizon.map_or(horizon_s, |free| free.longest_s);
+        if self.horizon == MoveItHorizon::Free && Problem::check_horizon(longest).is_err() {
+            let condition = format!(
+                "so far from the start that it would take up to {} s",
+                plain(longest)
+            );
+            return Err(Error::input(request_name, "goal_constraints", condition));
+        }
+        let zeros = vec![0.0; moving.len()];
+        let ignored = self.ignored_pairs(&model, &source)?.ignored_pairs;
+        let mut file = ScenarioFile {
+            robot: source.absolute()?,
+            mimic: self.mimic,
+            locked_joints: locked,
+            passive: Vec::new(),
+            horizon_s,
+            q_start,
+            v_start: zeros.clone(),
+            q_goal,
+            v_goal: zeros,
+            free_final_velocity: false,
+            running_cost: None,
+            free_horizon,
+            sphere_obstacles: Vec::new(),
+            box_obstacles: Vec::new(),
+            cylinder_obstacles: Vec::new(),
+            capsule_obstacles: Vec::new(),
+            half_spaces: Vec::new(),
+            robot_shape: RobotShape::Collision {
+                spacing_m: self.spacing,
+            },
+            self_collision: Some(SelfCollision::IgnoredPairs(
+                ignored.into_iter().map(|pair| pair.links).collect(),
+            )),
+            enforced_limits: EnforcedLimits::default(),
+            flow: FlowParameters::default(),
+            feedback: Feedback { kp: 10.0, kv: 10.0 },
+            success_threshold: 0.05,
+        };
+        add_obstacles(&scene, &scene_name, &mut file)?;
+        Scenario::new(file, path, Path::new(""))
+    }
+
+    /// The pairs of links that may overlap.
+    fn ignored_pairs(&self, model: &Model, source: &RobotSource) -> Result<IgnoredPairs> {
+        if let Some(path) = &self.srdf {
+            return Ok(IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?));
+        }
+        let balls = LinkBall::of_model(model, source.folder(), self.spacing)?;
+        IgnoredPairs::by_sampling(model, &balls)
+    }
+
+    /// The initial horizon, and its bounds if it is free.
+    fn horizon(
+        &self,
+        joints: &[&Joint<f64>],
+        start: &[f64],
+        goal: &[f64],
+    ) -> (f64, Option<HorizonBounds>) {
+        let speed = |i: usize| joints[i].limits().velocity;
+        let least = slowest(start, goal, speed).map_or(0.0, |(_, least)| least);
+        let least = least.max(SHORTEST);
+        let free = |shortest_s: f64, longest_s: f64| {
+            let bounds = HorizonBounds {
+                shortest_s,
+                longest_s,
+                weight: 0.0,
+            };
+            // Bounds that make no sense are refused as those of any scenario.
+            let first = (FIRST * least).min(longest_s).max(shortest_s);
+            (first, Some(bounds))
+        };
+        match self.horizon {
+            MoveItHorizon::Given(horizon) => (horizon, None),
+            MoveItHorizon::Between(shortest, longest) => free(shortest, longest),
+            MoveItHorizon::Free => free(least, LONGEST * least),
+        }
+    }
+}
+
+/// Joint positions by name.
+struct Positions(BTreeMap<String, f64>);
+
+impl Positions {
+    /// Reads the positions of a state. Each joint must be one of the robot, fixed ones included. `key` is the position
+    /// of the state in `file`.
+    fn of(state: &RobotState, model: &Model, file: &str, key: &str) -> Result<Self> {
+        let refuse = |what: &str, condition: String| {
+            Err(Error::input(file, format!("{key}.{what}"), condition))
+        };
+        let joints = &state.joint_state;
+        if joints.name.len() != joints.position.len() {
+            let (names, positions) = (joints.name.len(), joints.position.len());
+            let condition = format!("it has {names} names, but {positions} positions");
+            return refuse("joint_state", condition);
+        }
+        if !state.attached_collision_objects.is_empty() {
+            let condition = "objects that the robot carries are not read".to_owned();
+            return refuse("attached_collision_objects", condition);
+        }
+        for (i, transform) in state.multi_dof_joint_state.transforms.iter().enumerate() {
+            let translation: nalgebra::Vector3<f64> = transform.translation.into();
+            let [x, y, z, _]: [f64; 4] = transform.rotation.into();
+            if translation.iter().chain(&[x, y, z]).any(|x| *x != 0.0) {
+                let what = format!("multi_dof_joint_state.transforms[{i}]");
+                return refuse(&what, "it moves the robot, whose base is fixed".to_owned());
+            }
+        }
+        let mut positions = BTreeMap::new();
+        for (i, (name, position)) in joints.name.iter().zip(&joints.position).enumerate() {
+            if !has_joint(model, name) {
+                let condition = format!("the robot has no joint '{name}'");
+                return refuse(&format!("joint_state.name[{i}]"), condition);
+            }
+            if positions.insert(name.clone(), *position).is_some() {
+                let condition = format!("joint '{name}' is named twice");
+                return refuse(&format!("joint_state.name[{i}]"), condition);
+            }
+        }
+        Ok(Self(positions))
+    }
+}
+
+/// Returns true if the robot has a moving or fixed joint of this name.
+fn has_joint(model: &Model, name: &str) -> bool {
+    let carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
+    let mut names = carriers.map(|carrier| carrier.joint.as_str());
+    names.any(|joint| joint == name)
+}
+
+/// The positions of joints at the goal.
+fn goal_of(request: &Request, model: &Model, file: &str) -> Result<BTreeMap<String, f64>> {
+    let refuse = |key: String, condition: String| Err(Error::input(file, key, condition));
+    let goals = "goal_constraints".to_owned();
+    if request.path_constraints.as_ref().is_some_and(has_entries) {
+        let condition = "constraints on the way are not read".to_owned();
+        return refuse("path_constraints".to_owned(), condition);
+    }
+    let [goal] = request.goal_constraints.as_slice() else {
+        let found = request.goal_constraints.len();
+        return refuse(goals, format!("it has {found} goals, one is needed"));
+    };
+    let Goal {
+        joint_constraints,
+        position_constraints,
+        orientation_constraints,
+    } = goal;
+    if !(position_constraints.is_empty() && orientation_constraints.is_empty()) {
+        let condition = "a goal in joint space is needed, without positions or orientations";
+        return refuse(format!("{goals}[0]"), condition.to_owned());
+    }
+    if joint_constraints.is_empty() {
+        let condition = "it has no joint_constraints: a goal in joint space is needed";
+        return refuse(format!("{goals}[0]"), condition.to_owned());
+    }
+    let mut positions = BTreeMap::new();
+    for (i, joint) in joint_constraints.iter().enumerate() {
+        let key = format!("{goals}[0].joint_constraints[{i}]");
+        let name = &joint.joint_name;
+        if model.joints().iter().all(|joint| joint.name() != name) {
+            return refuse(key, format!("the robot has no joint '{name}' that moves"));
+        }
+        if positions.insert(name.clone(), joint.position).is_some() {
+            return refuse(key, format!("joint '{name}' is named twice"));
+        }
+    }
+    Ok(positions)
+}
+
+/// Returns true if a message contains anything but empty lists and texts.
+fn has_entries(value: &serde_json::Value) -> bool {
+    use serde_json::Value;
+    match value {
+        Value::Null => false,
+        Value::String(text) => !text.is_empty(),
+        Value::Array(list) => !list.is_empty(),
+        Value::Object(object) => object.values().any(has_entries),
+        Value::Bool(_) | Value::Number(_) => true,
+    }
+}

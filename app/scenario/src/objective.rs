@@ -1,0 +1,142 @@
+//! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
+
+use super::{Method, Scenario, ScenarioFile, SolveOptions};
+use aghf::error::{Error, Result};
+use aghf::relax::{FreeHorizon, WeightedSquares};
+use serde::{Deserialize, Serialize};
+
+/// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunningCostWeights {
+    /// Weights of squared torques or forces, one by default.
+    pub torque: PerJoint,
+    /// Weights of squared velocities, zero by default.
+    pub velocity: PerJoint,
+    /// Weights of squared accelerations, zero by default.
+    pub acceleration: PerJoint,
+}
+
+impl Default for RunningCostWeights {
+    /// The control effort.
+    fn default() -> Self {
+        Self {
+            torque: PerJoint::Same(1.0),
+            velocity: PerJoint::Same(0.0),
+            acceleration: PerJoint::Same(0.0),
+        }
+    }
+}
+
+impl RunningCostWeights {
+    /// The running cost for a robot with `dof` joints.
+    ///
+    /// # Errors
+    /// Those of [`WeightedSquares::new`].
+    pub fn weighted(&self, dof: usize) -> Result<WeightedSquares> {
+        let [torque, velocity, acceleration] = [&self.torque, &self.velocity, &self.acceleration]
+            .map(|weights| match weights {
+                PerJoint::Same(weight) => vec![*weight; dof],
+                PerJoint::Each(weights) => weights.clone(),
+            });
+        WeightedSquares::new(dof, torque, velocity, acceleration)
+    }
+}
+
+/// One number per joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a number is needed, or a list with one for each joint"
+)]
+pub enum PerJoint {
+    /// The same number for all joints.
+    Same(f64),
+    /// One number per joint, in their order.
+    Each(Vec<f64>),
+}
+
+/// The bounds and the price of a free horizon.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object with the keys shortest_s, longest_s and weight"
+)]
+pub struct HorizonBounds {
+    /// The shortest horizon, s.
+    pub shortest_s: f64,
+    /// The longest horizon, s.
+    pub longest_s: f64,
+    /// The price per second.
+    pub weight: f64,
+}
+
+impl From<HorizonBounds> for FreeHorizon {
+    fn from(bounds: HorizonBounds) -> Self {
+        Self {
+            shortest: bounds.shortest_s,
+            longest: bounds.longest_s,
+            weight: bounds.weight,
+        }
+    }
+}
+
+/// Refuses keys of this file that are invalid for a robot with `dof` joints. `path` names the scenario.
+pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Result<()> {
+    let named = |error: Error, key: &dyn Fn(&str) -> String| match error {
+        Error::Input {
+            element, condition, ..
+        } => Error::input(path, key(&element), condition),
+        other => other,
+    };
+    if let Some(weights) = &file.running_cost {
+        let key = |element: &str| match element {
+            "all" => "running_cost".to_owned(),
+            _ => format!("running_cost.{element}"),
+        };
+        weights.weighted(dof).map_err(|error| named(error, &key))?;
+    }
+    if let Some(bounds) = file.free_horizon {
+        let key = |element: &str| match element {
+            "free_horizon.weight" => element.to_owned(),
+            bound => format!("{bound}_s"),
+        };
+        let checked = FreeHorizon::from(bounds).check(file.horizon_s);
+        checked.map_err(|error| named(error, &key))?;
+    }
+    Ok(())
+}
+
+impl Scenario {
+    /// The keys of this scenario that the method ignores, in words.
+    pub(super) fn notes(&self, options: &SolveOptions) -> Vec<String> {
+        let mut notes = Vec::new();
+        let published = options.method == Method::Flow && !options.flows_to_rest();
+        if published && self.file.running_cost.is_some() {
+            let note = "running_cost: the published flow minimises the control effort alone";
+            notes.push(note.to_owned());
+        }
+        notes
+    }
+
+    /// Refuses keys that a flow does not support: those of the relaxation alone, and passive joints unless the flow
+    /// goes to rest.
+    pub(super) fn check_for_flow(&self, to_rest: bool) -> Result<()> {
+        let file = &self.file;
+        let keys = [
+            ("free_final_velocity", file.free_final_velocity),
+            ("free_horizon", file.free_horizon.is_some()),
+            ("running cost of one's own", self.own.running_cost.is_some()),
+        ];
+        if let Some((key, _)) = keys.iter().find(|(_, given)| *given) {
+            let condition = "the method 'flow' does not know it, only 'relax' does";
+            return Err(Error::input(&self.name, *key, condition));
+        }
+        if !to_rest && !file.passive.is_empty() {
+            let condition =
+                "the published flow does not know it; the variants 'duals' and 'two-phases' do";
+            return Err(Error::input(&self.name, "passive", condition));
+        }
+        Ok(())
+    }
+}

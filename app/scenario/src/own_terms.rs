@@ -1,0 +1,173 @@
+//! User-defined constraints and running costs, which no key of a scenario can express.
+
+use super::Scenario;
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel};
+use aghf::error::{Error, Result};
+use aghf::relax::{
+    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
+    PointDerivatives, Points, PointsDerivatives, RelaxSettings, RunningCost,
+};
+use nalgebra::DMatrix;
+use std::fmt::{self, Debug};
+use std::sync::Arc;
+
+/// A running cost of any type.
+pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
+
+/// User-defined constraints and a user-defined running cost.
+#[derive(Clone, Default)]
+pub(super) struct OwnTerms {
+    pub constraints: Vec<AnyConstraint>,
+    pub running_cost: Option<SharedCost>,
+}
+
+impl Debug for OwnTerms {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OwnTerms")
+            .field("constraints", &self.constraints)
+            .field("running_cost", &self.running_cost.is_some())
+            .finish()
+    }
+}
+
+impl Scenario {
+    /// Adds a constraint on the state to those of the keys. A solve enforces it, and its success depends on it, in the
+    /// same way; [`judge`](crate::judge) does not know it.
+    pub fn add_constraint(
+        &mut self,
+        constraint: impl Constraint + Clone + Debug + Send + Sync + 'static,
+    ) {
+        let constraint = AnyConstraint::Other(Box::new(constraint));
+        self.own.constraints.push(constraint);
+    }
+
+    /// Replaces the running cost of the scenario. Only the relaxation supports this.
+    pub fn set_running_cost(&mut self, cost: SharedCost) {
+        self.own.running_cost = Some(cost);
+    }
+
+    /// Refuses a boundary state that violates a user-defined constraint.
+    pub(super) fn check_own_constraints(&self, key: &str, q: &[f64], v: &[f64]) -> Result<()> {
+        let (own, model) = (&self.own.constraints, &self.model);
+        if own.is_empty() {
+            return Ok(());
+        }
+        let (mut g, mut scales) = (vec![0.0; own.dim()], vec![1.0; own.dim()]);
+        Evaluator::new(model)
+            .at(&[q, v].concat())?
+            .value(own, &mut g)?;
+        own.row_scales(&mut scales);
+        for (row, (g, scale)) in g.iter().zip(scales).enumerate() {
+            let by = if own.is_equality(row) { g.abs() } else { *g } / scale;
+            if by > RelaxSettings::FEASIBLE {
+                let RowLabel { name, unit, .. } = own.label(row, model);
+                let space = if unit.is_empty() { "" } else { " " };
+                let condition = format!("it violates {name} by {by:.3e}{space}{unit}");
+                return Err(Error::input(&self.name, key, condition));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns true if the objective is not the control effort.
+    pub(super) fn has_running_cost(&self) -> bool {
+        self.own.running_cost.is_some() || self.file.running_cost.is_some()
+    }
+
+    /// The running cost that is minimised, without the price of time.
+    pub(super) fn running_cost(&self) -> Result<ScenarioCost<'_>> {
+        let model = &self.model;
+        Ok(match (&self.own.running_cost, &self.file.running_cost) {
+            (Some(own), _) => {
+                ScenarioCost::Own(Box::new(CostThroughDynamics::of(model, own.clone())))
+            }
+            (None, None) => ScenarioCost::Squares(Box::new(ControlEffort::new(model))),
+            (None, Some(weights)) => {
+                let weights = weights.weighted(model.dof())?;
+                ScenarioCost::Squares(Box::new(ControlEffort::weighted(model, &weights)?))
+            }
+        })
+    }
+}
+
+/// The running cost of a scenario.
+#[derive(Clone)]
+pub(super) enum ScenarioCost<'m> {
+    /// Weighted squares.
+    Squares(Box<ControlEffort<'m, f64, f64>>),
+    /// A user-defined cost.
+    Own(Box<CostThroughDynamics<'m, SharedCost>>),
+}
+
+/// Applies the same expression to either variant.
+macro_rules! either {
+    ($of:expr, $it:ident => $what:expr) => {
+        match $of {
+            ScenarioCost::Squares($it) => $what,
+            ScenarioCost::Own($it) => $what,
+        }
+    };
+}
+
+impl PointCost<f64> for ScenarioCost<'_> {
+    fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        either!(self, it => it.value(point))
+    }
+
+    fn derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+    ) -> Result<f64> {
+        either!(self, it => it.derivatives(point, out))
+    }
+
+    fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        either!(self, it => it.time_rate(point))
+    }
+
+    fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
+        either!(self, it => it.values(points, costs))
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
+        either!(self, it => it.all_derivatives(points, out))
+    }
+}
+
+impl CostWithControl for ScenarioCost<'_> {
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
+        either!(self, it => it.value_with_control(point, u))
+    }
+
+    fn derivatives_with(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<f64> {
+        either!(self, it => it.derivatives_with(point, out, term))
+    }
+
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        either!(self, it => it.values_with_control(points, costs, controls))
+    }
+
+    fn all_derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<()> {
+        either!(self, it => it.all_derivatives_with(points, out, term))
+    }
+}

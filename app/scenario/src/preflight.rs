@@ -1,0 +1,218 @@
+//! Checks, before any search, for conditions that no motion can meet.
+
+use super::environment::Overlap;
+use super::{HorizonBounds, Limit, Scenario};
+use aghf::dynamics::{Data, forward_kinematics, rnea};
+use aghf::error::{Error, Result, check_length, plain};
+use aghf::model::Model;
+use aghf::relax::RelaxSettings;
+use aghf::spatial::Placement;
+
+/// The largest accepted violation of a constraint, in its own unit, as in the search.
+const TOLERANCE: f64 = RelaxSettings::FEASIBLE;
+
+/// The joint that takes longest from `start` to `goal`, `N` entries each, at the velocity limits of `model`, and its
+/// duration, s: the shortest horizon of any motion between them within these limits. `None` if no joint with a velocity
+/// limit moves. Cost O(N).
+///
+/// # Errors
+/// A slice does not have `N` entries.
+pub fn least_horizon(model: &Model, start: &[f64], goal: &[f64]) -> Result<Option<(usize, f64)>> {
+    check_length("start", model.dof(), start.len())?;
+    check_length("goal", model.dof(), goal.len())?;
+    let speed = |i: usize| model.joints()[i].limits().velocity;
+    Ok(slowest(start, goal, speed))
+}
+
+/// The joint that takes longest at these speeds, and its duration.
+pub(super) fn slowest(
+    start: &[f64],
+    goal: &[f64],
+    speed: impl Fn(usize) -> f64,
+) -> Option<(usize, f64)> {
+    let ways = start
+        .iter()
+        .zip(goal)
+        .map(|(start, goal)| (goal - start).abs());
+    let times = ways.enumerate().map(|(i, way)| (i, way / speed(i)));
+    // What does not move takes no time, even at no speed.
+    let moving = times.filter(|(_, time)| *time > 0.0);
+    moving.max_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// One boundary state of a motion.
+struct End<'a> {
+    /// The keys of its position and of its velocity.
+    keys: [&'static str; 2],
+    q: &'a [f64],
+    /// The velocity; `None` if it is free.
+    v: Option<&'a [f64]>,
+}
+
+impl Scenario {
+    /// The shortest horizon at the enforced velocity limits, as [`least_horizon`] computes it.
+    #[must_use]
+    pub fn least_horizon(&self) -> Option<(usize, f64)> {
+        let speed = |i| {
+            self.bound(Limit::Velocity, i)
+                .map_or(f64::INFINITY, |[_, v]| v)
+        };
+        slowest(&self.file.q_start, &self.file.q_goal, speed)
+    }
+
+    /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
+    /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
+    /// at rest that the torques cannot hold. Only constraints of the scenario count, each within the tolerance of the
+    /// search, [`RelaxSettings::FEASIBLE`]; a free final velocity is not checked.
+    ///
+    /// # Errors
+    /// Names the key, the joint or the obstacle, the value and the limit.
+    pub fn check_feasible(&self) -> Result<()> {
+        let file = &self.file;
+        let ends = [
+            End {
+                keys: ["q_start", "v_start"],
+                q: &file.q_start,
+                v: Some(&file.v_start),
+            },
+            End {
+                keys: ["q_goal", "v_goal"],
+                q: &file.q_goal,
+                v: (!file.free_final_velocity).then_some(&file.v_goal),
+            },
+        ];
+        for end in &ends {
+            let [q_key, v_key] = end.keys;
+            self.check_bounds(Limit::Position, q_key, end.q)?;
+            self.check_bounds(Limit::Velocity, v_key, end.v.unwrap_or_default())?;
+        }
+        self.check_horizon()?;
+        for end in &ends {
+            self.check_clear(end)?;
+            if let Some(v) = end.v {
+                self.check_own_constraints(end.keys[0], end.q, v)?;
+            }
+            if end.v.is_some_and(|v| v.iter().all(|v| *v == 0.0)) {
+                self.check_rest(end)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses an entry of `x` beyond the limit of its joint.
+    fn check_bounds(&self, limit: Limit, key: &str, x: &[f64]) -> Result<()> {
+        for (i, (joint, x)) in self.model.joints().iter().zip(x).enumerate() {
+            let Some([lower, upper]) = self.bound(limit, i) else {
+                continue;
+            };
+            if *x < lower - TOLERANCE || *x > upper + TOLERANCE {
+                let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
+                let [x, lower, upper] = [*x, lower, upper].map(plain);
+                let condition = format!(
+                    "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] {unit}"
+                );
+                return self.refuse(key, condition);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a horizon that is too short for a joint.
+    fn check_horizon(&self) -> Result<()> {
+        let file = &self.file;
+        let (key, horizon) = match file.free_horizon {
+            Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
+            None => ("horizon_s", file.horizon_s),
+        };
+        let Some((i, least)) = self.least_horizon() else {
+            return Ok(());
+        };
+        let [_, speed] = self.bound(Limit::Velocity, i).unwrap_or([f64::INFINITY; 2]);
+        if (file.q_goal[i] - file.q_start[i]).abs() <= (speed + TOLERANCE) * horizon {
+            return Ok(());
+        }
+        let joint = &self.model.joints()[i];
+        let (name, unit) = (joint.name(), Limit::Velocity.unit(joint.kind()));
+        let (least, speed) = (short(least, f64::ceil), short(speed, f64::round));
+        let horizon = plain(horizon);
+        let condition = format!(
+            "it is {horizon} s, but joint '{name}' needs at least {least} s at its velocity limit of {speed} {unit}, \
+             the others less"
+        );
+        self.refuse(key, condition)
+    }
+
+    /// Refuses a boundary state at which a ball of the robot overlaps an obstacle.
+    fn check_clear(&self, end: &End<'_>) -> Result<()> {
+        let mut placements = vec![Placement::identity(); self.model.dof()];
+        forward_kinematics(&self.model, end.q, &mut placements)?;
+        let deepest = self.environment.deepest(&placements)?;
+        let Some(Overlap {
+            obstacle,
+            body,
+            link,
+            depth,
+        }) = deepest.filter(|overlap| overlap.depth > TOLERANCE)
+        else {
+            return Ok(());
+        };
+        // The first frame of a body is that of the link which its joint carries; to the base many may be locked.
+        let mut frames = self.model.frames().iter();
+        let frame = frames.find(|f| f.body == body && body.is_some());
+        let link = link.or_else(|| frame.map(|f| f.name.clone()));
+        let link = link.map_or_else(
+            || "a link that is locked to the base".to_owned(),
+            |link| format!("link '{link}'"),
+        );
+        let mut condition = format!("{link} is {depth:.3e} m inside {obstacle}");
+        let clear = self.environment.clearance(&placements)?;
+        if clear >= 0.0 {
+            condition += &format!(
+                " by the balls that cover it, though {clear:.3e} m clear itself; \
+                 a smaller robot_shape.swept-links.spacing_m makes them smaller"
+            );
+        }
+        self.refuse(end.keys[0], condition)
+    }
+
+    /// Refuses a boundary state at rest that the torques cannot hold.
+    fn check_rest(&self, end: &End<'_>) -> Result<()> {
+        let n = self.model.dof();
+        let (zeros, mut torques) = (vec![0.0; n], vec![0.0; n]);
+        let data = &mut Data::new(&self.model);
+        rnea(&self.model, data, end.q, &zeros, &zeros, &mut torques)?;
+        for (i, (joint, torque)) in self.model.joints().iter().zip(torques).enumerate() {
+            let Some([_, most]) = self.bound(Limit::Torque, i) else {
+                continue;
+            };
+            if torque.abs() > most + TOLERANCE {
+                let (name, unit) = (joint.name(), Limit::Torque.unit(joint.kind()));
+                let (torque, most) = (short(torque.abs(), f64::ceil), plain(most));
+                let but = if self.is_passive(i) {
+                    "it is passive".to_owned()
+                } else {
+                    format!("its enforced torque limit is {most} {unit}")
+                };
+                let condition = format!(
+                    "joint '{name}' needs {torque} {unit} to hold the robot at rest, {but}"
+                );
+                return self.refuse(end.keys[0], condition);
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse(&self, key: &str, condition: String) -> Result<()> {
+        Err(Error::input(&self.name, key, condition))
+    }
+}
+
+/// Formats a positive number with three digits, rounded by `round`.
+fn short(x: f64, round: fn(f64) -> f64) -> String {
+    if !(1e-3..1e6).contains(&x) {
+        return format!("{x:e}");
+    }
+    let digits = 2 - x.log10().floor() as i32;
+    let scale = 10_f64.powi(digits);
+    format!("{:.*}", digits.max(0) as usize, round(x * scale) / scale)
+}

@@ -1,0 +1,136 @@
+//! All inputs of a solve, so that it can be repeated.
+
+use super::json::read_json;
+use super::{CurveFile, Scenario, ScenarioFile, SolveOptions};
+use aghf::curve::Curve;
+use aghf::error::{Error, Result};
+use aghf::input::read_named;
+use aghf::urdf::Mimic;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The key of a summary that scenarios do not have.
+const KEY: &str = "provenance";
+
+/// All inputs of a solve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// The version of this library.
+    pub version: String,
+    /// The commit of the build, with `-modified` if files had changed since; empty if the build was not in a
+    /// repository.
+    pub commit: String,
+    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
+    pub robot_xxh64: String,
+    /// The options, defaults filled in.
+    pub options: SolveOptions,
+    /// The scenario. Its robot is built in, or at an absolute path.
+    pub scenario: ScenarioFile,
+}
+
+impl Provenance {
+    /// The provenance of a solve with these options.
+    pub(super) fn new(scenario: &Scenario, options: &SolveOptions) -> Self {
+        let mut file = scenario.file.clone();
+        file.robot.clone_from(&scenario.robot_place);
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: git_version::git_version!(
+                args = [
+                    "--always",
+                    "--dirty=-modified",
+                    "--abbrev=12",
+                    "--exclude=*"
+                ],
+                fallback = ""
+            )
+            .to_owned(),
+            robot_xxh64: scenario.robot_xxh64.clone(),
+            options: options.in_full(scenario),
+            scenario: file,
+        }
+    }
+}
+
+/// A solve as stored in its `summary.json`.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The options.
+    pub options: SolveOptions,
+    /// The motion.
+    pub curve: Curve,
+    /// The reason of a failure; `None` for a success.
+    pub failure: Option<String>,
+}
+
+/// The part of a summary that is needed to repeat a solve.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    scenario: String,
+    failure: Option<String>,
+    provenance: Provenance,
+    curve: CurveFile,
+}
+
+impl Solved {
+    /// Loads a solve from a file that [`write_report`](crate::output::write_report) wrote.
+    ///
+    /// # Errors
+    /// Names the file, the key and the fault, among others a change of the robot's file since the solve.
+    pub fn load(path: &str) -> Result<Self> {
+        let text = read_named(Path::new(path), "scenario")?;
+        if !is_summary(&text) {
+            let condition = "it is missing, so this is no summary of a solve";
+            return Err(Error::input(path, KEY, condition));
+        }
+        Self::parse(&text, path, None)
+    }
+
+    /// Parses the summary of a solve, with another treatment of mimic joints if given; `path` names it in errors.
+    pub(super) fn parse(text: &str, path: &str, mimic: Option<Mimic>) -> Result<Self> {
+        let Kept {
+            scenario: name,
+            failure,
+            provenance,
+            curve,
+        } = read_json(text, path)?;
+        let Provenance {
+            robot_xxh64,
+            options,
+            scenario: mut file,
+            ..
+        } = provenance;
+        file.mimic = mimic.unwrap_or(file.mimic);
+        let mut scenario = Scenario::new(file, path, Path::new(""))?;
+        scenario.name = match Path::new(&name).file_name() {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => {
+                let condition = format!("'{name}' is no name");
+                return Err(Error::input(path, "scenario", condition));
+            }
+        };
+        if scenario.robot_xxh64 != robot_xxh64 {
+            let condition = format!(
+                "its text is not what it was: the hash is {}, that of the solve {robot_xxh64}",
+                scenario.robot_xxh64
+            );
+            return Err(Error::input(path, scenario.robot_place, condition));
+        }
+        let curve = curve.curve(&scenario.model, path)?;
+        Ok(Self {
+            scenario,
+            options,
+            curve,
+            failure,
+        })
+    }
+}
+
+/// Returns true if a text is the summary of a solve and not a scenario.
+pub(super) fn is_summary(text: &str) -> bool {
+    let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
+    value.is_some_and(|value| value.get(KEY).is_some())
+}

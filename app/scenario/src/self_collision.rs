@@ -1,0 +1,210 @@
+//! The links of a robot that keep clear of each other.
+
+use super::environment::apart;
+use super::json::read_json;
+use super::{LinkBall, SelfCollision};
+use aghf::dynamics::forward_kinematics;
+use aghf::error::{Error, Result};
+use aghf::input::read_text;
+use aghf::model::Model;
+use aghf::spatial::Placement;
+use aghf::urdf::{DisabledPair, Srdf};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The number of random configurations at which links are tested.
+const CONFIGURATIONS: usize = 10_000;
+
+/// The seed of the random configurations.
+const SEED: u64 = 0;
+
+/// Half of the range from which the position of a joint without limits is drawn, rad or m.
+const UNLIMITED: f64 = std::f64::consts::PI;
+
+/// The pairs of links of a robot that may overlap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IgnoredPairs {
+    /// The name of the robot.
+    pub robot: String,
+    /// The pairs.
+    pub ignored_pairs: Vec<IgnoredPair>,
+}
+
+/// Two links that may overlap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IgnoredPair {
+    /// Their names.
+    pub links: [String; 2],
+    /// The reason in words.
+    pub reason: String,
+}
+
+impl IgnoredPairs {
+    /// The pairs that an SRDF disables, with its reasons.
+    #[must_use]
+    pub fn of_srdf(model: &Model, srdf: &Srdf) -> Self {
+        let pair = |DisabledPair { links, reason }: &DisabledPair| IgnoredPair {
+            links: links.clone(),
+            reason: match reason.as_str() {
+                "" => "disabled in the SRDF".to_owned(),
+                reason => format!("disabled in the SRDF: {reason}"),
+            },
+        };
+        Self {
+            robot: model.name().to_owned(),
+            ignored_pairs: srdf.disabled.iter().map(pair).collect(),
+        }
+    }
+
+    /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that overlap at
+    /// each of 10 000 random configurations within the joint limits, the same in every run. Pairs on one body are not
+    /// listed, because they never move against each other.
+    ///
+    /// # Errors
+    /// A ball belongs to a body that the robot does not have.
+    pub fn by_sampling(model: &Model, balls: &[LinkBall]) -> Result<Self> {
+        let mut pairs: BTreeMap<[&str; 2], Vec<[usize; 2]>> = BTreeMap::new();
+        for [i, j] in self_pairs(balls, &[]) {
+            let mut links = [i, j].map(|i| balls[i].link.as_str());
+            links.sort_unstable();
+            pairs.entry(links).or_default().push([i, j]);
+        }
+        let mut ignored = Vec::new();
+        let mut ignore = |links: [&str; 2], reason: String| {
+            ignored.push(IgnoredPair {
+                links: links.map(str::to_owned),
+                reason,
+            });
+        };
+        let parent = |body: usize| model.joints()[body].parent();
+        pairs.retain(|links, of_balls| {
+            let [a, b] = of_balls[0].map(|i| balls[i].ball.body);
+            let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
+            let neighbours = follows(a, b) || follows(b, a);
+            if neighbours {
+                ignore(*links, "neighbours".to_owned());
+            }
+            !neighbours
+        });
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut placements = vec![Placement::identity(); model.dof()];
+        for _ in 0..CONFIGURATIONS {
+            let q = random_configuration(model, &mut rng);
+            forward_kinematics(model, &q, &mut placements)?;
+            let mut clear = Vec::new();
+            for (links, of_balls) in &pairs {
+                let mut overlaps = false;
+                for pair in of_balls {
+                    overlaps |= apart(pair.map(|i| &balls[i].ball), &placements)? <= 0.0;
+                }
+                if !overlaps {
+                    clear.push(*links);
+                }
+            }
+            for links in clear {
+                pairs.remove(&links);
+            }
+        }
+        for links in pairs.into_keys() {
+            let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
+            ignore(links, reason);
+        }
+        ignored.sort_by(|a, b| a.links.cmp(&b.links));
+        Ok(Self {
+            robot: model.name().to_owned(),
+            ignored_pairs: ignored,
+        })
+    }
+
+    /// Writes the file that [`parse`](Self::parse) reads: readable JSON with one line per pair.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // Strings are written without failure.
+        let quoted = |text: &str| serde_json::Value::from(text).to_string();
+        let line = |pair: &IgnoredPair| {
+            let [a, b] = pair.links.each_ref().map(|link| quoted(link));
+            let reason = quoted(&pair.reason);
+            format!("    {{ \"links\": [{a}, {b}], \"reason\": {reason} }}")
+        };
+        let lines: Vec<String> = self.ignored_pairs.iter().map(line).collect();
+        let (robot, lines) = (quoted(&self.robot), lines.join(",\n"));
+        format!("{{\n  \"robot\": {robot},\n  \"ignored_pairs\": [\n{lines}\n  ]\n}}\n")
+    }
+
+    /// Parses a text written by [`to_json`](Self::to_json); `file` names it in errors.
+    ///
+    /// # Errors
+    /// Names the file, the key and the fault. The link names are checked when the pairs are used.
+    pub fn parse(text: &str, file: &str) -> Result<Self> {
+        read_json(text, file)
+    }
+}
+
+/// Replaces the path of a file by the pairs in it, so that the scenario depends on no other file. `folder` is that of
+/// the scenario.
+pub(super) fn in_full(given: SelfCollision, folder: &Path) -> Result<SelfCollision> {
+    let SelfCollision::IgnoredPairsFile(name) = given else {
+        return Ok(given);
+    };
+    let path = folder.join(name);
+    let pairs = IgnoredPairs::parse(&read_text(&path)?, &path.display().to_string())?;
+    let links = pairs.ignored_pairs.into_iter().map(|pair| pair.links);
+    Ok(SelfCollision::IgnoredPairs(links.collect()))
+}
+
+/// Refuses links that the robot does not have. `path` names the scenario.
+pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> Result<()> {
+    for (i, pair) in pairs.iter().enumerate() {
+        let unknown = |link: &&String| model.frames().iter().all(|frame| frame.name != **link);
+        if let Some(link) = pair.iter().find(unknown) {
+            let key = format!("self_collision.ignored_pairs[{i}]");
+            let condition = format!("the robot has no link '{link}'");
+            return Err(Error::input(path, key, condition));
+        }
+    }
+    Ok(())
+}
+
+/// The pairs of balls on different bodies whose links are in none of the `ignored` pairs, sorted by pairs of bodies.
+pub(super) fn self_pairs(balls: &[LinkBall], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
+    let same = |pair: &[String; 2], a: &String, b: &String| {
+        (&pair[0] == a && &pair[1] == b) || (&pair[0] == b && &pair[1] == a)
+    };
+    let mut pairs = Vec::new();
+    for (i, first) in balls.iter().enumerate() {
+        for (j, second) in balls.iter().enumerate().skip(i + 1) {
+            let (a, b) = (&first.link, &second.link);
+            let ignore = ignored.iter().any(|pair| same(pair, a, b));
+            if first.ball.body != second.ball.body && a != b && !ignore {
+                pairs.push([i, j]);
+            }
+        }
+    }
+    pairs.sort_by_key(|pair| pair.map(|i| balls[i].ball.body));
+    pairs
+}
+
+/// Random positions within the limits of the joints.
+fn random_configuration(model: &Model, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let joints = model.joints().iter();
+    let draw = joints.map(|joint| {
+        let (lower, upper) = (joint.limits().lower, joint.limits().upper);
+        let lower = if lower.is_finite() {
+            lower
+        } else {
+            upper.min(UNLIMITED) - 2.0 * UNLIMITED
+        };
+        let upper = if upper.is_finite() {
+            upper
+        } else {
+            lower + 2.0 * UNLIMITED
+        };
+        lower + (upper - lower) * rng.random::<f64>()
+    });
+    draw.collect()
+}

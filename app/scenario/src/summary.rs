@@ -1,0 +1,182 @@
+//! The result of a solve in numbers.
+
+use super::{CurveFile, Feasibility, FlowVariant, Method, Provenance};
+use aghf::flow::jacobian::JacobianKind;
+use aghf::motion::{Feedback, Guess};
+use aghf::ode::IntegratorKind;
+use aghf::relax::{DegreeRefinement, LocalMinimum};
+use serde::Serialize;
+
+/// The result of a solve in numbers. `None` if a simulation could not be completed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The name of the scenario.
+    pub scenario: String,
+    /// The name of the robot.
+    pub robot: String,
+    /// The method.
+    pub method: Method,
+    /// Degree of the polynomial, or of each segment.
+    pub p: usize,
+    /// The number of polynomials.
+    pub pieces: usize,
+    /// True if the method terminated normally and the curve is free of collisions, satisfies the enforced limits, and
+    /// leaves passive joints without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any
+    /// method, the simulation with feedback must also end within the threshold of the goal.
+    pub success: bool,
+    /// The largest final error of a success.
+    pub success_threshold: f64,
+    /// The final error of the simulation with feedback: the largest of all positions and velocities.
+    pub final_error_inf: Option<f64>,
+    /// The final error of the simulation without feedback.
+    pub open_loop_error_inf: Option<f64>,
+    /// The gains of the feedback.
+    pub feedback: Feedback,
+    /// $\int |u|^2 dt$ on 2001 times, without the torques of passive joints.
+    pub control_effort: f64,
+    /// $\max |\dot q - v|_\infty$ on 2001 times.
+    pub dynamics_defect: f64,
+    /// Wall time of the method, s.
+    pub solve_seconds: f64,
+    /// The details of the method; in JSON their fields are at the level of the others.
+    #[serde(flatten)]
+    pub details: Details,
+    /// The reasons of a failure; `None` for a success.
+    pub failure: Option<String>,
+    /// The clearance of the curve, the limits that it violates, and its largest torques.
+    #[serde(flatten)]
+    pub feasibility: Feasibility,
+    /// Boundary positions outside joint limits.
+    pub outside_limits: Vec<String>,
+    /// The keys of the scenario that the method ignored, and other remarks, in words.
+    pub notes: Vec<String>,
+    /// All inputs of the solve.
+    pub provenance: Provenance,
+    /// The motion.
+    pub curve: CurveFile,
+}
+
+/// The method-specific part of a summary.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Details {
+    /// Details of the published flow.
+    Flow(FlowDetails),
+    /// Details of a flow to rest.
+    Rest(RestDetails),
+    /// Details of the relaxation.
+    Relax(RelaxDetails),
+}
+
+impl Details {
+    /// The details of the published flow, if that was the method.
+    #[must_use]
+    pub fn flow(&self) -> Option<&FlowDetails> {
+        match self {
+            Self::Flow(flow) => Some(flow),
+            Self::Rest(_) | Self::Relax(_) => None,
+        }
+    }
+}
+
+/// The parameters and the work of a flow.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowDetails {
+    /// The method of computing the Jacobian.
+    pub jacobian: JacobianKind,
+    /// The integrator.
+    pub integrator: IntegratorKind,
+    /// Penalty of (11).
+    pub k: f64,
+    /// The value of `s` at which the flow was to stop.
+    pub s_max: f64,
+    /// Tolerance of the integrator.
+    pub tolerance: f64,
+    /// The initial curve.
+    pub guess: Guess,
+    /// Weight of the constraints in (A2), where there are any.
+    pub k_cons: Option<f64>,
+    /// Sharpness of their activation in (A3).
+    pub c_cons: Option<f64>,
+    /// The action on 2001 times.
+    pub action: f64,
+    /// The action by quadrature over the nodes, which the flow minimises.
+    pub action_at_nodes: f64,
+    /// The action at the nodes before the flow.
+    pub action_at_nodes_of_guess: f64,
+    /// Accepted steps of the integrator.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected_steps: usize,
+    /// Evaluations of $\Omega$, each at one node.
+    pub omega_evaluations: usize,
+    /// Evaluations of the Jacobian of $\Omega$, each at one node.
+    pub jacobian_evaluations: usize,
+    /// LU factorisations of the Newton matrix.
+    pub factorisations: usize,
+}
+
+/// The result and the work of a flow to rest.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestDetails {
+    /// The variant.
+    pub variant: FlowVariant,
+    /// Penalty of (11).
+    pub k: f64,
+    /// The requested gradient norm, relative to the action.
+    pub tolerance: f64,
+    /// The final gradient norm.
+    pub gradient_norm: f64,
+    /// The action with the terms of the duals, which vanish where the constraints hold.
+    pub action: f64,
+    /// The largest slip at the points of the quadrature, rad/s or m/s.
+    pub slip: f64,
+    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    pub largest_violation: Option<f64>,
+    /// The number of the guess that led to this result, counted from zero.
+    pub guess: usize,
+    /// The number of guesses.
+    pub guesses: usize,
+    /// Steps in `s`, over all guesses and degrees.
+    pub steps: usize,
+    /// Cholesky factorisations.
+    pub factorisations: usize,
+    /// Updates of the duals.
+    pub dual_updates: usize,
+}
+
+/// The result and the work of a relaxation.
+#[derive(Clone, Debug, Serialize)]
+pub struct RelaxDetails {
+    /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
+    pub horizon_s: f64,
+    /// The minimised cost, running cost and price of the horizon together; `None` if it is the control effort.
+    pub cost: Option<f64>,
+    /// The requested gradient norm, relative to the effort.
+    pub tolerance: f64,
+    /// The final gradient norm.
+    pub gradient_norm: f64,
+    /// The smallest eigenvalue of the Hessian in the Gauss-Newton metric: positive at a minimum.
+    pub smallest_curvature: f64,
+    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    pub largest_violation: Option<f64>,
+    /// The number of unknowns.
+    pub unknowns: usize,
+    /// The largest deviation within one interval of a replay that uses only the control values at the nodes, see
+    /// [`replay_error`](aghf::motion::replay_error).
+    pub replay_error_inf: Option<f64>,
+    /// The refinement of the degree, if that was adaptive.
+    pub adapted: Option<DegreeRefinement>,
+    /// The number of quadrature points per segment.
+    pub quadrature_points: usize,
+    /// The efforts, or integrals of another running cost, of the starts at the lowest degree, ascending.
+    pub efforts_of_starts: Vec<f64>,
+    /// The minima found from the starts, by cost.
+    pub minima: Vec<LocalMinimum>,
+    /// The relative excess of the cost over that of the minimum with exact complementarity; `None` without constraints.
+    pub complementarity: Option<f64>,
+    /// Newton iterations over all starts and degrees.
+    pub iterations: usize,
+    /// Cholesky factorisations.
+    pub factorisations: usize,
+}

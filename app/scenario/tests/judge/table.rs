@@ -1,0 +1,86 @@
+//! Reading tables, and what is wrong with some.
+
+use crate::robot::scenario;
+use aghf_scenario::judge::Trajectory;
+use serde_json::json;
+
+#[test]
+fn columns_are_found_by_name() {
+    let scenario = scenario("columns", json!({}));
+    let text = "# made elsewhere\nq_elbow, t ,q_slide,q_shoulder\n3,0,1,2\n\n6,0.5,4,5\n";
+    let table = Trajectory::parse(text, "t.csv", &scenario.model).expect("it is good");
+    assert_eq!(table.times, [0.0, 0.5]);
+    assert_eq!(table.q, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    // A straight line through two samples.
+    assert_eq!(table.v, [[6.0; 3]; 2]);
+    assert_eq!(table.a, [[0.0; 3]; 2]);
+    assert!(!table.has_velocities && !table.has_accelerations && table.u.is_none());
+}
+
+/// Polynomials of degree four are differentiated exactly, at unequal distances and at the ends too.
+#[test]
+fn derivatives_are_exact_for_quartics() {
+    let scenario = scenario("quartics", json!({}));
+    let mut text = "t,q_slide,q_shoulder,q_elbow\n".to_owned();
+    let times = [0.0, 0.1, 0.3, 0.35, 0.7, 1.0, 1.1];
+    for t in times {
+        text += &format!("{t},{},{},{}\n", t * t * t * t, 1.0 - t, t * t * t - t);
+    }
+    let table = Trajectory::parse(&text, "t.csv", &scenario.model).expect("it is good");
+    for (t, v) in times.iter().zip(&table.v) {
+        for (found, wanted) in v.iter().zip([4.0 * t * t * t, -1.0, 3.0 * t * t - 1.0]) {
+            assert!((found - wanted).abs() < 1e-12, "{found}, {wanted}");
+        }
+    }
+}
+
+#[test]
+fn errors_name_line_and_column() {
+    let scenario = scenario("errors", json!({}));
+    let good = "t,q_slide,q_shoulder,q_elbow\n0,1,2,3\n1,4,5,6\n";
+    let cases = [
+        (
+            good.replace("q_elbow", "q_wrist"),
+            "line 1: column 'q_wrist'; the name of a joint",
+        ),
+        (good.replace("q_elbow", "elbow"), "line 1: column 'elbow'"),
+        (
+            good.replace("q_elbow", "q_slide"),
+            "line 1: column 'q_slide'; twice",
+        ),
+        (good.replace(",q_elbow", ""), "column 'q_elbow'; missing"),
+        (
+            good.replace("q_elbow", "v_elbow"),
+            "column 'q_elbow'; missing",
+        ),
+        (
+            "t,q_slide,q_shoulder,q_elbow,u_slide\n".to_owned(),
+            "column 'u_shoulder'; missing",
+        ),
+        (good.replace('t', "time"), "line 1: column 'time'"),
+        (good.replace("t,", ""), "column 't'; missing"),
+        (
+            good.replace('5', "nan"),
+            "line 3, column 'q_shoulder'; 'nan' is no finite number",
+        ),
+        (
+            good.replace('5', ""),
+            "line 3, column 'q_shoulder'; '' is no finite number",
+        ),
+        (good.replace('5', "five"), "line 3, column 'q_shoulder'"),
+        (
+            good.replace("1,4", "0,4"),
+            "line 3, column 't'; does not come after",
+        ),
+        (good.replace(",5", ""), "line 3; 3 fields; the header has 4"),
+        (good.replace(",5", ",5,5"), "line 3; 5 fields"),
+        (good.replace("1,4,5,6", ""), "1 samples are given"),
+        (String::new(), "column 't'; missing"),
+    ];
+    for (text, words) in cases {
+        let error = Trajectory::parse(&text, "t.csv", &scenario.model).expect_err(words);
+        let error = error.to_string();
+        let all = words.split("; ").all(|word| error.contains(word));
+        assert!(error.starts_with("t.csv: ") && all, "{error}, want {words}");
+    }
+}

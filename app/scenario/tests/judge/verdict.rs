@@ -1,0 +1,331 @@
+//! Good motions pass, and each kind of violation is found.
+
+use crate::robot::{FROM, TO, failed, good, row, scenario, torques, verdict};
+use aghf::model::Model;
+use aghf_scenario::judge::{Check, Outcome, Tolerances, Trajectory, judge};
+use serde_json::{Value, json};
+
+#[test]
+fn a_good_motion_passes() {
+    let scenario = scenario(
+        "good",
+        json!({ "self_collision": { "ignored_pairs": [] },
+        "box_obstacles": [{ "center_m": [0, 0, 1], "size_m": [4, 4, 0.1] }] }),
+    );
+    let whole = good(&scenario.model, FROM, TO, 101);
+    let judgement = verdict(&scenario, &whole);
+    assert_eq!(failed(&judgement), []);
+    assert!(judgement.derived.is_empty());
+    let checked = judgement
+        .checks
+        .iter()
+        .filter(|row| row.outcome == Outcome::Pass);
+    // All but passive joints.
+    assert_eq!(checked.count(), 13);
+    let clearance = row(&judgement, Check::Obstacles);
+    let least = clearance.worst.as_ref().expect("there is one").value;
+    assert!((least - 0.94).abs() < 1e-12, "{least}");
+    let proved = clearance.proved_at_least.expect("there is one");
+    assert!((0.94 * 0.95 - 1e-9..=0.94).contains(&proved), "{proved}");
+}
+
+/// Velocities from positions, accelerations from these.
+#[test]
+fn what_is_not_given_is_derived_and_told() {
+    let scenario = scenario("derived", json!({}));
+    let whole = good(&scenario.model, FROM, TO, 101);
+    let text = |columns: &str| {
+        let mut text = String::from("t");
+        for c in columns.chars() {
+            for joint in ["slide", "shoulder", "elbow"] {
+                text += &format!(",{c}_{joint}");
+            }
+        }
+        for k in 0..whole.times.len() {
+            text += &format!("\n{:?}", whole.times[k]);
+            for c in columns.chars() {
+                let of = match c {
+                    'q' => &whole.q,
+                    'v' => &whole.v,
+                    _ => &whole.a,
+                };
+                for x in &of[k] {
+                    text += &format!(",{x:?}");
+                }
+            }
+        }
+        text
+    };
+    for (columns, derived) in [("qva", 1), ("qv", 2), ("q", 3)] {
+        let table = Trajectory::parse(&text(columns), "t.csv", &scenario.model).expect("good");
+        let judgement = verdict(&scenario, &table);
+        assert_eq!(failed(&judgement), [], "{columns}");
+        assert_eq!(judgement.derived.len(), derived);
+        assert_eq!(
+            row(&judgement, Check::Dynamics).outcome,
+            Outcome::NotChecked
+        );
+        for k in 0..whole.times.len() {
+            for i in 0..3 {
+                assert!((table.v[k][i] - whole.v[k][i]).abs() < 1e-5, "{columns}");
+                assert!((table.a[k][i] - whole.a[k][i]).abs() < 2e-3, "{columns}");
+            }
+        }
+    }
+}
+
+/// The faults of a motion: the keys of the scenario, a change of the table, the checks that fail, and where.
+type Wrong = (
+    &'static str,
+    Value,
+    fn(&Model, &mut Trajectory),
+    &'static [Check],
+    &'static str,
+);
+
+#[test]
+fn each_violation_is_found() {
+    let none: fn(&Model, &mut Trajectory) = |_, _| ();
+    let mut cases: Vec<Wrong> = vec![
+        (
+            "late",
+            json!({ "horizon_s": 0.9 }),
+            none,
+            &[Check::Horizon],
+            "duration",
+        ),
+        (
+            "too early",
+            json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5, "weight": 1.0 } }),
+            none,
+            &[Check::Horizon],
+            "duration",
+        ),
+        (
+            "another start",
+            json!({ "q_start": [-0.5, 0.2, 0.41] }),
+            none,
+            &[Check::StartPosition],
+            "elbow",
+        ),
+        (
+            "another goal",
+            json!({ "q_goal": [0.49, -0.3, 1.4] }),
+            none,
+            &[Check::GoalPosition],
+            "slide",
+        ),
+        (
+            "a flying start",
+            json!({ "v_start": [0.0, 0.1, 0.0] }),
+            none,
+            &[Check::StartVelocity],
+            "shoulder",
+        ),
+        (
+            "no stop",
+            json!({ "v_goal": [0.0, 0.0, 0.1] }),
+            none,
+            &[Check::GoalVelocity],
+            "elbow",
+        ),
+        (
+            "any stop",
+            json!({ "v_goal": [0.0, 0.0, 0.1], "free_final_velocity": true }),
+            none,
+            &[],
+            "",
+        ),
+        (
+            "torque limit",
+            json!({ "enforced_limits": { "torque": 0.05 } }),
+            none,
+            &[Check::TorqueLimits],
+            "slide",
+        ),
+        (
+            "velocity limit",
+            json!({ "enforced_limits": { "velocity": 0.23 } }),
+            none,
+            &[Check::VelocityLimits],
+            "slide",
+        ),
+        (
+            "position limit",
+            json!({ "enforced_limits": { "position": 0.2 } }),
+            none,
+            &[Check::PositionLimits],
+            "elbow",
+        ),
+        (
+            "passive",
+            json!({ "passive": ["shoulder"] }),
+            none,
+            &[Check::PassiveJoints],
+            "shoulder",
+        ),
+    ];
+    cases.push((
+        "a wrong torque",
+        json!({}),
+        |_, t| t.u.as_mut().expect("given")[40][1] += 0.1,
+        &[Check::Dynamics],
+        "shoulder",
+    ));
+    cases.push((
+        "torques of another acceleration",
+        json!({}),
+        |model, t| {
+            t.a.iter_mut().for_each(|a| a[0] += 0.1);
+            t.u = torques(model, t);
+        },
+        &[Check::AccelerationIsRate],
+        "slide",
+    ));
+    cases.push((
+        "velocities of another motion",
+        json!({}),
+        |model, t| {
+            t.v.iter_mut().for_each(|v| v[2] *= 1.02);
+            t.a.iter_mut().for_each(|a| a[2] *= 1.02);
+            t.u = torques(model, t);
+        },
+        &[Check::VelocityIsRate],
+        "elbow",
+    ));
+    cases.push((
+        "a jolt in the velocity",
+        json!({}),
+        |model, t| {
+            t.v[50][2] += 0.05;
+            t.u = torques(model, t);
+        },
+        &[Check::VelocityIsRate, Check::AccelerationIsRate],
+        "elbow",
+    ));
+    for (name, keys, change, wanted, place) in cases {
+        let scenario = scenario(name, keys);
+        let mut motion = good(&scenario.model, FROM, TO, 101);
+        change(&scenario.model, &mut motion);
+        let judgement = verdict(&scenario, &motion);
+        assert_eq!(failed(&judgement), wanted, "{name}");
+        for check in wanted {
+            let worst = row(&judgement, *check).worst.as_ref().expect("it failed");
+            let found = worst.place.as_deref().unwrap_or_default();
+            assert!(found.contains(place), "{name}: {found}");
+        }
+    }
+}
+
+/// The worst is at the time and has the value that it should have, between the samples too.
+#[test]
+fn extrema_between_samples_are_found() {
+    let scenario = scenario(
+        "extrema",
+        json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [0.0, 0.0, 0.0],
+        "v_start": [0.0, 2.0, 0.0], "v_goal": [0.0, -2.0, 0.0], "enforced_limits": { "torque": false, "velocity": { "joints": ["shoulder"] } } }),
+    );
+    // q = 2 t (1 - t) is within the samples of a cubic, with the highest point halfway.
+    let mut motion = good(&scenario.model, [0.0; 3], [0.0; 3], 2);
+    motion.v = vec![vec![0.0, 2.0, 0.0], vec![0.0, -2.0, 0.0]];
+    motion.a = vec![vec![0.0, -4.0, 0.0]; 2];
+    motion.u = None;
+    let judgement = verdict(&scenario, &motion);
+    assert_eq!(failed(&judgement), []);
+    // The samples of a cubic whose speed is highest between them: 3/2 of the mean one.
+    let mut motion = good(&scenario.model, [0.0; 3], [0.0, 1.0, 0.0], 2);
+    motion.u = None;
+    let velocity = row(&verdict(&scenario, &motion), Check::VelocityLimits)
+        .worst
+        .clone();
+    let worst = velocity.expect("it is limited");
+    assert!(
+        (worst.value - 1.5).abs() < 1e-12 && worst.at_s == 0.5,
+        "{worst:?}"
+    );
+    // And one that swings beyond the limit of 3 and back.
+    let mut motion = good(&scenario.model, [0.0, 2.9, 0.0], [0.0, 2.9, 0.0], 2);
+    motion.v = vec![vec![0.0, 2.0, 0.0], vec![0.0, -2.0, 0.0]];
+    let position = row(&verdict(&scenario, &motion), Check::PositionLimits)
+        .worst
+        .clone();
+    let worst = position.expect("it is limited");
+    assert!(
+        (worst.value - 3.4).abs() < 1e-12 && worst.at_s == 0.5,
+        "{worst:?}"
+    );
+}
+
+/// A force that is there between the samples alone.
+#[test]
+fn torques_between_samples_are_found() {
+    let keys = json!({ "enforced_limits": { "torque": 0.01 } });
+    let scenario = scenario("between", keys);
+    let mut motion = good(&scenario.model, [0.0; 3], [1.0, 0.0, 0.0], 2);
+    motion.v[1][0] = 2.0;
+    let judgement = verdict(&scenario, &motion);
+    let row = row(&judgement, Check::TorqueLimits);
+    assert_eq!(row.outcome, Outcome::Fail);
+    // 4 kg gain 2 m/s in a second.
+    let worst = row.worst.as_ref().expect("it fails");
+    assert!(
+        (worst.value - 8.0).abs() < 1e-9 && worst.at_s == 0.5,
+        "{worst:?}"
+    );
+    assert_eq!(worst.at_most, Some(3.0));
+}
+
+/// Numbers that overflow are no motion.
+#[test]
+fn overflow_is_not_valid() {
+    let scenario = scenario(
+        "overflow",
+        json!({ "box_obstacles": [{ "center_m": [0, 0, 1], "size_m": [4, 4, 0.1] }] }),
+    );
+    let mut motion = good(&scenario.model, FROM, TO, 11);
+    motion.v[5][0] = 1e308;
+    motion.times.iter_mut().for_each(|t| *t *= 1e3);
+    let failed = failed(&verdict(&scenario, &motion));
+    assert!(
+        failed.contains(&Check::Obstacles) && failed.contains(&Check::VelocityLimits),
+        "{failed:?}"
+    );
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let scenario = scenario("arguments", json!({}));
+    let motion = good(&scenario.model, FROM, TO, 11);
+    let refused = |motion: &Trajectory, tolerances| {
+        judge(&scenario, motion, tolerances)
+            .expect_err("it is bad")
+            .to_string()
+    };
+    let all = Tolerances::default();
+    assert!(
+        refused(
+            &motion,
+            Tolerances {
+                tolerance: f64::NAN,
+                ..all
+            }
+        )
+        .contains("tolerance")
+    );
+    assert!(
+        refused(
+            &motion,
+            Tolerances {
+                overlap_m: -1.0,
+                ..all
+            }
+        )
+        .contains("overlap")
+    );
+    let mut short = motion.clone();
+    short.q[3].pop();
+    assert!(refused(&short, all).contains("q: expected 3"));
+    let mut back = motion;
+    back.times[4] = 0.0;
+    assert!(refused(&back, all).contains("times"));
+}

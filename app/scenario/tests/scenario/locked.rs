@@ -1,0 +1,158 @@
+//! Scenarios in which joints do not move.
+
+use crate::written::{load, with};
+use aghf::constraint::{AnyConstraint, CollisionSphere};
+use aghf::dynamics::forward_kinematics;
+use aghf::spatial::Placement;
+use aghf_scenario::{Limit, Scenario, SolveOptions, solve};
+use serde_json::{Value, json};
+
+/// Kinova with two joints locked; the values are those of the five others.
+fn five() -> Value {
+    json!({
+        "robot": "kinova_gen3", "locked_joints": { "joint_3": 0.5, "joint_5": -0.25 }, "horizon_s": 3.0,
+        "q_start": [0.0, 0.5, 1.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0],
+        "q_goal": [0.5, 0.4, 1.0, 0.5, 0.0], "v_goal": [0.0, 0.0, 0.0, 0.0, 0.0],
+    })
+}
+
+#[test]
+fn the_joints_that_are_left_are_those_of_the_scenario() {
+    let scenario = load("five", &five()).expect("it is good");
+    let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
+    assert_eq!(
+        names,
+        ["joint_1", "joint_2", "joint_4", "joint_6", "joint_7"]
+    );
+    let [_, upper] = scenario.bound(Limit::Position, 2).expect("it has one");
+    assert_eq!(upper, 2.58, "that of joint 4");
+    let written = serde_json::to_value(&scenario.file).expect("numbers");
+    assert_eq!(written["locked_joints"], five()["locked_joints"]);
+    let options = SolveOptions {
+        num_starts: Some(1),
+        ..Default::default()
+    };
+    let enforced = json!({ "enforced_limits": { "velocity": false, "torque": false } });
+    let scenario = load("solved", &with(five(), enforced)).expect("it is good");
+    let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
+    assert!(outcome.summary.success, "{:?}", outcome.summary);
+    assert_eq!(outcome.curve.x().nrows(), 10);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_name() {
+    let locked = |joints: Value| with(five(), json!({ "locked_joints": joints })).to_string();
+    let all: serde_json::Map<_, _> = (1..=7)
+        .map(|i| (format!("joint_{i}"), json!(0.0)))
+        .collect();
+    let four = with(five(), json!({ "q_goal": vec![0.0; 7] }));
+    let twice = five().to_string().replace("\"joint_3\":", "\"joint_5\":");
+    assert_ne!(twice, five().to_string());
+    let unknown = with(
+        five(),
+        json!({ "enforced_limits": { "torque": { "joints": ["joint_3"] } } }),
+    );
+    for (text, words) in [
+        (
+            locked(json!({ "elbow": 0.0 })),
+            "locked_joints.elbow: the robot has no such joint",
+        ),
+        (
+            locked(json!({ "joint_2": 2.3 })),
+            "locked_joints: joint 'joint_2': locked at 2.3, outside [-2.25, 2.25]",
+        ),
+        (
+            locked(json!(all)),
+            "locked_joints: robot: all joints are locked",
+        ),
+        (
+            locked(json!({ "joint_2": "up" })),
+            "locked_joints.joint_2: invalid type",
+        ),
+        (
+            locked(json!(["joint_2"])),
+            "locked_joints: invalid type: sequence",
+        ),
+        (twice, "locked_joints: duplicate field `joint_5`"),
+        (
+            four.to_string(),
+            "q_goal: the robot has 5 joints that are not locked, but 7 values are given",
+        ),
+        (
+            unknown.to_string(),
+            "enforced_limits.torque.joints: the robot has no joint 'joint_3' that moves",
+        ),
+    ] {
+        let path = crate::written::folder().join("refused.json");
+        std::fs::write(&path, text).expect("the folder is writable");
+        let path = path.to_str().expect("it is text");
+        let error = Scenario::load(path).expect_err(words).to_string();
+        assert!(
+            error.starts_with(&format!("{path}: {words}")),
+            "{error}; want {words}"
+        );
+    }
+}
+
+/// The balls of the constraints, with their centres in the base frame.
+fn balls(scenario: &Scenario, q: &[f64]) -> Vec<([f64; 3], f64)> {
+    let mut placements = vec![Placement::identity(); scenario.model.dof()];
+    forward_kinematics(&scenario.model, q, &mut placements).expect("lengths agree");
+    let constraints = scenario.state_constraints().expect("good");
+    let [AnyConstraint::Spheres(clearance), ..] = &constraints[..] else {
+        panic!("{constraints:?}");
+    };
+    let placed = |ball: &CollisionSphere| {
+        let at = placements[ball.body.expect("it moves")];
+        let centre = at.rotation * ball.centre + at.translation;
+        (centre.into(), ball.radius)
+    };
+    clearance.balls.iter().map(placed).collect()
+}
+
+/// A link is where it was, also where it bends at a joint that is locked.
+#[test]
+fn the_shape_is_that_of_the_whole_robot() {
+    let among = json!({
+        "sphere_obstacles": [{ "center_m": [0.0, 0.0, 9.0], "radius_m": 0.1 }],
+        "robot_shape": { "swept-links": { "radius_m": 0.05 } },
+    });
+    let reduced = load("reduced", &with(five(), among.clone())).expect("it is good");
+    let all = json!({
+        "locked_joints": {}, "q_start": vec![0.0; 7], "v_start": vec![0.0; 7], "q_goal": vec![0.0; 7], "v_goal": vec![0.0; 7],
+    });
+    let whole = load("whole", &with(with(five(), among.clone()), all)).expect("it is good");
+    let expected = balls(&whole, &[0.3, -0.4, 0.5, 0.6, -0.25, 0.8, 0.9]);
+    let found = balls(&reduced, &[0.3, -0.4, 0.6, 0.8, 0.9]);
+    // Balls of neighbours with one centre are one where the neighbours are one body.
+    let at = |balls: &[([f64; 3], f64)], centre: [f64; 3]| -> f64 {
+        let same = |c: &[f64; 3]| c.iter().zip(centre).all(|(a, b)| (a - b).abs() < 1e-14);
+        let radii = balls.iter().filter(|(c, _)| same(c)).map(|(_, r)| *r);
+        radii.fold(0.0, f64::max)
+    };
+    for (centre, _) in expected.iter().chain(&found) {
+        let radius = at(&expected, *centre);
+        assert!(radius > 0.0 && at(&found, *centre) == radius, "{centre:?}");
+    }
+
+    // What is locked to the base is no constraint, as nothing moves it, but it is looked at before the search.
+    let base = with(
+        with(five(), among),
+        json!({
+            "locked_joints": { "joint_1": 0.0, "joint_2": 0.5 },
+            "sphere_obstacles": [{ "center_m": [0.0, 0.0, 0.28], "radius_m": 0.02 }],
+        }),
+    );
+    let base = load("base", &base).expect("it is good");
+    let moving = balls(&base, &base.file.q_start).len();
+    assert!(moving > 0 && moving < expected.len(), "{moving}");
+    let error = base
+        .check_feasible()
+        .expect_err("the shoulder is in the way")
+        .to_string();
+    let words = "base: q_start: a link that is locked to the base is ";
+    assert!(
+        error.starts_with(words) && error.ends_with("inside sphere_obstacles[0]"),
+        "{error}"
+    );
+}

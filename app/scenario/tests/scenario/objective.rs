@@ -1,0 +1,234 @@
+//! The keys of a scenario that say what the relaxation is to find: read, refused, and solved.
+
+use aghf_scenario::{Details, Method, RelaxDetails, Scenario, SolveOptions, SolveReport, solve};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A scenario without what may be left out.
+fn plain() -> Value {
+    json!({
+        "robot": "pendulum_2", "horizon_s": 1.5,
+        "q_start": [0.0, 0.0], "v_start": [0.0, 0.0], "q_goal": [1.0, 0.5], "v_goal": [0.0, 0.0],
+    })
+}
+
+/// The same with some keys more.
+fn with(keys: Value) -> Value {
+    let mut scenario = plain();
+    for (key, value) in keys.as_object().expect("it is one") {
+        scenario[key] = value.clone();
+    }
+    scenario
+}
+
+/// Writes a scenario file and loads it; the error is without the name of the file.
+fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenario_objective");
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    let path = folder.join(format!("{name}.json"));
+    std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
+    let path = path.to_str().expect("it is text");
+    let error = |e: aghf::Error| e.to_string().replace(&format!("{path}: "), "");
+    Scenario::load(path).map_err(error)
+}
+
+fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
+    let scenario = load(name, &with(keys)).expect("it is good");
+    let options = SolveOptions {
+        degree: Some(9),
+        // So many that what is compared are the best minima of each scenario.
+        num_starts: Some(24),
+        ..Default::default()
+    };
+    let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
+    let Details::Relax(details) = outcome.summary.details.clone() else {
+        panic!("it is a relaxation");
+    };
+    assert!(outcome.summary.success, "{:?}", outcome.summary);
+    (outcome, details)
+}
+
+#[test]
+fn the_horizon_is_that_of_all_pieces() {
+    let scenario = load("pieces", &plain()).expect("it is good");
+    let options = SolveOptions {
+        degree: Some(6),
+        segments: Some(2),
+        num_starts: Some(1),
+        ..Default::default()
+    };
+    let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
+    let Details::Relax(details) = outcome.summary.details else {
+        panic!("it is a relaxation");
+    };
+    assert_eq!(details.horizon_s, 1.5);
+}
+
+#[test]
+fn what_a_file_says_is_kept() {
+    let keys = json!({
+        "free_final_velocity": true,
+        "running_cost": { "torque": [1.0, 0.5], "velocity": 0.25, "acceleration": 0.0 },
+        "free_horizon": { "shortest_s": 0.5, "longest_s": 3.0, "weight": 4.0 },
+    });
+    let file = load("kept", &with(keys.clone())).expect("it is good").file;
+    let again = serde_json::to_value(&file).expect("numbers");
+    for (key, value) in keys.as_object().expect("it is one") {
+        assert_eq!(&again[key], value, "{key}");
+    }
+    let short = with(json!({ "running_cost": { "velocity": [1.0, 2.0] } }));
+    let cost = load("short", &short).expect("it is good").file.running_cost;
+    let cost = serde_json::to_value(cost).expect("numbers");
+    let all = json!({ "torque": 1.0, "velocity": [1.0, 2.0], "acceleration": 0.0 });
+    assert_eq!(cost, all);
+    let file = serde_json::to_value(load("plain", &plain()).expect("it is good").file);
+    let file = file.expect("numbers");
+    for key in ["free_final_velocity", "running_cost", "free_horizon"] {
+        assert_eq!(file.get(key), None, "what is not asked for is not written");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_name() {
+    let cost = |keys: Value| with(json!({ "running_cost": keys }));
+    let horizon = |shortest: f64, longest: f64, weight: f64| {
+        let keys = json!({ "shortest_s": shortest, "longest_s": longest, "weight": weight });
+        with(json!({ "free_horizon": keys }))
+    };
+    let cases = [
+        (
+            with(json!({ "free_final_velocity": 1 })),
+            "free_final_velocity: invalid type",
+        ),
+        (
+            cost(json!({ "torque": -1.0 })),
+            "running_cost.torque: it is -1, a weight is not negative",
+        ),
+        (
+            cost(json!({ "velocity": [1.0] })),
+            "running_cost.velocity: the robot has 2 joints, but 1",
+        ),
+        (
+            cost(json!({ "acceleration": "no" })),
+            "running_cost.acceleration: a number is needed, or a list",
+        ),
+        (
+            cost(json!({ "torque": 0 })),
+            "running_cost: all are zero, at least one is needed",
+        ),
+        (
+            cost(json!({ "jerk": 1 })),
+            "running_cost.jerk: unknown field `jerk`",
+        ),
+        (
+            horizon(0.0, 3.0, 1.0),
+            "free_horizon.shortest_s: it is 0, a positive time",
+        ),
+        (
+            horizon(0.5, -3.0, 1.0),
+            "free_horizon.longest_s: it is -3, a positive time",
+        ),
+        (
+            horizon(0.5, 3.0, -1.0),
+            "free_horizon.weight: it is -1, a weight is not negative",
+        ),
+        (
+            horizon(2.0, 3.0, 1.0),
+            "free_horizon.shortest_s: it is 2, above the horizon 1.5",
+        ),
+        (
+            horizon(0.5, 1.0, 1.0),
+            "free_horizon.longest_s: it is 1, below the horizon 1.5",
+        ),
+        (
+            with(json!({ "free_horizon": { "weight": 1.0 } })),
+            "free_horizon: missing field `shortest_s`",
+        ),
+    ];
+    for (scenario, words) in cases {
+        let error = load("bad", &scenario).expect_err(words);
+        assert!(error.contains(words), "{error}; want {words}");
+    }
+}
+
+#[test]
+fn the_flow_refuses_what_it_does_not_know() {
+    let flow = SolveOptions {
+        method: Method::Flow,
+        ..Default::default()
+    };
+    for keys in [
+        json!({ "free_final_velocity": true }),
+        json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0, "weight": 1.0 } }),
+    ] {
+        let key = keys.as_object().expect("it is one").keys().next();
+        let key = key.expect("there is one").clone();
+        let scenario = load("flow", &with(keys)).expect("it is good");
+        let error = solve(&scenario, &flow, &mut |_| {}).expect_err("the flow has no such key");
+        let words = format!("flow: {key}: the method 'flow' does not know it");
+        assert!(error.to_string().starts_with(&words), "{error}");
+    }
+}
+
+/// It finds the motion that it finds without, and says so.
+#[test]
+fn the_flow_minimises_the_effort_alone_with_a_note() {
+    let weights = json!({ "running_cost": { "acceleration": 1.0 } });
+    let [alone, weighted] =
+        [("effort", plain()), ("weighted", with(weights))].map(|(name, file)| {
+            let flow = SolveOptions {
+                method: Method::Flow,
+                k: Some(1e5),
+                s_max: Some(10.0),
+                ..Default::default()
+            };
+            let scenario = load(name, &file).expect("it is good");
+            solve(&scenario, &flow, &mut |_| {}).expect("it is good")
+        });
+    assert_eq!(weighted.curve.x(), alone.curve.x());
+    assert_eq!(alone.summary.notes, [""; 0]);
+    let note = "running_cost: the published flow minimises the control effort alone";
+    assert_eq!(weighted.summary.notes, [note]);
+    let (relaxed, _) = solved(
+        "relaxed",
+        json!({ "running_cost": { "acceleration": 1.0 } }),
+    );
+    assert_eq!(relaxed.summary.notes, [""; 0], "the relaxation knows it");
+}
+
+/// The summary tells what was minimised and what was found.
+#[test]
+fn what_was_found_is_told() {
+    let (plain, details) = solved("fixed", json!({}));
+    assert_eq!((details.cost, details.horizon_s), (None, 1.5));
+    let effort = plain.summary.control_effort;
+
+    let (free, details) = solved("velocity", json!({ "free_final_velocity": true }));
+    assert_eq!(details.cost, None);
+    assert!(free.summary.control_effort < effort);
+    let end = free.curve.x().column(9);
+    assert!(end.as_slice()[..2] == [1.0, 0.5] && end.rows(2, 2).amax() > 0.1);
+
+    let weights = json!({ "torque": 2.0, "velocity": 30.0 });
+    let (slow, details) = solved("cost", json!({ "running_cost": weights }));
+    let cost = details.cost.expect("it is another one");
+    assert!(slow.summary.control_effort > effort && cost > 2.0 * slow.summary.control_effort);
+
+    let bounds = |weight: f64| json!({ "shortest_s": 0.4, "longest_s": 2.5, "weight": weight });
+    let (found, details) = solved("horizon", json!({ "free_horizon": bounds(600.0) }));
+    let horizon = details.horizon_s;
+    assert_eq!(horizon, found.curve.chebyshev().horizon());
+    assert!(horizon > 0.4 && horizon < 1.5, "{horizon}");
+    let total = found.summary.control_effort + 600.0 * horizon;
+    // The quadratures agree to 1e-3.
+    assert!((details.cost.expect("with the time") - total).abs() < 2e-3 * total);
+    assert!(total < effort + 600.0 * 1.5);
+
+    // All at once, and above a floor: the robot has no limits.
+    let all = json!({
+        "free_final_velocity": true, "running_cost": { "velocity": 1.0 },
+        "free_horizon": bounds(600.0), "half_spaces": [{ "normal": [0.0, 0.0, 1.0], "offset_m": -1.9 }],
+    });
+    let (_, details) = solved("all", all);
+    assert!(details.horizon_s < 1.5 && details.largest_violation.is_some());
+}

@@ -1,0 +1,81 @@
+//! Solves by the relaxation of scenarios with obstacles, limits and a free horizon.
+
+use crate::common::relax::solved_within;
+use aghf::relax::{FreeHorizon, RelaxSettings};
+use aghf_scenario::{Details, Scenario, SolveOptions, solve};
+
+#[test]
+fn an_arm_among_spheres_keeps_clear() {
+    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
+    let outcome = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+    let summary = outcome.summary;
+    assert!(summary.success, "{summary:?}");
+    assert!(summary.control_effort < 29.0, "{summary:?}");
+    let clearance = summary.feasibility.smallest_clearance_m;
+    assert!(clearance.is_some_and(|m| m >= -1e-6), "{clearance:?}");
+}
+
+/// Here the first start does not end at a minimum within the constraints, and one of the next does. What is told of is the best of
+/// those that did.
+#[test]
+fn what_converged_is_told_of_rather_than_what_stalled() {
+    let scenario = Scenario::load("kinova_cross_08").expect("generated");
+    let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+    let Details::Relax(details) = &report.summary.details else {
+        panic!("it is a relaxation");
+    };
+    assert!(
+        details.efforts_of_starts.len() > 1,
+        "the first start did not stall, find another scenario"
+    );
+    assert!(report.summary.success, "{:?}", report.summary);
+    assert_eq!(Some(details.minima[0].cost), details.cost);
+    assert!(details.minima.is_sorted_by(|a, b| a.cost < b.cost));
+}
+
+#[test]
+fn an_arm_keeps_clear_on_pieces() {
+    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
+    let options = SolveOptions {
+        degree: Some(9),
+        segments: Some(2),
+        ..Default::default()
+    };
+    let summary = solve(&scenario, &options, &mut |_| {})
+        .expect("valid")
+        .summary;
+    assert!(
+        summary.success && (summary.pieces, summary.p) == (2, 9),
+        "{summary:?}"
+    );
+}
+
+/// A longest horizon beyond a feasible one never costs more, although the motion on one horizon breaks limits on a
+/// shorter one.
+#[test]
+fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
+    let mut scenario = Scenario::load("limits_11").expect("generated");
+    let given = scenario.file.horizon_s;
+    let weight = 100.0;
+    let solved = |scenario: &Scenario, free_horizon| {
+        let settings = RelaxSettings {
+            num_starts: 1,
+            free_horizon,
+            ..RelaxSettings::constrained()
+        };
+        let kept = scenario.constraints().expect("valid");
+        let problem = scenario.problem().expect("valid");
+        let solution = solved_within(&problem, &settings, &kept);
+        assert!(solution.converged, "{solution:?}");
+        solution.cost + weight * solution.curve.horizon()
+    };
+    let at_the_given = solved(&scenario, None);
+    scenario.file.horizon_s = 1.6 * given;
+    let free = FreeHorizon {
+        shortest: 0.5 * given,
+        longest: 4.0 * given,
+        weight,
+    };
+    let at_the_best = solved(&scenario, Some(free));
+    assert!(at_the_best <= at_the_given, "{at_the_best} {at_the_given}");
+}

@@ -1,0 +1,138 @@
+//! Links that keep clear of each other, and pairs of them that may overlap.
+
+use crate::surroundings::panda;
+use crate::written::{folder, load, with};
+use aghf::constraint::{AnyConstraint, Constraint};
+use aghf::urdf::{Srdf, builtin_robot};
+use aghf_scenario::{IgnoredPairs, LinkBall};
+use serde_json::json;
+use std::path::Path;
+
+#[test]
+fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
+    let scenario = load("own", &panda()).expect("it is good");
+    let balls = scenario.environment.balls().expect("good balls");
+    let pairs = scenario.environment.self_pairs();
+    let model = builtin_robot("panda").expect("built in");
+    let links = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let ignored = [
+        ("panda_link0", "panda_link1"),
+        ("panda_link6", "panda_hand"),
+    ];
+    let mut expected = 0;
+    for (i, a) in links.iter().enumerate() {
+        for b in &links[i + 1..] {
+            let names = (a.link.as_str(), b.link.as_str());
+            let ignore = ignored.contains(&names) || ignored.contains(&(names.1, names.0));
+            expected += usize::from(a.ball.body != b.ball.body && !ignore);
+        }
+    }
+    assert_eq!(pairs.len(), expected);
+    assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
+    let rows = scenario.environment.constraints().expect("good balls");
+    assert!(
+        matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected)
+    );
+    // Neighbours overlap, as not all of them are ignored.
+    let error = scenario
+        .check_feasible()
+        .expect_err("neighbours overlap")
+        .to_string();
+    assert!(error.contains("inside link 'panda_link"), "{error}");
+}
+
+#[test]
+fn pairs_that_a_file_names_are_part_of_the_scenario() {
+    let model = builtin_robot("panda").expect("built in");
+    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let pairs = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
+    assert_eq!(
+        pairs,
+        IgnoredPairs::by_sampling(&model, &balls).expect("its own balls")
+    );
+    let text = pairs.to_json();
+    assert_eq!(
+        IgnoredPairs::parse(&text, "pairs.json").expect("as written"),
+        pairs
+    );
+    assert_eq!(
+        text.lines().filter(|l| l.contains("\"links\"")).count(),
+        pairs.ignored_pairs.len()
+    );
+    std::fs::write(folder().join("panda.pairs.json"), text).expect("writable");
+    let keys = json!({ "self_collision": { "ignored_pairs_file": "panda.pairs.json" } });
+    let scenario = load("file", &with(panda(), keys)).expect("it is good");
+    let written = serde_json::to_value(&scenario.file).expect("numbers");
+    let links: Vec<_> = pairs
+        .ignored_pairs
+        .iter()
+        .map(|pair| json!(pair.links))
+        .collect();
+    assert_eq!(written["self_collision"], json!({ "ignored_pairs": links }));
+    scenario
+        .check_feasible()
+        .expect("the start is clear of itself");
+    for (text, words) in [
+        ("{\"robot\": \"panda\"}", "missing field `ignored_pairs`"),
+        (
+            "{\"robot\": \"panda\", \"ignored_pairs\": [{\"links\": [\"a\"], \"reason\": \"\"}]}",
+            "ignored_pairs[0].links",
+        ),
+    ] {
+        let error = IgnoredPairs::parse(text, "pairs.json")
+            .expect_err("it is bad")
+            .to_string();
+        assert!(
+            error.starts_with("pairs.json: ") && error.contains(words),
+            "{error}"
+        );
+    }
+}
+
+/// `a` is always in `c` and in `d`; `b` is in `d` at six of seven configurations.
+#[test]
+fn neighbours_and_links_that_always_overlap_may() {
+    let link = |name: &str, x: f64, radius: f64| {
+        format!(
+            r#"<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+            <collision><origin xyz="{x} 0 0"/><geometry><sphere radius="{radius}"/></geometry></collision></link>"#
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 0 1"/></joint>"#
+        )
+    };
+    let links =
+        link("a", 0.0, 0.1) + &link("b", 1.0, 0.1) + &link("c", 0.15, 0.1) + &link("d", 1.0, 1.85);
+    let joints = joint("ab", "a", "b") + &joint("bc", "b", "c") + &joint("cd", "c", "d");
+    let text = format!(r#"<robot name="four">{links}{joints}</robot>"#);
+    let (model, _) = aghf::urdf::parse_urdf(&text, "four.urdf").expect("it is good");
+    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let found = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
+    let found: Vec<_> = found
+        .ignored_pairs
+        .iter()
+        .map(|p| (p.links.join(" "), p.reason.as_str()))
+        .collect();
+    let often = "overlap at each of 10000 random configurations";
+    let expected = [
+        ("a b", "neighbours"),
+        ("a c", often),
+        ("a d", often),
+        ("b c", "neighbours"),
+        ("c d", "neighbours"),
+    ];
+    assert_eq!(
+        found,
+        expected.map(|(links, reason)| (links.to_owned(), reason))
+    );
+    let srdf =
+        r#"<robot name="four"><disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
+    let srdf = Srdf::parse(srdf, "four.srdf", &model).expect("it is good");
+    let pair = &IgnoredPairs::of_srdf(&model, &srdf).ignored_pairs[0];
+    assert_eq!(
+        (pair.links.join(" "), pair.reason.as_str()),
+        ("d a".to_owned(), "disabled in the SRDF: Never")
+    );
+}

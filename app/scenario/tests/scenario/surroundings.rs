@@ -1,0 +1,265 @@
+//! Obstacles of every shape and the collision shapes of the robot.
+
+use crate::written::{load, with};
+use aghf::constraint::Constraint;
+use aghf::dynamics::forward_kinematics;
+use aghf::geometry::Shape;
+use aghf::spatial::Placement;
+use aghf::urdf::builtin_robot;
+use aghf_scenario::{LinkBall, Scenario};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The start of every problem of MotionBenchMaker.
+const READY: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+
+/// A Panda among obstacles of every shape.
+pub fn panda() -> Value {
+    json!({
+        "robot": "panda", "horizon_s": 2.0,
+        "q_start": READY, "v_start": [0, 0, 0, 0, 0, 0, 0],
+        "q_goal": [0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], "v_goal": [0, 0, 0, 0, 0, 0, 0],
+        "robot_shape": { "collision": {} },
+        "box_obstacles": [
+            { "center_m": [0.0, 0.0, 2.0], "size_m": [0.2, 0.4, 0.6] },
+            { "name": "lid", "center_m": [0.0, 2.0, 0.0], "size_m": [1, 1, 0.1], "orientation_xyzw": [0.0, 0.0, 0.6, 0.8] }
+        ],
+        "cylinder_obstacles": [{ "name": "post", "center_m": [2.0, 0.0, 0.0], "radius_m": 0.1, "length_m": 3.0 }],
+        "capsule_obstacles": [{ "ends_m": [[0.0, -2.0, 0.0], [0.0, -2.0, -1.0]], "radius_m": 0.2 }],
+        "self_collision": { "ignored_pairs": [["panda_link0", "panda_link1"], ["panda_hand", "panda_link6"]] }
+    })
+}
+
+#[test]
+fn obstacles_are_placed_as_the_keys_say() {
+    let scenario = load("placed", &panda()).expect("it is good");
+    let solids: Vec<_> = scenario.environment.solids().copied().collect();
+    let half_extents = Vector3::new(0.1, 0.2, 0.3);
+    assert_eq!(solids[0].shape, Shape::Cuboid { half_extents });
+    assert_eq!(solids[0].placement.translation, Vector3::new(0.0, 0.0, 2.0));
+    // A turn about z by the angle whose half has the sine 0.6.
+    let [sin, cos] = [2.0 * 0.6 * 0.8, 0.8 * 0.8 - 0.6 * 0.6];
+    let x = solids[1].placement.rotation.column(0).into_owned();
+    assert!((x - Vector3::new(cos, sin, 0.0)).norm() < 1e-15);
+    let (radius, half_length) = (0.1, 1.5);
+    let post = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    assert_eq!(solids[2].shape, post);
+    // The ends of the segment are on the surface of a capsule moved in by its radius, those beyond are outside.
+    for (z, distance) in [(0.0, -0.2), (-1.0, -0.2), (0.3, 0.1), (-1.3, 0.1)] {
+        let found: f64 = solids[3].distance(&Vector3::new(0.0, -2.0, z));
+        assert!((found - distance).abs() < 1e-15, "{found}, {distance}");
+    }
+    assert_eq!(scenario.file.box_obstacles[1].name.as_deref(), Some("lid"));
+}
+
+/// The clearance is that of the nearest ball, and a ball that touches an obstacle is told by link and obstacle.
+#[test]
+fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
+    let model = builtin_robot("panda").expect("built in");
+    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    assert_eq!(balls.len(), 59);
+    let mut placements = vec![Placement::identity(); 7];
+    forward_kinematics(&model, &READY, &mut placements).expect("lengths agree");
+    // A box below the lowest ball of the hand.
+    let centre = |b: &LinkBall| {
+        let placement = b.ball.body.map_or(Placement::identity(), |i| placements[i]);
+        placement.rotation * b.ball.centre + placement.translation
+    };
+    let bottom = |b: &LinkBall| centre(b).z - b.ball.radius;
+    let in_front = balls.iter().filter(|b| centre(b).x > 0.3);
+    let lowest = in_front.min_by(|a, b| bottom(a).total_cmp(&bottom(b)));
+    let lowest = lowest.expect("there is one");
+    let table = |gap: f64| {
+        let [x, y, _]: [f64; 3] = centre(lowest).into();
+        let center = [x, y, bottom(lowest) - gap - 0.05];
+        json!([{ "name": "table", "center_m": center, "size_m": [0.2, 0.2, 0.1] }])
+    };
+    let scenario = |gap: f64| {
+        let alone = with(
+            panda(),
+            json!({ "box_obstacles": table(gap), "cylinder_obstacles": [] }),
+        );
+        load("clearance", &with(alone, json!({ "self_collision": null }))).expect("it is good")
+    };
+    let clear = scenario(0.02);
+    let found = clear
+        .environment
+        .clearance(&placements)
+        .expect("lengths agree");
+    assert!((found - 0.02).abs() < 1e-12, "{found}");
+    clear.check_feasible().expect("it is clear of the table");
+    let error = scenario(-0.01)
+        .check_feasible()
+        .expect_err("it is in the table")
+        .to_string();
+    let words = format!(
+        "q_start: link '{}' is 1.000e-2 m inside box_obstacles[0] 'table'",
+        lowest.link
+    );
+    assert!(error.contains(&words), "{error}; {words}");
+    let rows = clear.environment.constraints().expect("good balls");
+    // The ball of the base is none.
+    assert_eq!(rows.iter().map(Constraint::dim).sum::<usize>(), 58 * 2);
+}
+
+/// With a joint locked, and with the joints between the base and it, the shapes stay where they were.
+#[test]
+fn a_robot_with_locked_joints_keeps_its_shapes() {
+    let clearance = |scenario: &Scenario| {
+        let mut placements = vec![Placement::identity(); scenario.model.dof()];
+        forward_kinematics(&scenario.model, &scenario.file.q_start, &mut placements)
+            .expect("lengths agree");
+        let found = scenario.environment.clearance(&placements);
+        found.expect("lengths agree")
+    };
+    let near = json!({ "center_m": [0.3, 0.1, 0.3], "radius_m": 0.05 });
+    let near = with(
+        panda(),
+        json!({ "sphere_obstacles": [near], "self_collision": null }),
+    );
+    let whole = clearance(&load("locked", &near).expect("it is good"));
+    for locked in [&[3][..], &[0, 1], &[1, 4, 6]] {
+        let left = |q: &[f64]| {
+            let kept = q.iter().enumerate().filter(|(i, _)| !locked.contains(i));
+            json!(kept.map(|(_, q)| *q).collect::<Vec<_>>())
+        };
+        let joints: serde_json::Map<_, _> = locked
+            .iter()
+            .map(|i| (format!("panda_joint{}", i + 1), json!(READY[*i])))
+            .collect();
+        let (q, zeros) = (left(&READY), left(&[0.0; 7]));
+        let keys = json!({ "locked_joints": joints, "q_start": q, "q_goal": q, "v_start": zeros, "v_goal": zeros });
+        let reduced = load("locked", &with(near.clone(), keys)).expect("it is good");
+        let found = clearance(&reduced);
+        assert!(
+            (found - whole).abs() < 1e-12,
+            "{locked:?}: {found}, {whole}"
+        );
+    }
+}
+
+#[test]
+fn bad_surroundings_are_refused_by_key() {
+    let one = |key: &str, keys: Value| {
+        let mut obstacle = panda()[key][0].clone();
+        for (key, value) in keys.as_object().expect("an object") {
+            obstacle[key] = value.clone();
+        }
+        with(panda(), json!({ key: [obstacle] }))
+    };
+    let own = |pairs: Value| with(panda(), json!({ "self_collision": pairs }));
+    let shape = |shape: Value| with(panda(), json!({ "robot_shape": shape }));
+    for (scenario, words) in [
+        (
+            one("box_obstacles", json!({ "size_m": [1, 1, 0] })),
+            "box_obstacles[0]: size_m has 0",
+        ),
+        (
+            one("box_obstacles", json!({ "size_m": [1, 1] })),
+            "box_obstacles[0].size_m: ;length 2",
+        ),
+        (
+            one("box_obstacles", json!({ "center_m": [1e9, 0, 0] })),
+            "box_obstacles[0]: center_m",
+        ),
+        (
+            one("box_obstacles", json!({ "orientation_xyzw": [0, 0, 0, 2] })),
+            "box_obstacles[0]: ;has length 2",
+        ),
+        (
+            one("box_obstacles", json!({ "colour": "red" })),
+            "box_obstacles[0].colour: ",
+        ),
+        (
+            one("cylinder_obstacles", json!({ "radius_m": -1 })),
+            "cylinder_obstacles[0]: radius_m has -1",
+        ),
+        (
+            one("cylinder_obstacles", json!({ "length_m": 0 })),
+            "cylinder_obstacles[0]: length_m has 0",
+        ),
+        (
+            one(
+                "capsule_obstacles",
+                json!({ "ends_m": [[1, 0, 0], [1, 0, 0]] }),
+            ),
+            "capsule_obstacles[0]: ends_m",
+        ),
+        (
+            one("capsule_obstacles", json!({ "radius_m": 0 })),
+            "capsule_obstacles[0]: radius_m has 0",
+        ),
+        (
+            own(json!({ "ignored_pairs": [["panda_link0", "panda_leg"]] })),
+            "self_collision.ignored_pairs[0]: ;'panda_leg'",
+        ),
+        (
+            own(json!({ "ignored_pairs_file": "nowhere.json" })),
+            "self_collision: ;nowhere.json",
+        ),
+        (
+            own(json!({ "pairs": [] })),
+            "self_collision.pairs: ;unknown field `pairs`",
+        ),
+        (
+            own(json!({})),
+            "self_collision: one of the keys ignored_pairs and ignored_pairs_file",
+        ),
+        (
+            own(json!(true)),
+            "self_collision: ;the key ignored_pairs or",
+        ),
+        (
+            shape(json!("collision")),
+            "robot_shape.collision: ;{\"collision\": {...}} is needed",
+        ),
+        (
+            shape(json!("joint-frames")),
+            "self_collision: ;'collision' only",
+        ),
+        (
+            shape(json!({ "collision": { "spacing_m": 0 } })),
+            "robot_shape: ;positive spacing",
+        ),
+        (
+            with(
+                shape(json!({ "collision": {} })),
+                json!({ "robot": "pendulum_1" }),
+            ),
+            "robot_shape: ;no;collision element",
+        ),
+    ] {
+        let error = load("bad", &scenario).expect_err(words);
+        assert!(
+            words.split(';').all(|w| error.contains(w)),
+            "{error}; {words}"
+        );
+    }
+}
+
+/// Those that are in the repository can be begun and ended, and name the robot that is built in.
+#[test]
+fn problems_of_motion_bench_maker_are_scenarios() {
+    let folder =
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/panda/scenarios");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("it is there") {
+        let path = entry.expect("readable").path();
+        let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
+        assert_eq!(scenario.file.robot, "panda");
+        assert!(
+            scenario.environment.solids().count() > 2,
+            "{}",
+            path.display()
+        );
+        scenario
+            .check_feasible()
+            .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        count += 1;
+    }
+    assert_eq!(count, 35);
+}

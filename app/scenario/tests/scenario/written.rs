@@ -1,0 +1,41 @@
+//! Scenario files written by a test.
+
+use aghf_scenario::Scenario;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// `scenario` with some keys more, or others.
+pub fn with(mut scenario: Value, keys: Value) -> Value {
+    for (key, value) in keys.as_object().expect("it is one") {
+        scenario[key] = value.clone();
+    }
+    scenario
+}
+
+/// The folder of the test that runs, which has a thread of its own.
+pub fn folder() -> PathBuf {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("main").replace("::", "_");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenario_written");
+    let folder = folder.join(test);
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    folder
+}
+
+/// Writes a scenario file and loads it; the error is without the path of the file, which is there.
+pub fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
+    load_text(name, &scenario.to_string())
+}
+
+/// The same of any text.
+pub fn load_text(name: &str, text: &str) -> Result<Scenario, String> {
+    let path = folder().join(format!("{name}.json"));
+    std::fs::write(&path, text).expect("the folder is writable");
+    let path = path.to_str().expect("it is text");
+    Scenario::load(path).map_err(|e| {
+        let error = e.to_string();
+        let rest = error.strip_prefix(&format!("{path}: "));
+        rest.unwrap_or_else(|| panic!("no file: {error}"))
+            .to_owned()
+    })
+}

@@ -1,5 +1,0 @@
-//! The `aghf` binary.
-
-fn main() -> std::process::ExitCode {
-    aghf::cli::main()
-}
