@@ -1,5 +1,6 @@
 //! Robots from URDF: reading, checking and writing, and the built-in robots.
 
+mod build;
 mod builtin;
 mod elements;
 mod load;
@@ -16,6 +17,7 @@ mod visuals;
 mod write;
 mod write_shapes;
 
+pub use build::build_model;
 pub(crate) use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 #[cfg(feature = "output")]
