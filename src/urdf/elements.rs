@@ -1,8 +1,8 @@
 //! Reading of the elements of a URDF as the types of `urdf-rs`, with messages for their faults.
 //!
-//! The reader of `urdf-rs` itself cannot be used for files: its errors name neither link nor joint, it passes over words
-//! among the numbers of a vector, and a fault of a material or a plugin makes it refuse the file. Visual elements,
-//! materials, sensors and plugins are ignored here.
+//! The reader of `urdf-rs` itself cannot be used for files: its errors name neither link nor joint, it passes over
+//! words among the numbers of a vector, and a fault of a material or a plugin makes it refuse the file. Visual
+//! elements, materials, sensors and plugins are ignored here.
 
 use super::shapes::collision_name;
 use crate::error::{Error, Result};
