@@ -76,4 +76,4 @@ pub mod verify;
 pub use error::{Error, Result};
 
 // Their types are in what is public here: whoever takes them from here has the versions that fit.
-pub use {nalgebra, num_dual};
+pub use {nalgebra, num_dual, urdf_rs};

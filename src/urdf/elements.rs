@@ -1,76 +1,16 @@
-//! The URDF elements that are read, with messages for their faults.
+//! Reading of the elements of a URDF as the types of `urdf-rs`, with messages for their faults.
 //!
-//! Visual elements, materials, sensors and plugins are ignored, so that none of them can make a file fail.
+//! The reader of `urdf-rs` itself cannot be used for files: its errors name neither link nor joint, it passes over
+//! words among the numbers of a vector, and a fault of a material or a plugin makes it refuse the file. Visual
+//! elements, materials, sensors and plugins are ignored here.
 
-use super::shapes::{CollisionElement, read_collisions};
+use super::shapes::collision_name;
 use crate::error::{Error, Result};
 use roxmltree::{Document, Error as XmlError, Node};
-
-/// A robot as described in its file.
-#[derive(Debug)]
-pub(super) struct Robot {
-    pub name: String,
-    pub links: Vec<Link>,
-    pub joints: Vec<Joint>,
-}
-
-/// A link; zeros without an inertial element.
-#[derive(Debug)]
-pub(super) struct Link {
-    pub name: String,
-    /// The frame of the centre of mass.
-    pub origin: Pose,
-    pub mass: f64,
-    /// `ixx ixy ixz iyy iyz izz` about the centre of mass.
-    pub inertia: [f64; 6],
-    /// The collision elements.
-    pub collisions: Vec<CollisionElement>,
-}
-
-/// A joint.
-#[derive(Debug)]
-pub(super) struct Joint {
-    pub name: String,
-    pub kind: JointType,
-    pub origin: Pose,
-    pub parent: String,
-    pub child: String,
-    pub axis: [f64; 3],
-    /// `None` without a limit element, or if all its entries are zero.
-    pub limit: Option<Limit>,
-    /// The joint that a mimic joint follows.
-    pub mimics: Option<String>,
-    /// The names of those of damping and friction that are not zero.
-    pub losses: Vec<&'static str>,
-}
-
-/// The joint types of URDF.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum JointType {
-    Revolute,
-    Continuous,
-    Prismatic,
-    Fixed,
-    Floating,
-    Planar,
-    Spherical,
-}
-
-/// A translation, and rotations about the fixed axes x, y, z in this order.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pose {
-    pub xyz: [f64; 3],
-    pub rpy: [f64; 3],
-}
-
-/// The limits of a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Limit {
-    pub lower: f64,
-    pub upper: f64,
-    pub velocity: f64,
-    pub effort: f64,
-}
+use urdf_rs::{
+    Axis, Collision, Dynamics, Geometry, Inertia, Inertial, Joint, JointLimit, JointType, Link,
+    LinkName, Mass, Mimic, Pose, Robot, Vec3,
+};
 
 /// Reads the `robot` element in `text`.
 ///
@@ -100,14 +40,18 @@ pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
     }
     let mut robot = Robot {
         name: root.attribute("name").unwrap_or_default().to_owned(),
+        version: None,
         links: Vec::new(),
         joints: Vec::new(),
+        materials: Vec::new(),
     };
     for node in root.children().filter(Node::is_element) {
         let kind = node.tag_name().name();
         if let Some(element) = node.descendants().find(is_xacro) {
             let name = element.tag_name().name();
-            let condition = format!("'xacro:{name}' is not expanded: run xacro on the file first");
+            let condition = format!(
+                "'xacro:{name}' is not expanded: run xacro on the file first, or name it *.xacro"
+            );
             return Err(Error::input(file, "robot", condition));
         }
         if !["link", "joint"].contains(&kind) {
@@ -136,27 +80,52 @@ fn is_xacro(node: &Node<'_, '_>) -> bool {
 pub(super) type Read<T> = std::result::Result<T, String>;
 
 fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {
-    let mut read = Link {
-        name: name.to_owned(),
-        origin: Pose::default(),
-        mass: 0.0,
-        inertia: [0.0; 6],
-        collisions: read_collisions(link)?,
+    let inertial = match child(link, "inertial")? {
+        Some(inertial) => read_inertial(inertial)?,
+        None => Inertial::default(),
     };
-    if let Some(inertial) = child(link, "inertial")? {
-        read.origin = read_origin(inertial)?;
-        read.mass = number(required(inertial, "mass")?, "value")?;
-        let inertia = required(inertial, "inertia")?;
-        let entries = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-        for (entry, name) in read.inertia.iter_mut().zip(entries) {
-            *entry = number(inertia, name)?;
-        }
-    }
-    Ok(read)
+    let collisions = link.children().filter(|c| c.has_tag_name("collision"));
+    let read = |(i, node): (usize, Node<'_, '_>)| {
+        let name = node.attribute("name");
+        let in_words = |condition| format!("{}: {condition}", collision_name(name, i));
+        Ok(Collision {
+            name: name.map(str::to_owned),
+            origin: read_origin(node).map_err(in_words)?,
+            geometry: read_geometry(node).map_err(in_words)?,
+        })
+    };
+    Ok(Link {
+        name: name.to_owned(),
+        inertial,
+        visual: Vec::new(),
+        collision: collisions.enumerate().map(read).collect::<Read<_>>()?,
+    })
 }
 
+fn read_inertial(inertial: Node<'_, '_>) -> Read<Inertial> {
+    let origin = read_origin(inertial)?;
+    let mass = Mass {
+        value: number(required(inertial, "mass")?, "value")?,
+    };
+    let inertia = required(inertial, "inertia")?;
+    let entry = |name| number(inertia, name);
+    Ok(Inertial {
+        origin,
+        mass,
+        inertia: Inertia {
+            ixx: entry("ixx")?,
+            ixy: entry("ixy")?,
+            ixz: entry("ixz")?,
+            iyy: entry("iyy")?,
+            iyz: entry("iyz")?,
+            izz: entry("izz")?,
+        },
+    })
+}
+
+/// Reads a joint. Of a fixed one only the origin and the links are read.
 fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
-    let kind = match joint.attribute("type").ok_or("it has no type")? {
+    let joint_type = match joint.attribute("type").ok_or("it has no type")? {
         "revolute" => JointType::Revolute,
         "continuous" => JointType::Continuous,
         "prismatic" => JointType::Prismatic,
@@ -166,67 +135,109 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
         "spherical" => JointType::Spherical,
         kind => return Err(format!("there is no joint type '{kind}'")),
     };
-    let end = |name: &str| -> Read<String> {
+    let end = |name: &str| -> Read<LinkName> {
         let link = required(joint, name)?.attribute("link");
-        Ok(link.ok_or(format!("its {name} names no link"))?.to_owned())
+        let link = link.ok_or(format!("its {name} names no link"))?.to_owned();
+        Ok(LinkName { link })
     };
     let mut read = Joint {
         name: name.to_owned(),
-        kind,
-        origin: Pose::default(),
+        joint_type,
         parent: end("parent")?,
         child: end("child")?,
-        axis: [1.0, 0.0, 0.0],
-        limit: None,
-        mimics: None,
-        losses: Vec::new(),
+        origin: read_origin(joint)?,
+        axis: Axis::default(),
+        limit: JointLimit::default(),
+        calibration: None,
+        dynamics: None,
+        mimic: None,
+        safety_controller: None,
     };
-    read.origin = read_origin(joint)?;
-    if kind == JointType::Fixed {
+    if read.joint_type == JointType::Fixed {
         return Ok(read);
     }
     if let Some(axis) = child(joint, "axis")? {
-        read.axis = numbers(axis, "xyz")?;
+        read.axis.xyz = Vec3(numbers(axis, "xyz")?);
     }
     if let Some(limit) = child(joint, "limit")? {
-        let optional = |name: &str| -> Read<f64> {
-            let given = limit.has_attribute(name);
-            if given { number(limit, name) } else { Ok(0.0) }
-        };
-        let limit = Limit {
-            lower: optional("lower")?,
-            upper: optional("upper")?,
+        let end = |name| optional(limit, name).map(|end| end.map_or(0.0, |[end]| end));
+        read.limit = JointLimit {
+            lower: end("lower")?,
+            upper: end("upper")?,
             velocity: number(limit, "velocity")?,
             effort: number(limit, "effort")?,
+            ..JointLimit::default()
         };
-        let values = [limit.lower, limit.upper, limit.velocity, limit.effort];
-        read.limit = values.iter().any(|x| *x != 0.0).then_some(limit);
     }
     if let Some(mimic) = child(joint, "mimic")? {
-        let mimics = mimic.attribute("joint").ok_or("its mimic names no joint")?;
-        read.mimics = Some(mimics.to_owned());
+        let joint = mimic.attribute("joint").ok_or("its mimic names no joint")?;
+        read.mimic = Some(Mimic {
+            joint: joint.to_owned(),
+            ..Mimic::default()
+        });
     }
     if let Some(dynamics) = child(joint, "dynamics")? {
-        // They are not read, so they need not be numbers either.
-        let is_zero = |text: &str| text.trim().parse() == Ok(0.0);
-        let given = |name: &&str| (dynamics.attribute(*name)).is_some_and(|text| !is_zero(text));
-        read.losses
-            .extend(["damping", "friction"].into_iter().filter(given));
+        // No computation uses them, so they need not be numbers; NaN differs from zero and is noted.
+        let loss = |name| match dynamics.attribute(name) {
+            Some(text) => text.trim().parse().unwrap_or(f64::NAN),
+            None => 0.0,
+        };
+        read.dynamics = Some(Dynamics {
+            damping: loss("damping"),
+            friction: loss("friction"),
+        });
     }
     Ok(read)
 }
 
 /// Reads the optional origin of an element, both parts of which are optional.
 pub(super) fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
-    let mut pose = Pose::default();
-    if let Some(origin) = child(node, "origin")? {
-        for (part, name) in [(&mut pose.xyz, "xyz"), (&mut pose.rpy, "rpy")] {
-            if origin.has_attribute(name) {
-                *part = numbers(origin, name)?;
-            }
-        }
+    let Some(origin) = child(node, "origin")? else {
+        return Ok(Pose::default());
+    };
+    if origin.has_attribute("quat_xyzw") {
+        return Err("quat_xyzw of its origin is not supported: rpy is needed".to_owned());
     }
-    Ok(pose)
+    let part = |name| optional(origin, name).map(|part| Vec3(part.unwrap_or_default()));
+    Ok(Pose {
+        xyz: part("xyz")?,
+        rpy: part("rpy")?,
+    })
+}
+
+/// Reads the geometry of a collision or visual element.
+pub(super) fn read_geometry(node: Node<'_, '_>) -> Read<Geometry> {
+    let geometry = required(node, "geometry")?;
+    let mut shapes = geometry.children().filter(Node::is_element);
+    let shape = shapes.next().ok_or("its geometry is empty")?;
+    if shapes.next().is_some() {
+        return Err("its geometry has several shapes".to_owned());
+    }
+    Ok(match shape.tag_name().name() {
+        "sphere" => Geometry::Sphere {
+            radius: number(shape, "radius")?,
+        },
+        "box" => Geometry::Box {
+            size: Vec3(numbers(shape, "size")?),
+        },
+        "cylinder" => Geometry::Cylinder {
+            radius: number(shape, "radius")?,
+            length: number(shape, "length")?,
+        },
+        "capsule" => Geometry::Capsule {
+            radius: number(shape, "radius")?,
+            length: number(shape, "length")?,
+        },
+        "mesh" => Geometry::Mesh {
+            filename: shape.attribute("filename").unwrap_or_default().to_owned(),
+            scale: optional(shape, "scale")?.map(Vec3),
+        },
+        other => {
+            return Err(format!(
+                "its geometry is '{other}', none of sphere, box, cylinder, capsule and mesh"
+            ));
+        }
+    })
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Option<Node<'a, 'input>>> {
@@ -238,12 +249,18 @@ fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Option<Node<'a,
     Ok(first)
 }
 
-pub(super) fn required<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Node<'a, 'input>> {
+fn required<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Node<'a, 'input>> {
     child(node, name)?.ok_or(format!("it has no {name} element"))
 }
 
 pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
     numbers(node, attribute).map(|[number]| number)
+}
+
+/// Reads exactly `COUNT` numbers from an attribute that may be missing.
+fn optional<const COUNT: usize>(node: Node<'_, '_>, attribute: &str) -> Read<Option<[f64; COUNT]>> {
+    let given = node.has_attribute(attribute);
+    given.then(|| numbers(node, attribute)).transpose()
 }
 
 /// Reads exactly `COUNT` numbers from an attribute.

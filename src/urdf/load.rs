@@ -1,5 +1,6 @@
 //! Robots by name or by path.
 
+use super::read::expand_xacro;
 use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf_with};
 use crate::error::Error;
 use crate::error::Result;
@@ -48,7 +49,7 @@ impl RobotSource {
     /// Finds the built-in robot of this name, otherwise the file at this path relative to `folder`.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// The file cannot be read or expanded.
     pub fn find(name_or_path: &str, folder: &Path) -> Result<Self> {
         if let Some(text) = builtin_robot_text(name_or_path) {
             return Ok(Self {
@@ -58,7 +59,7 @@ impl RobotSource {
         }
         let path = folder.join(name_or_path);
         Ok(Self {
-            text: Cow::Owned(read_named(&path, "robot")?),
+            text: Cow::Owned(expand_xacro(read_named(&path, "robot")?, &path)?),
             place: Place::File(path),
         })
     }

@@ -7,27 +7,23 @@ use mesh_loader::{Scene, obj, stl};
 use nalgebra::Vector3;
 use std::io;
 use std::path::{Path, PathBuf};
+use urdf_rs::utils::rospack_find;
 
 /// Loads the triangles of the mesh that a URDF in `folder` calls `file`, with its axes scaled by `scale`, in m. The
-/// formats are STL, binary or text, and OBJ; coordinates have about seven digits.
+/// formats are STL, binary or text, and OBJ; coordinates have about seven digits. Packages are looked up in `folder`,
+/// in the folders above it, and by the programs `rospack` or `ros2 pkg`.
 ///
 /// # Errors
 /// The file does not exist, has another format or no triangles, or contains numbers that are not finite.
 pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<Triangle>> {
-    let refuse = |condition: &str| Err(Error::input(file, "mesh", condition));
     let extension = Path::new(file).extension().unwrap_or_default();
     let extension = extension.to_string_lossy().to_lowercase();
     if !["stl", "obj"].contains(&extension.as_str()) {
-        return refuse(
-            "only STL and OBJ can be read: convert it, or give the link spheres, boxes, cylinders or capsules instead",
-        );
+        let condition = "only STL and OBJ can be read: convert it, or give the link spheres, boxes, cylinders or \
+                         capsules instead";
+        return Err(Error::input(file, "mesh", condition));
     }
-    let Some(path) = find(file, folder) else {
-        let folder = folder.display();
-        return refuse(&format!(
-            "there is no such file at '{folder}' or above it, where the package is looked for"
-        ));
-    };
+    let path = find(file, folder).map_err(|e| Error::input(file, "mesh", e))?;
     let name = path.display().to_string();
     let bytes = read_bytes(&path)?;
     let scene = match extension.as_str() {
@@ -68,19 +64,27 @@ fn triangles(scene: &Scene, scale: &Vector3<f64>) -> Option<Vec<Triangle>> {
 }
 
 /// Finds the file that a URDF in `folder` names. `package://NAME/PATH` is `NAME/PATH` in that folder or one above it,
-/// or `PATH` in a folder called `NAME`; any other name is a path relative to `folder`.
-fn find(file: &str, folder: &Path) -> Option<PathBuf> {
-    if let Some(in_package) = file.strip_prefix("package://") {
-        let folder = std::path::absolute(folder).ok()?;
-        let (package, path) = in_package.split_once('/')?;
-        let within = |above: &Path| {
-            let named = above.file_name().is_some_and(|name| name == package);
-            let own = named.then(|| above.join(path));
-            [Some(above.join(in_package)), own]
-        };
-        let mut all = folder.ancestors().flat_map(within).flatten();
-        return all.find(|path| path.is_file());
+/// `PATH` in a folder called `NAME`, or `PATH` in the package that `rospack` or `ros2 pkg` finds, in this order; any
+/// other name is a path relative to `folder`.
+fn find(file: &str, folder: &Path) -> std::result::Result<PathBuf, String> {
+    let missing = || format!("there is no such file at '{}'", folder.display());
+    let Some(in_package) = file.strip_prefix("package://") else {
+        let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
+        return path.is_file().then_some(path).ok_or_else(missing);
+    };
+    let absolute = std::path::absolute(folder).map_err(|e| e.to_string())?;
+    let (package, path) = in_package.split_once('/').ok_or("it has no path")?;
+    let within = |above: &Path| {
+        let named = above.file_name().is_some_and(|name| name == package);
+        let own = named.then(|| above.join(path));
+        [Some(above.join(in_package)), own]
+    };
+    let mut all = absolute.ancestors().flat_map(within).flatten();
+    if let Some(path) = all.find(|path| path.is_file()) {
+        return Ok(path);
     }
-    let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
-    path.is_file().then_some(path)
+    let above = format!("{} or above it", missing());
+    let found = rospack_find(package).map_err(|e| format!("{above}, and {e}"))?;
+    let path = Path::new(&found).join(path);
+    (path.is_file().then_some(path)).ok_or_else(|| format!("{above}, nor in '{found}'"))
 }

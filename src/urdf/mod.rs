@@ -1,5 +1,6 @@
 //! Robots from URDF: reading, checking and writing, and the built-in robots.
 
+mod build;
 mod builtin;
 mod elements;
 mod load;
@@ -15,6 +16,7 @@ mod write;
 mod write_shapes;
 
 pub use builtin::builtin_robot_text;
+pub use build::build_model;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use load::RobotSource;
 pub use load::{load_robot, load_robot_with};

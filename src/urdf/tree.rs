@@ -1,8 +1,8 @@
 //! The order in which the links of a URDF are visited, with checks that they form a tree.
 
-use super::elements::{Joint, Link, Robot};
 use crate::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
+use urdf_rs::{Joint, Link, Robot};
 
 /// A link in the order from the root to the leaves.
 pub(super) struct Visit<'a> {
@@ -32,7 +32,7 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
         if !names.insert(joint.name.as_str()) {
             return refuse(element(), "the name occurs twice");
         }
-        let (parent, child) = (joint.parent.as_str(), joint.child.as_str());
+        let (parent, child) = (joint.parent.link.as_str(), joint.child.link.as_str());
         if let Some(unknown) = [parent, child].iter().find(|l| !links.contains_key(**l)) {
             return refuse(element(), &format!("there is no link '{unknown}'"));
         }
@@ -79,7 +79,7 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
         // The last one pushed comes next, so the first by name goes last.
         for joint in below.into_iter().flatten().rev() {
             pending.push(Visit {
-                link: links[joint.child.as_str()],
+                link: links[joint.child.link.as_str()],
                 joint: Some(joint),
                 parent,
             });

@@ -1,10 +1,10 @@
 //! The `<visual>` elements of a URDF.
 
-use super::elements::{Read, numbers, read_origin};
-use super::shapes::read_geometry;
+use super::build::convert_pose;
+use super::elements::{Read, numbers, read_geometry, read_origin};
+use super::shapes::convert_shape;
 use crate::model::CollisionShape;
 use crate::spatial::Placement;
-use nalgebra::{Rotation3, Vector3};
 use roxmltree::{Document, Node};
 
 /// A visual shape of a link.
@@ -42,16 +42,10 @@ pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
 }
 
 fn read_visual(robot: Node<'_, '_>, link: &str, visual: Node<'_, '_>) -> Read<Visual> {
-    let origin = read_origin(visual)?;
-    if !origin.xyz.iter().chain(&origin.rpy).all(|x| x.is_finite()) {
-        return Err("its origin is not a finite number".to_owned());
-    }
-    let [roll, pitch, yaw] = origin.rpy;
-    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
     Ok(Visual {
         link: link.to_owned(),
-        placement: Placement::new(rotation, Vector3::from(origin.xyz)),
-        shape: read_geometry(visual)?,
+        placement: convert_pose(&read_origin(visual)?)?,
+        shape: convert_shape(&read_geometry(visual)?)?,
         color: color(robot, visual)?,
     })
 }

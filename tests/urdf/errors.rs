@@ -186,6 +186,7 @@ fn malformed_numbers() {
         "0.1 0.2 0.3 => 0.1 0.2 | link 'upper' | 0.1 0.2",
         "0.7 0.8 0.9 => 0.7 0.8 0.9 1.0 | joint 'shoulder' | 0.7 0.8 0.9 1.0",
         r#"lower="-1.5" => lower="low" | joint 'shoulder' | lower"#,
+        r#"rpy="1.1 1.2 1.3" => quat_xyzw="0 0 0 1" | joint 'shoulder' | quat_xyzw; not supported"#,
     ]);
 }
 

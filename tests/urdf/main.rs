@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod build;
 mod cover;
 mod errors;
 mod large;
@@ -11,6 +12,8 @@ mod limits;
 mod model;
 mod notes;
 mod robots;
+#[cfg(unix)]
+mod ros;
 mod several_arms;
 mod shapes;
 mod underactuated;
