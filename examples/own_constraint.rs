@@ -4,7 +4,7 @@
 use aghf::constraint::{
     Bounds, CollisionSphere, Constraint, Constraints, PlacedState, RowKind, RowLabel, TorqueLimits,
 };
-use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow_constrained};
+use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::model::Model;
 use aghf::motion::{Problem, violations};
 use aghf::relax::{RelaxSettings, Relaxation};
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let penalty = Penalty { k_cons: 1e6, c_cons: 50.0 };
     let weights = PenaltyWeights { state: penalty, torque: penalty };
     let penalised = Penalised { constraints: kept, weights };
-    let flowed = flow_constrained(&problem, &FlowSettings::new(9, 1e4, 1.0), &penalised, &mut |_| ())??;
+    let flowed = Flow::new(&problem, FlowSettings::new(9, 1e4, 1.0)).constraints(&penalised).run()?;
     let kept = &penalised.constraints;
     for (method, curve) in [("relaxation", &relaxed.curve), ("flow", &flowed.curve)] {
         let mut rows = violations(model, curve, kept, 2000)?;

@@ -1,8 +1,8 @@
 //! A Jacobian of one's own in place of the analytic one: differences of fourth order. Prints what the checker finds, and where the
 //! flow comes to with both.
 
-use aghf::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
-use aghf::flow::{ControlForm, FlowSettings, Node, RightHandSide, flow_with};
+use aghf::flow::jacobian::{NodeBlocks, NodeJacobian};
+use aghf::flow::{ControlForm, Flow, FlowSettings, Node, RightHandSide};
 use aghf::verify::duals::{CheckOptions, check_jacobian};
 use aghf_cli::output::check_table;
 use aghf_scenario::Scenario;
@@ -43,11 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = CheckOptions { samples: 5, seed: 1, penalties: vec![settings.k] };
     println!("{}\n", check_table(&check_jacobian(model, "fourth-order", &mut mine, &options)?));
 
-    let mut analytic = ControlFormJacobian::new(model);
-    let run = |jacobian: &mut dyn NodeJacobian| {
-        flow_with(&problem, &settings, &mut ControlForm::new(model), jacobian, &mut |_| ())
-    };
-    let (truth, found) = (run(&mut analytic)??, run(&mut mine)??);
+    let flow = || Flow::new(&problem, settings.clone());
+    let (truth, found) = (flow().run()?, flow().jacobian(mine).run()?);
     println!("analytic:     {} steps", truth.statistics.steps);
     println!("fourth order: {} steps", found.statistics.steps);
     println!("largest difference of the curves: {:.1e}", (truth.curve.x() - found.curve.x()).amax());

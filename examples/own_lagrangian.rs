@@ -1,8 +1,7 @@
 //! A Lagrangian of one's own, run by the flow: a potential that draws the joints to a rest position joins the paper's Lagrangian.
 //! Prints how near to rest the motion stays, and at what effort, for several weights of the potential.
 
-use aghf::flow::jacobian::ForwardDual;
-use aghf::flow::{AghfLagrangian, FlowSettings, Lagrangian, LagrangianFlow, effort_of, flow_with};
+use aghf::flow::{ActuationMetric, AghfLagrangian, Flow, FlowSettings, Lagrangian, effort_of};
 use aghf::model::Model;
 use aghf::motion::{Problem, sample};
 use aghf::scalar::{AlgebraOver, Tanh};
@@ -31,9 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for weight in [0.0, 1e2, 1e3] {
         let rest = vec![0.0; model.dof()];
         let drawn = &Drawn { weight, rest };
-        let omega = || LagrangianFlow::new(&model, drawn);
-        let jacobian = &mut ForwardDual::of(omega(), model.dof());
-        let found = flow_with(&problem, &settings, &mut omega(), jacobian, &mut |_| ())??;
+        let flow = Flow::new(&problem, settings.clone()).lagrangian(drawn, ActuationMetric::default());
+        let found = flow.run()?;
         let samples = sample(&model, &found.curve, 100)?;
         let distances = samples.iter().map(|s| s.q[0].hypot(s.q[1]));
         let mean = distances.sum::<f64>() / samples.len() as f64;

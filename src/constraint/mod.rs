@@ -34,6 +34,7 @@ pub use evaluator::{Evaluator, Placed};
 pub use label::{RowKind, RowLabel};
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
+pub(crate) use torque_limits::NONE;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
 

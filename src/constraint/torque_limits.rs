@@ -116,6 +116,12 @@ pub struct Constraints<K, C: Scalar = f64> {
     pub torque: TorqueLimits<C>,
 }
 
+/// No constraints.
+pub(crate) static NONE: Constraints<()> = Constraints {
+    state: (),
+    torque: TorqueLimits(Vec::new()),
+};
+
 impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
     /// The number of rows at each time: those of the state, then those of the control.
     #[must_use]

@@ -20,6 +20,7 @@ mod penalty;
 mod raise;
 pub mod rest;
 mod run;
+mod settings;
 mod state_cost;
 pub mod weak;
 
@@ -42,10 +43,8 @@ pub use penalty::{
     Penalty, activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature,
     penalty_slope,
 };
-pub use run::{
-    FlowFailure, FlowOutcome, FlowRecord, FlowSettings, FlowSolution, flow, flow_constrained,
-    flow_with, flow_with_integrator, output_count,
-};
+pub use run::{Flow, FlowRecord, FlowSolution, output_count};
+pub use settings::FlowSettings;
 pub use state_cost::{StateCost, StateCostTerm, WithStateCost};
 
 use crate::error::Result;

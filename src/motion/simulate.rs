@@ -5,7 +5,7 @@ use crate::curve::Curve;
 use crate::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::ode::{Bdf, Failure, Integrator, Ode, Statistics, Tolerance};
+use crate::ode::{Bdf, Integrator, Ode, Statistics, Tolerance};
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -34,9 +34,12 @@ impl Feedback {
 /// The result of a simulation.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// The state at the end of the horizon, $[q; v]$.
+    /// The last state, $[q; v]$.
     pub state: Vec<f64>,
-    /// The largest absolute difference from the end of the curve, over positions and velocities.
+    /// The reason if this is not the state at the end of the horizon: the integrator failed before.
+    pub failure: Option<String>,
+    /// The largest absolute difference from the end of the curve, over positions and velocities; infinite if the
+    /// simulation failed.
     pub error_inf: f64,
     /// The work of the integrator.
     pub statistics: Statistics,
@@ -46,16 +49,15 @@ pub struct Simulation {
 ///
 /// The joints with the indices `passive` move freely: their torque is zero, with neither control nor feedback.
 ///
-/// The outer error is invalid input; the inner one is a simulation that failed before the end.
-///
 /// # Errors
-/// The curve has another number of joints than `model`, or an index is out of range.
+/// The curve has another number of joints than `model`, or an index is out of range. A simulation that fails before its
+/// end is not an error: [`Simulation::failure`] has the reason.
 pub fn simulate(
     model: &Model,
     curve: &Curve,
     feedback: Feedback,
     passive: &[usize],
-) -> Result<std::result::Result<Simulation, Box<Failure>>> {
+) -> Result<Simulation> {
     simulate_with(model, curve, feedback, passive, &mut Bdf)
 }
 
@@ -69,7 +71,7 @@ pub fn simulate_with(
     feedback: Feedback,
     passive: &[usize],
     integrator: &mut dyn Integrator,
-) -> Result<std::result::Result<Simulation, Box<Failure>>> {
+) -> Result<Simulation> {
     let mut robot = ControlledRobot::new(model, curve, feedback, passive)?;
     let x = curve.x();
     let goal = x.column(x.ncols() - 1);
@@ -87,18 +89,23 @@ pub fn simulate_with(
         }
         match outcome {
             Ok(cost) => statistics += cost,
-            Err(mut failure) => {
+            Err(failure) => {
                 statistics += failure.statistics;
-                failure.statistics = statistics;
-                return Ok(Err(Box::new(failure)));
+                return Ok(Simulation {
+                    error_inf: f64::INFINITY,
+                    failure: Some(failure.to_string()),
+                    state: failure.y,
+                    statistics,
+                });
             }
         }
     }
-    Ok(Ok(Simulation {
+    Ok(Simulation {
         error_inf: (state.iter().zip(goal.iter())).fold(0.0, |m, (a, b)| m.max((a - b).abs())),
+        failure: None,
         state,
         statistics,
-    }))
+    })
 }
 
 /// The largest deviation from the curve at the end of an interval between two nodes, for a robot that starts the

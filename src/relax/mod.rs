@@ -43,18 +43,12 @@ pub use transcription::{
     PackedHessian, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
 };
 
-use crate::constraint::{Constraint, Constraints, TorqueLimits};
+use crate::constraint::{Constraint, Constraints, NONE};
 use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use interior_point::{Candidate, Context, minimise};
 use strategy::{Planned, Tried, minimise_to_the_end, multistart, refine, search};
 use transcription::{Grids, Rows};
-
-/// No constraints.
-static NONE: Constraints<()> = Constraints {
-    state: (),
-    torque: TorqueLimits(Vec::new()),
-};
 
 /// A problem with a running cost, constraints and settings, to be solved.
 ///

@@ -4,7 +4,7 @@ use crate::common::{assert_refused, robot};
 use crate::rest::{FREE, beside, degree, rested, swing};
 use aghf::curve::Curve;
 use aghf::flow::AghfLagrangian;
-use aghf::flow::rest::{AnyRestOptions, RestMetric, RestSettings, any_to_rest};
+use aghf::flow::rest::{AnyFlowToRest, AnyRestOptions, RestMetric, RestSettings};
 use aghf::flow::weak::{AnalyticLagrangian, DualLagrangian, StateGrid};
 use aghf::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
@@ -29,8 +29,8 @@ fn any_lagrangian_comes_to_rest() {
     let mut records = 0;
     let options = AnyRestOptions::default();
     let analytic = AnalyticLagrangian::new(&model, 1e3);
-    let analytic =
-        any_to_rest(&grid, analytic, &start, &options, &mut |_| records += 1).expect("valid");
+    let analytic = AnyFlowToRest::new(&grid, analytic, &start).observe(|_| records += 1);
+    let analytic = analytic.run().expect("valid");
     assert!(
         analytic.at_rest && records == analytic.steps,
         "{analytic:?} {records}"
@@ -41,7 +41,8 @@ fn any_lagrangian_comes_to_rest() {
             ..options.clone()
         };
         let dual = DualLagrangian::new(&model, AghfLagrangian, 1e3);
-        let dual = any_to_rest(&grid, dual, &start, &options, &mut |_| {}).expect("valid");
+        let dual = AnyFlowToRest::new(&grid, dual, &start).options(options.clone());
+        let dual = dual.run().expect("valid");
         assert!(
             dual.at_rest && dual.gradient_norm <= options.tolerance && dual.steps > 1,
             "{dual:?}"
@@ -62,8 +63,8 @@ fn any_lagrangian_comes_to_rest() {
 
     let refused = |grid: &StateGrid<f64>, options: &AnyRestOptions, words: &str| {
         let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-        let found = any_to_rest(grid, lagrangian, &start, options, &mut |_| {});
-        assert_refused(found, words);
+        let flow = AnyFlowToRest::new(grid, lagrangian, &start).options(options.clone());
+        assert_refused(flow.run(), words);
     };
     refused(&StateGrid::new(2, 7, 25, 1.0), &options, "horizon");
     refused(&StateGrid::new(1, 3, 25, 1.5), &options, "degree");
@@ -80,7 +81,7 @@ fn any_lagrangian_comes_to_rest() {
     let other = robot("pendulum_3");
     let lagrangian = DualLagrangian::new(&other, AghfLagrangian, 1e3);
     assert_refused(
-        any_to_rest(&grid, lagrangian, &start, &options, &mut |_| {}),
+        AnyFlowToRest::new(&grid, lagrangian, &start).run(),
         "states",
     );
     let interrupt = Interrupt::default();
@@ -90,7 +91,8 @@ fn any_lagrangian_comes_to_rest() {
         ..options
     };
     let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let stopped = any_to_rest(&grid, lagrangian, &start, &options, &mut |_| {}).expect("valid");
+    let flow = AnyFlowToRest::new(&grid, lagrangian, &start).options(options);
+    let stopped = flow.run().expect("valid");
     assert_eq!(
         (stopped.stopped, stopped.at_rest, stopped.steps),
         (Some(Stopped::Interrupt), false, 0)

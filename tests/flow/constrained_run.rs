@@ -4,7 +4,7 @@ use crate::common::assert_refused;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{Bound, Bounds, Constraint, Constraints, PlacedState, Side, TorqueLimits};
 use aghf::flow::jacobian::JacobianKind;
-use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow, flow_constrained};
+use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::scalar::AlgebraOver;
 
 /// A limit on the speed keeps a pendulum slower, whichever Jacobian the flow uses; constraints that are far from active do
@@ -36,16 +36,13 @@ fn the_flow_heeds_constraints() {
                 },
             },
         };
-        let outcome = flow_constrained(&problem, settings, &constraints, &mut |_| ());
-        outcome
-            .expect("good input")
-            .expect("it reaches its end")
-            .curve
+        let flow = Flow::new(&problem, settings.clone()).constraints(&constraints);
+        let solution = flow.run().expect("good input");
+        assert_eq!(solution.failure, None);
+        solution.curve
     };
-    let free = flow(&problem, &settings, &mut |_| ())
-        .expect("good input")
-        .expect("it reaches its end")
-        .curve;
+    let free = Flow::new(&problem, settings.clone()).run();
+    let free = free.expect("good input").curve;
     let fastest = |curve: &aghf::curve::Curve| {
         let speeds = (0..=100).map(|i| curve.at(0.02 * f64::from(i)).0[1].abs());
         speeds.fold(0.0, f64::max)
@@ -59,7 +56,11 @@ fn the_flow_heeds_constraints() {
         fastest(&slow)
     );
     for (name, kind) in JacobianKind::by_name() {
-        let other = limited(limit, &settings.clone().with_jacobian(kind));
+        let settings = FlowSettings {
+            jacobian: kind,
+            ..settings.clone()
+        };
+        let other = limited(limit, &settings);
         assert!((other.x() - slow.x()).amax() < 1e-3, "{name}");
     }
 }
@@ -108,6 +109,6 @@ fn an_equality_in_the_state_is_refused() {
         },
     };
     let settings = FlowSettings::new(9, 1e3, 1.0);
-    let refused = flow_constrained(&problem, &settings, &level, &mut |_| ());
-    assert_refused(refused, "row 1 of the constraint: it is an equality");
+    let flow = Flow::new(&problem, settings).constraints(&level);
+    assert_refused(flow.run(), "row 1 of the constraint: it is an equality");
 }

@@ -7,7 +7,7 @@ use aghf::constraint::{
     PlacedState, Sphere, SphereClearance, TorqueLimits, Weights,
 };
 use aghf::flow::jacobian::{ControlFormJacobian, JacobianKind, Jacobians};
-use aghf::flow::{FlowSettings, Penalised, Penalty, PenaltyWeights, flow_constrained};
+use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::model::{Model, random_tree};
 use aghf::relax::RelaxSettings;
 use aghf::scalar::AlgebraOver;
@@ -106,6 +106,15 @@ fn a_boxed_constraint_is_the_same() {
     assert!(error.to_string().contains("Lanes<f64, 4>"), "{error}");
 }
 
+fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
+    let torque = TorqueLimits(vec![]);
+    let constraints = Constraints { state, torque };
+    Penalised {
+        constraints,
+        weights,
+    }
+}
+
 /// The flow, with every Jacobian, and the relaxation do with boxed constraints what they do without.
 #[test]
 fn flow_and_relaxation_take_boxed_constraints() {
@@ -122,39 +131,21 @@ fn flow_and_relaxation_take_boxed_constraints() {
     let none = || TorqueLimits(vec![]);
     let list = |limit| vec![Box::new(Slow(limit)) as Box<dyn DynConstraint>];
     let curve = |settings: &FlowSettings, boxed: bool| {
-        let outcome = if boxed {
-            let constraints = Constraints {
-                state: list(9.0),
-                torque: none(),
-            };
-            flow_constrained(
-                &problem,
-                settings,
-                &Penalised {
-                    constraints,
-                    weights,
-                },
-                &mut |_| (),
-            )
+        let flow = Flow::new(&problem, settings.clone());
+        let solution = if boxed {
+            flow.constraints(&penalised(list(9.0), weights)).run()
         } else {
-            let constraints = Constraints {
-                state: Slow(9.0),
-                torque: none(),
-            };
-            flow_constrained(
-                &problem,
-                settings,
-                &Penalised {
-                    constraints,
-                    weights,
-                },
-                &mut |_| (),
-            )
+            flow.constraints(&penalised(Slow(9.0), weights)).run()
         };
-        outcome.expect("sound").expect("it reaches its end").curve
+        let solution = solution.expect("sound");
+        assert_eq!(solution.failure, None);
+        solution.curve
     };
     for (name, kind) in JacobianKind::by_name() {
-        let settings = FlowSettings::new(9, 1e3, 1.0).with_jacobian(kind);
+        let settings = FlowSettings {
+            jacobian: kind,
+            ..FlowSettings::new(9, 1e3, 1.0)
+        };
         assert_eq!(
             curve(&settings, true).x(),
             curve(&settings, false).x(),

@@ -3,11 +3,10 @@
 use crate::common::ode::{
     both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
 };
-use crate::common::scenario::Scenario;
-use aghf::flow::jacobian::ControlFormJacobian;
-use aghf::flow::{ControlForm, FlowSettings, flow, flow_with_integrator};
+use aghf::flow::{Flow, FlowSettings, FlowSolution};
 use aghf::motion::{Feedback, simulate, simulate_with};
-use aghf::ode::{Esdirk34, Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
+use aghf::ode::{Bdf, Esdirk34, Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
+use crate::common::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 
 #[test]
@@ -301,35 +300,29 @@ fn an_integrator_of_ones_own_has_its_order() {
 #[test]
 fn every_integrator_takes_the_flow_to_the_same_curve() {
     let scenario = Scenario::load("pendulum_1_swingup");
-    let (model, problem) = (&scenario.model, scenario.problem());
+    let problem = scenario.problem();
     let settings = FlowSettings {
         tolerance: 1e-8,
         ..FlowSettings::new(9, 1e3, 100.0)
     };
-    let run = |settings: &FlowSettings, integrator: &mut dyn Integrator| {
-        flow_with_integrator(
-            &problem,
-            settings,
-            &mut ControlForm::new(model),
-            &mut ControlFormJacobian::new(model),
-            integrator,
-            &mut |_| (),
-        )
-        .expect("sound")
-        .expect("it reaches its end")
+    let flow = || Flow::new(&problem, settings.clone());
+    let run = |flow: Flow<'_>| -> FlowSolution {
+        let solution = flow.run().expect("sound");
+        assert_eq!(solution.failure, None);
+        solution
     };
-    let reference = flow(&problem, &settings, &mut |_| ())
-        .expect("sound")
-        .expect("the end");
+    let reference = run(flow());
     for (name, kind) in IntegratorKind::by_name() {
         // The settings choose it by name, and the same one can be handed over.
-        let named = flow(
-            &problem,
-            &settings.clone().with_integrator(kind),
-            &mut |_| (),
-        );
-        let named = named.expect("sound").expect("it reaches its end");
-        let given = run(&settings, &mut *kind.build());
+        let settings = FlowSettings {
+            integrator: kind,
+            ..settings.clone()
+        };
+        let named = run(Flow::new(&problem, settings));
+        let given = run(match kind {
+            IntegratorKind::Bdf => flow().integrator(Bdf),
+            IntegratorKind::Esdirk34 => flow().integrator(Esdirk34),
+        });
         assert_eq!(named.curve.x(), given.curve.x(), "{name}");
         assert_eq!(named.statistics, given.statistics, "{name}");
         let distance = (given.curve.x() - reference.curve.x()).amax();
@@ -343,11 +336,11 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
         }
     }
     assert_ne!(
-        run(&settings, &mut Esdirk34).statistics,
+        run(flow().integrator(Esdirk34)).statistics,
         reference.statistics,
         "the two are the same method"
     );
-    let own = run(&settings, &mut LinearlyImplicitEuler(20));
+    let own = run(flow().integrator(LinearlyImplicitEuler(20)));
     let distance = (own.curve.x() - reference.curve.x()).amax();
     assert!(distance < 1e-2, "{distance}");
 }
@@ -357,16 +350,12 @@ fn simulations_agree_between_integrators() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let (model, problem) = (&scenario.model, scenario.problem());
     let settings = FlowSettings::new(12, 1e6, 10.0);
-    let curve = flow(&problem, &settings, &mut |_| ())
-        .expect("sound")
-        .expect("the end")
-        .curve;
+    let curve = Flow::new(&problem, settings).run().expect("sound").curve;
     let feedback = Feedback { kp: 10.0, kv: 10.0 };
-    let by_bdf = simulate(model, &curve, feedback, &[])
-        .expect("sound")
-        .expect("the end");
-    let other = simulate_with(model, &curve, feedback, &[], &mut Esdirk34);
-    let other = other.expect("sound").expect("the end");
+    let by_bdf = simulate(model, &curve, feedback, &[]).expect("sound");
+    let other = simulate_with(model, &curve, feedback, &[], &mut Esdirk34).expect("sound");
+    assert_eq!(by_bdf.failure, None);
+    assert_eq!(other.failure, None);
     assert_ne!(by_bdf.statistics, other.statistics);
     for (a, b) in by_bdf.state.iter().zip(&other.state) {
         assert!((a - b).abs() < 1e-5 * (1.0 + a.abs()), "{a} beside {b}");

@@ -8,7 +8,7 @@ use aghf::constraint::{
 };
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
-use aghf::flow::rest::{RestMetric, RestSettings, RestSolution, flow_to_rest};
+use aghf::flow::rest::{FlowToRest, RestMetric, RestSettings, RestSolution};
 use aghf::flow::weak::{Action, ActionDerivatives, AnalyticLagrangian, StateGrid};
 use aghf::model::Model;
 use aghf::motion::Problem;
@@ -42,7 +42,10 @@ pub(super) fn rested<K: Constraint>(
     constraints: &Constraints<K>,
 ) -> RestSolution {
     let lagrangian = AnalyticLagrangian::new(problem.model(), k);
-    flow_to_rest(problem, settings, &lagrangian, constraints, &mut |_| {})
+    FlowToRest::new(problem, &lagrangian)
+        .settings(settings.clone())
+        .constraints(constraints)
+        .run()
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -3,7 +3,7 @@
 use crate::common::{assert_refused, robot};
 use crate::rest::{FREE, degree, rested, swing};
 use aghf::constraint::{Constraints, TorqueLimits};
-use aghf::flow::rest::{RestSettings, flow_to_rest};
+use aghf::flow::rest::{FlowToRest, RestSettings};
 use aghf::flow::weak::AnalyticLagrangian;
 use aghf::motion::{Interrupt, Stopped};
 use std::time::Duration;
@@ -14,8 +14,8 @@ fn settings_that_make_no_sense_are_refused() {
     let problem = swing(&model);
     let refused = |settings: &RestSettings, words: &str| {
         let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-        let found = flow_to_rest(&problem, settings, &lagrangian, &FREE, &mut |_| {});
-        assert_refused(found.map(|s| s.at_rest), words);
+        let flow = FlowToRest::new(&problem, &lagrangian).settings(settings.clone());
+        assert_refused(flow.run(), words);
     };
     refused(&degree(3), "degree");
     refused(&degree(65), "degree");
@@ -75,15 +75,15 @@ fn settings_that_make_no_sense_are_refused() {
         refused(&settings, words);
     }
     let lagrangian = AnalyticLagrangian::new(&other, 1e3);
-    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &FREE, &mut |_| {});
-    assert_refused(found.map(|s| s.at_rest), "entries");
+    let flow = FlowToRest::new(&problem, &lagrangian).settings(degree(9));
+    assert_refused(flow.run(), "entries");
     let limits = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(1.0)]),
     };
     let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let found = flow_to_rest(&problem, &degree(9), &lagrangian, &limits, &mut |_| {});
-    assert_refused(found.map(|s| s.at_rest), "entries");
+    let flow = FlowToRest::new(&problem, &lagrangian).settings(degree(9));
+    assert_refused(flow.constraints(&limits).run(), "entries");
 }
 
 /// It ends with the curve so far, and says why.
@@ -110,13 +110,14 @@ fn it_stops_when_asked_to() {
     };
     let lagrangian = AnalyticLagrangian::new(&model, 1e3);
     let mut seen = 0;
-    let solution = flow_to_rest(&problem, &settings, &lagrangian, &FREE, &mut |_| {
+    let flow = FlowToRest::new(&problem, &lagrangian).settings(settings);
+    let flow = flow.observe(|_| {
         seen += 1;
         if seen == 3 {
             interrupt.raise();
         }
-    })
-    .expect("valid");
+    });
+    let solution = flow.run().expect("valid");
     assert_eq!(
         (solution.stopped, solution.at_rest, seen),
         (Some(Stopped::Interrupt), false, 3)

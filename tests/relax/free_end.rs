@@ -53,7 +53,8 @@ fn a_free_final_velocity_is_that_of_least_effort() {
             Feedback { kp: 10.0, kv: 10.0 },
             &[],
         );
-        let simulation = simulation.expect("the same robot").expect("it ends");
+        let simulation = simulation.expect("the same robot");
+        assert_eq!(simulation.failure, None);
         assert!(simulation.error_inf < 1e-6, "{simulation:?}");
     }
     // The same within a bound that does not touch it, although the velocity of the goal breaks it.

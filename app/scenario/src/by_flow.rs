@@ -5,11 +5,8 @@ use super::summary::{Details, FlowDetails, RestDetails};
 use super::{Scenario, SolveOptions};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::error::Result;
-use aghf::flow::rest::{RestRecord, flow_to_rest};
-use aghf::flow::{
-    FlowRecord, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of, flow,
-    flow_constrained,
-};
+use aghf::flow::rest::FlowToRest;
+use aghf::flow::{Flow, FlowSolution, Penalised, PenaltyWeights, effort_of};
 use std::time::Instant;
 
 /// Solves by the published flow.
@@ -19,7 +16,7 @@ pub(super) fn solve_by_flow(
     observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
-    let settings: &FlowSettings = &options.flow_settings(scenario);
+    let settings = options.flow_settings(scenario);
     let penalty = options.penalty(scenario);
     let constraints = Penalised {
         constraints: scenario.constraints()?,
@@ -28,31 +25,19 @@ pub(super) fn solve_by_flow(
             torque: penalty,
         },
     };
-    let observe = &mut |record: &FlowRecord| observe(&Record::Flow(*record));
     let started = Instant::now();
-    let outcome = if scenario.is_free() {
-        flow(&problem, settings, observe)?
-    } else {
-        flow_constrained(&problem, settings, &constraints, observe)?
-    };
+    let mut flow =
+        Flow::new(&problem, settings.clone()).observe(|record| observe(&Record::Flow(*record)));
+    if !scenario.is_free() {
+        flow = flow.constraints(&constraints);
+    }
+    let solution = flow.run()?;
     let solve_seconds = started.elapsed().as_secs_f64();
-    let mut stopped = None;
-    let (solution, failure) = match outcome {
-        Ok(solution) => (solution, None),
-        Err(failure) => {
-            stopped = failure.stopped;
-            let reason = failure.to_string();
-            let kept = FlowSolution {
-                curve: failure.last_good,
-                history: failure.history,
-                statistics: failure.statistics,
-            };
-            (kept, Some(reason))
-        }
-    };
     let FlowSolution {
         curve,
         history,
+        failure,
+        stopped,
         statistics,
     } = solution;
     let effort = effort_of(&scenario.model, &curve, settings.k)?;
@@ -102,12 +87,16 @@ pub(super) fn solve_by_flow_to_rest(
     observe: &mut dyn FnMut(&Record),
 ) -> Result<SolveReport> {
     let problem = scenario.problem()?;
-    let settings = &options.rest_settings(scenario);
+    let settings = options.rest_settings(scenario);
+    let tolerance = settings.tolerance;
     let constraints = &scenario.constraints()?;
     let lagrangian = options.lagrangian(scenario)?;
-    let observe = &mut |record: &RestRecord| observe(&Record::Rest(*record));
     let started = Instant::now();
-    let solution = flow_to_rest(&problem, settings, &lagrangian, constraints, observe)?;
+    let solution = FlowToRest::new(&problem, &lagrangian)
+        .settings(settings)
+        .constraints(constraints)
+        .observe(|record| observe(&Record::Rest(*record)))
+        .run()?;
     let solve_seconds = started.elapsed().as_secs_f64();
     let failure = (!solution.at_rest).then(|| match solution.stopped {
         Some(stopped) => format!("{stopped} before the flow was at rest"),
@@ -119,7 +108,7 @@ pub(super) fn solve_by_flow_to_rest(
     let details = Details::Rest(RestDetails {
         variant: options.variant.unwrap_or_default(),
         k: lagrangian.k,
-        tolerance: settings.tolerance,
+        tolerance,
         gradient_norm: solution.gradient_norm,
         action: solution.action,
         slip: solution.slip,

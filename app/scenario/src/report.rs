@@ -243,9 +243,8 @@ pub(super) fn report_of(
     } = found;
     let (model, passive) = (&scenario.model, scenario.passive());
     let final_error = |feedback| -> Result<Option<f64>> {
-        Ok(simulate(model, &curve, feedback, &passive)?
-            .ok()
-            .map(|simulation| simulation.error_inf))
+        let simulation = simulate(model, &curve, feedback, &passive)?;
+        Ok(simulation.failure.is_none().then_some(simulation.error_inf))
     };
     let final_error_inf = final_error(scenario.file.feedback)?;
     let success_threshold = scenario.file.success_threshold;

@@ -66,7 +66,7 @@ type Constructor = Box<dyn for<'m> Fn(&'m Model) -> Box<dyn NodeJacobian + 'm> +
 /// Implementations of the Jacobian by name, in the order in which they were registered.
 ///
 /// [`verify::duals::check_jacobians`](crate::verify::duals::check_jacobians) checks all of them, and
-/// [`flow_with`](crate::flow::flow_with) accepts the result of [`build`](Self::build).
+/// [`Flow::jacobian`](crate::flow::Flow::jacobian) accepts the result of [`build`](Self::build).
 pub struct Jacobians {
     entries: Vec<(String, Constructor)>,
 }

@@ -13,7 +13,7 @@ const FRESH: usize = 10;
 /// The relative difference up to which the horizons of a grid and of a curve count as equal.
 const ROUNDING: f64 = 1e-9;
 
-/// The options of [`any_to_rest`].
+/// The options of [`AnyFlowToRest`].
 #[derive(Clone, Debug)]
 pub struct AnyRestOptions {
     /// The metric of the descent.
@@ -59,47 +59,78 @@ pub struct AnyRest {
     pub stopped: Option<Stopped>,
 }
 
-/// Follows the flow of any Lagrangian in its metric from `curve` to rest, by the same implicit scheme as
-/// [`flow_to_rest`](super::flow_to_rest), on one grid and without constraints. The ends of the curve are fixed.
-/// `observe` is called before each step. The [guide](crate::guide::lagrangian) has an example.
+/// The flow of any Lagrangian in its metric from a curve to rest, by the same implicit scheme as
+/// [`FlowToRest`](super::FlowToRest), on one grid and without constraints. The ends of the curve are fixed. The
+/// [guide](crate::guide::lagrangian) has an example.
 ///
-/// The quadrature is that of `grid`; compare with a finer grid to check that it is accurate enough for the Lagrangian.
-///
-/// # Errors
-/// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian has
-/// another number of joints. A flow that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
-pub fn any_to_rest<L: PointLagrangian<f64>>(
-    grid: &StateGrid<f64>,
+/// The quadrature is that of the grid; compare with a finer grid to check that it is accurate enough for the Lagrangian.
+pub struct AnyFlowToRest<'a, L> {
+    grid: &'a StateGrid<f64>,
     lagrangian: L,
-    curve: &Curve,
-    options: &AnyRestOptions,
-    observe: &mut dyn FnMut(&RestRecord),
-) -> Result<AnyRest> {
-    check(grid, curve, options)?;
-    let watch = Watch::start(options.time_limit, &options.interrupt);
-    let mut action = Action::new(grid, lagrangian, curve.dof());
-    let mut progress = Progress::new(grid.fit(curve), 0.0);
-    let stretch = Stretch {
-        tolerance: options.tolerance,
-        steps: options.steps,
-        fresh: FRESH,
-        metric: options.metric,
-    };
-    let mut look = |progress: &Progress| {
-        observe(&progress.record((grid.segments(), grid.degree())));
-        Ok(true)
-    };
-    let at_rest =
-        Euler::new(&action).run(&mut action, &mut progress, stretch, &watch, &mut look)?;
-    Ok(AnyRest {
-        curve: grid.curve(&progress.coefficients, curve.horizon())?,
-        action: progress.action,
-        gradient_norm: progress.gradient_norm,
-        at_rest,
-        steps: progress.steps,
-        factorisations: progress.factorisations,
-        stopped: watch.stopped(),
-    })
+    curve: &'a Curve,
+    options: AnyRestOptions,
+    observe: Box<dyn FnMut(&RestRecord) + 'a>,
+}
+
+impl<'a, L: PointLagrangian<f64>> AnyFlowToRest<'a, L> {
+    /// The flow of `lagrangian` from `curve` on `grid` with default options.
+    #[must_use]
+    pub fn new(grid: &'a StateGrid<f64>, lagrangian: L, curve: &'a Curve) -> Self {
+        Self {
+            grid,
+            lagrangian,
+            curve,
+            options: AnyRestOptions::default(),
+            observe: Box::new(|_| {}),
+        }
+    }
+
+    /// Replaces the options.
+    #[must_use]
+    pub fn options(self, options: AnyRestOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// Sets a function that is called before each step.
+    #[must_use]
+    pub fn observe(self, observe: impl FnMut(&RestRecord) + 'a) -> Self {
+        let observe = Box::new(observe);
+        Self { observe, ..self }
+    }
+
+    /// Follows the flow to rest.
+    ///
+    /// # Errors
+    /// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian
+    /// has another number of joints. A flow that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
+    pub fn run(mut self) -> Result<AnyRest> {
+        let (grid, curve, options) = (self.grid, self.curve, &self.options);
+        check(grid, curve, options)?;
+        let watch = Watch::start(options.time_limit, &options.interrupt);
+        let mut action = Action::new(grid, self.lagrangian, curve.dof());
+        let mut progress = Progress::new(grid.fit(curve), 0.0);
+        let stretch = Stretch {
+            tolerance: options.tolerance,
+            steps: options.steps,
+            fresh: FRESH,
+            metric: options.metric,
+        };
+        let mut look = |progress: &Progress| {
+            (self.observe)(&progress.record((grid.segments(), grid.degree())));
+            Ok(true)
+        };
+        let at_rest =
+            Euler::new(&action).run(&mut action, &mut progress, stretch, &watch, &mut look)?;
+        Ok(AnyRest {
+            curve: grid.curve(&progress.coefficients, curve.horizon())?,
+            action: progress.action,
+            gradient_norm: progress.gradient_norm,
+            at_rest,
+            steps: progress.steps,
+            factorisations: progress.factorisations,
+            stopped: watch.stopped(),
+        })
+    }
 }
 
 /// Refuses invalid combinations of grid, curve and options.

@@ -14,18 +14,18 @@
 //!    two phases (the idea of BLAZE, arXiv 2505.01589), the first looks for a motion within the constraints almost
 //!    regardless of its cost.
 //!
-//! [`any_to_rest`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
+//! [`AnyFlowToRest`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
 
 mod any;
 mod euler;
 mod stage;
 mod walk;
 
-pub use any::{AnyRest, AnyRestOptions, any_to_rest};
+pub use any::{AnyFlowToRest, AnyRest, AnyRestOptions};
 pub use euler::RestMetric;
 
 use super::weak::AnalyticLagrangian;
-use crate::constraint::{Constraint, Constraints};
+use crate::constraint::{Constraint, Constraints, NONE};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
@@ -242,82 +242,130 @@ pub struct RestSolution {
     pub stopped: Option<Stopped>,
 }
 
-/// Follows the flow of `lagrangian` within `constraints` to rest. `observe` is called after each step.
+/// The flow of a Lagrangian to rest, by default without constraints and with default settings.
 ///
 /// ```
-/// use aghf::constraint::{Constraints, TorqueLimits};
-/// use aghf::flow::rest::{RestSettings, flow_to_rest};
+/// use aghf::flow::rest::FlowToRest;
 /// use aghf::flow::weak::AnalyticLagrangian;
 /// use aghf::motion::Problem;
 /// let model = aghf::urdf::builtin_robot("pendulum_2")?;
 /// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
-/// let free = Constraints { state: (), torque: TorqueLimits(Vec::new()) };
-/// let lagrangian = AnalyticLagrangian::new(&model, 1e5);
-/// let solution = flow_to_rest(&problem, &RestSettings::default(), &lagrangian, &free, &mut |_| {})?;
+/// let solution = FlowToRest::new(&problem, &AnalyticLagrangian::new(&model, 1e5)).run()?;
 /// assert!(solution.at_rest && solution.slip < 1e-6);
 /// # Ok::<(), aghf::Error>(())
 /// ```
-///
-/// # Errors
-/// A setting is out of range, or `lagrangian`, `constraints` or the start have another number of joints. A flow that
-/// does not come to rest is not an error: [`RestSolution::at_rest`] is false.
-pub fn flow_to_rest<K: Constraint>(
-    problem: &Problem<'_>,
-    settings: &RestSettings,
-    lagrangian: &AnalyticLagrangian<'_>,
-    constraints: &Constraints<K>,
-    observe: &mut dyn FnMut(&RestRecord),
-) -> Result<RestSolution> {
-    settings.check(problem)?;
-    let watch = Watch::start(settings.time_limit, &settings.interrupt);
-    let kind = usize::from(constraints.dim() > 0);
-    let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
-    let passive = constraints.torque.has_passive();
-    let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
-    let (mut best, mut work): (Option<RestSolution>, _) = (None, [0; 3]);
-    let mut number = 0;
-    loop {
-        let guess = match &settings.start {
-            Some(start) => start.clone(),
-            None => {
-                let bent = line.start(amplitude, settings.seed, number as u64);
-                curve_of(problem, &bent)?
-            }
-        };
-        // The action above which a guess is not worth more segments.
-        let known = best.as_ref().filter(|best| best.at_rest);
-        let walk = WalkOf {
+pub struct FlowToRest<'a, K> {
+    problem: &'a Problem<'a>,
+    lagrangian: &'a AnalyticLagrangian<'a>,
+    constraints: &'a Constraints<K>,
+    settings: RestSettings,
+    observe: Box<dyn FnMut(&RestRecord) + 'a>,
+}
+
+impl<'a> FlowToRest<'a, ()> {
+    /// The flow of `lagrangian` without constraints, with default settings.
+    #[must_use]
+    pub fn new(problem: &'a Problem<'a>, lagrangian: &'a AnalyticLagrangian<'a>) -> Self {
+        Self {
             problem,
-            settings,
+            lagrangian,
+            constraints: &NONE,
+            settings: RestSettings::default(),
+            observe: Box::new(|_| {}),
+        }
+    }
+}
+
+impl<'a, K: Constraint> FlowToRest<'a, K> {
+    /// Replaces the constraints.
+    #[must_use]
+    pub fn constraints<L: Constraint>(self, constraints: &'a Constraints<L>) -> FlowToRest<'a, L> {
+        FlowToRest {
+            problem: self.problem,
+            lagrangian: self.lagrangian,
+            constraints,
+            settings: self.settings,
+            observe: self.observe,
+        }
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn settings(self, settings: RestSettings) -> Self {
+        Self { settings, ..self }
+    }
+
+    /// Sets a function that is called after each step.
+    #[must_use]
+    pub fn observe(self, observe: impl FnMut(&RestRecord) + 'a) -> Self {
+        let observe = Box::new(observe);
+        Self { observe, ..self }
+    }
+
+    /// Follows the flow to rest.
+    ///
+    /// # Errors
+    /// A setting is out of range, or Lagrangian, constraints or start have another number of joints. A flow that does
+    /// not come to rest is not an error: [`RestSolution::at_rest`] is false.
+    pub fn run(self) -> Result<RestSolution> {
+        let Self {
+            problem,
             lagrangian,
             constraints,
-            passive,
-            least: known.map_or(f64::INFINITY, |best| best.action),
-            watch: &watch,
-        };
-        let found = walk.from(number, guess, observe)?;
-        let own = [found.steps, found.factorisations, found.rounds];
-        for (sum, own) in work.iter_mut().zip(own) {
-            *sum += own;
+            ref settings,
+            mut observe,
+        } = self;
+        settings.check(problem)?;
+        let watch = Watch::start(settings.time_limit, &settings.interrupt);
+        let kind = usize::from(constraints.dim() > 0);
+        let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
+        let passive = constraints.torque.has_passive();
+        let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
+        let (mut best, mut work): (Option<RestSolution>, _) = (None, [0; 3]);
+        let mut number = 0;
+        loop {
+            let guess = match &settings.start {
+                Some(start) => start.clone(),
+                None => {
+                    let bent = line.start(amplitude, settings.seed, number as u64);
+                    curve_of(problem, &bent)?
+                }
+            };
+            // The action above which a guess is not worth more segments.
+            let known = best.as_ref().filter(|best| best.at_rest);
+            let walk = WalkOf {
+                problem,
+                settings,
+                lagrangian,
+                constraints,
+                passive,
+                least: known.map_or(f64::INFINITY, |best| best.action),
+                watch: &watch,
+            };
+            let found = walk.from(number, guess, &mut *observe)?;
+            let own = [found.steps, found.factorisations, found.rounds];
+            for (sum, own) in work.iter_mut().zip(own) {
+                *sum += own;
+            }
+            let mut now = match best {
+                Some(best) if !is_better(&found, &best) => best,
+                _ => found,
+            };
+            now.guesses = number + 1;
+            [now.steps, now.factorisations, now.rounds] = work;
+            let enough = kind == 0 || now.at_rest;
+            let over = watch.stopped().is_some() || settings.start.is_some();
+            let most = if enough {
+                settings.guesses
+            } else {
+                settings.guesses.max(MOST_GUESSES)
+            };
+            if over || now.guesses >= most {
+                return Ok(now);
+            }
+            number = now.guesses;
+            best = Some(now);
         }
-        let mut now = match best {
-            Some(best) if !is_better(&found, &best) => best,
-            _ => found,
-        };
-        now.guesses = number + 1;
-        [now.steps, now.factorisations, now.rounds] = work;
-        let enough = kind == 0 || now.at_rest;
-        let over = watch.stopped().is_some() || settings.start.is_some();
-        let most = if enough {
-            settings.guesses
-        } else {
-            settings.guesses.max(MOST_GUESSES)
-        };
-        if over || now.guesses >= most {
-            return Ok(now);
-        }
-        number = now.guesses;
-        best = Some(now);
     }
 }
 
