@@ -1,4 +1,4 @@
-//! Scenarios, sweeps and the experiments of the paper.
+//! Scenarios and sweeps.
 
 #[path = "../command/mod.rs"]
 mod command;
@@ -15,8 +15,6 @@ mod output;
 mod own_terms;
 mod passive;
 mod preflight;
-mod reproduce;
-mod reproduce_variants;
 mod self_collision;
 mod solve;
 mod surroundings;
