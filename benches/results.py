@@ -2,12 +2,12 @@
 """Makes tables of benches/RESULTS.md again, each in its place: all of them, or those that are named.
 
     cargo build --release
-    benches/results.py                     # scenarios, families, degrees, reproduce, variants: some 25 minutes
+    benches/results.py                     # scenarios, families, degrees, paper, variants: some 25 minutes
     benches/results.py scenarios families
 
 Tables stand between `<!-- NAME -->` and `<!-- end of NAME -->`. The first line of the file says where and of which commit the last run was. The
 tables of `benches/limits.py`, of MotionBenchMaker, whose problems are downloaded, and of builds have their commands beside them.
-Needs Python 3.9 and nothing else.
+`paper` and `variants` are those of `benches/paper.py` and need what it needs; the others need Python 3.9 alone.
 """
 
 import json
@@ -26,6 +26,7 @@ RESULTS = ROOT / "benches" / "RESULTS.md"
 KNOWN = json.loads((ROOT / "robots" / "best_known.json").read_text(encoding="utf-8"))
 FAMILIES = ["kinova_cross", "kinova_gap", "kinova_floor", "digit_box"]
 DEGREES = ["kinova_free_01", "digit_free_stretch", "digit_free_step"]
+SIZES = [(1, 9), (1, 16), (1, 24), (1, 32), (2, 7), (2, 9), (4, 7), (4, 9), (8, 7), (8, 9)]
 
 
 def aghf(*arguments: str, folder: str) -> str:
@@ -37,8 +38,9 @@ def aghf(*arguments: str, folder: str) -> str:
     return run.stdout
 
 
-def solved(name: str, folder: str) -> dict:
-    return json.loads(aghf("solve", name, "--threads", "1", "--json", "--no-report", "--out", name, folder=folder))
+def solved(name: str, folder: str, *options: str) -> dict:
+    arguments = ("--threads", "1", "--json", "--no-report", "--force", "--out", name, *options)
+    return json.loads(aghf("solve", name, *arguments, folder=folder))
 
 
 def short(x) -> str:
@@ -100,44 +102,49 @@ def families(folder: str) -> str:
 
 
 def degrees(folder: str) -> str:
-    columns = {}
-    for name in DEGREES:
-        aghf("degrees", name, "--out", f"degrees_{name}", folder=folder)
-        lines = (Path(folder) / f"degrees_{name}" / "degrees.csv").read_text(encoding="utf-8").splitlines()
-        names = lines[0].split(",")
-        columns[name] = [dict(zip(names, line.split(","))) for line in lines[1:]]
     head = "segments x degree | unknowns per joint | " + " | ".join(f"`{name}` | solve, ms" for name in DEGREES)
     rows = []
-    for entries in zip(*columns.values()):
-        first = entries[0]
-        row = [f"{first['pieces']} x {first['p']}", first["unknowns"]]
-        for entry in entries:
-            row += [f"{float(entry['control_effort']):.4g}", f"{1e3 * float(entry['solve_seconds']):.0f}"]
+    for segments, degree in SIZES:
+        options = ("--segments", str(segments), "--degree", str(degree))
+        summaries = [solved(name, folder, *options) for name in DEGREES]
+        # Segments share position and velocity where they meet, and the ends have theirs from the scenario.
+        row = [f"{segments} x {degree}", str(segments * (degree - 1) - 2)]
+        for s in summaries:
+            row += [f"{s['control_effort']:.4g}", f"{1e3 * s['solve_seconds']:.0f}"]
         rows.append(row)
     return table(head, rows)
 
 
-def reproduce(folder: str) -> str:
-    aghf("reproduce", "--quick", "--out", "reproduce", folder=folder)
-    return (Path(folder) / "reproduce" / "report.md").read_text(encoding="utf-8").strip()
+def experiments(folder: str, *options: str) -> str:
+    """The report of `benches/paper.py`."""
+    command = [sys.executable, str(ROOT / "benches" / "paper.py"), "--out", folder, *options]
+    subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
+    return (Path(folder) / "report.md").read_text(encoding="utf-8").strip()
+
+
+def paper(folder: str) -> str:
+    return experiments(folder, "--quick")
 
 
 def variants(folder: str) -> str:
-    aghf("reproduce", "--variants", "--out", "variants", folder=folder)
-    return (Path(folder) / "variants" / "report.md").read_text(encoding="utf-8").strip()
+    return experiments(folder, "--variants")
 
 
-SECTIONS = {of.__name__: of for of in (scenarios, families, degrees, reproduce, variants)}
+SECTIONS = {of.__name__: of for of in (scenarios, families, degrees, paper, variants)}
+
+
+def processor() -> str:
+    if Path("/proc/cpuinfo").exists():
+        found = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
+        if found:
+            return found[1]
+    return platform.processor() or platform.machine()
 
 
 def machine() -> str:
     """The processor, and the commit."""
-    model = platform.processor() or platform.machine()
-    if Path("/proc/cpuinfo").exists():
-        found = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
-        model = found[1] if found else model
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    return f"Last run of `benches/results.py`: commit {commit}, one core of {os.cpu_count()} of {model}."
+    return f"Last run of `benches/results.py`: commit {commit}, one core of {os.cpu_count()} of {processor()}."
 
 
 def main(chosen: list[str]) -> None:

@@ -110,6 +110,7 @@ fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResul
             told.set_item("action", flow.action_at_nodes)?;
         }
         Record::Rest(rest) => {
+            told.set_item("s", rest.s)?;
             told.set_item("degree", rest.degree)?;
             told.set_item("action", rest.action)?;
             told.set_item("gradient_norm", rest.gradient_norm)?;

@@ -37,6 +37,10 @@ def test_arrays_are_part_of_a_scenario_and_options_have_the_names_of_the_program
     assert (options["num_starts"], options["seed"], options["degree"]) == (2, 7, 9)
     assert {"start", "degree", "cost", "gradient_norm"} <= told[0].keys()
     assert {record["start"] for record in told} >= {0, 1}
+    rested = []
+    aghf.solve("pendulum_2_swingup", method="flow", variant="rest", on_iteration=rested.append)
+    s = [record["s"] for record in rested]
+    assert s == sorted(s) and s[0] < s[-1]
     by_flow = aghf.solve("pendulum_2_swingup", method="flow")
     assert by_flow.success and by_flow.summary["method"] == "flow" and by_flow.minima == []
 

@@ -15,8 +15,8 @@ mod visuals;
 mod write;
 mod write_shapes;
 
-pub use builtin::builtin_robot_text;
 pub use build::build_model;
+pub use builtin::builtin_robot_text;
 pub use builtin::{builtin_robot, builtin_robots};
 pub use load::RobotSource;
 pub use load::{load_robot, load_robot_with};

@@ -3,10 +3,10 @@
 use crate::common::ode::{
     both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
 };
+use crate::common::scenario::Scenario;
 use aghf::flow::{Flow, FlowSettings, FlowSolution};
 use aghf::motion::{Feedback, simulate, simulate_with};
 use aghf::ode::{Bdf, Esdirk34, Failure, Integrator, IntegratorKind, Ode, Statistics, Tolerance};
-use crate::common::scenario::Scenario;
 use nalgebra::{DMatrix, DVector};
 
 #[test]

@@ -2,9 +2,7 @@
 
 pub mod benchmark;
 pub mod commands;
-pub mod degree_study;
 pub mod guide;
 pub mod output;
 pub mod report;
-pub mod reproduce;
 pub mod sweep;

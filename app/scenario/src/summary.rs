@@ -68,17 +68,6 @@ pub enum Details {
     Relax(RelaxDetails),
 }
 
-impl Details {
-    /// The details of the published flow, if that was the method.
-    #[must_use]
-    pub fn flow(&self) -> Option<&FlowDetails> {
-        match self {
-            Self::Flow(flow) => Some(flow),
-            Self::Rest(_) | Self::Relax(_) => None,
-        }
-    }
-}
-
 /// The parameters and the work of a flow.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowDetails {

@@ -4,7 +4,6 @@ mod benchmark;
 mod check;
 mod choice;
 mod compare;
-mod degrees;
 mod eval;
 mod import;
 mod judge;
@@ -12,7 +11,6 @@ mod output;
 mod pairs;
 mod progress;
 mod prove;
-mod reproduce;
 mod robots;
 mod sample;
 mod scenarios;
@@ -62,7 +60,6 @@ enum Command {
     Compare(compare::Compare),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
-    Degrees(degrees::Degrees),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
@@ -72,7 +69,6 @@ enum Command {
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
-    Reproduce(reproduce::Reproduce),
 }
 
 /// Options of reading a robot.
@@ -166,7 +162,6 @@ pub fn main() -> ExitCode {
         Command::Compare(compare) => compare.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
-        Command::Degrees(degrees) => degrees.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
@@ -176,7 +171,6 @@ pub fn main() -> ExitCode {
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),
-        Command::Reproduce(reproduce) => reproduce.run(),
     });
     result.unwrap_or_else(|error: Error| {
         tell(&format!("aghf: {error}"));

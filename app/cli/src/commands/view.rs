@@ -56,7 +56,7 @@ fn page_at(path: &Path) -> Result<PathBuf> {
         .cloned()
         .ok_or_else(|| {
             let condition = format!(
-                "there is neither '{}' nor '{}', which are written by `aghf solve`, `sweep`, `degrees` and `reproduce`",
+                "there is neither '{}' nor '{}', which are written by `aghf solve` and `sweep`",
                 success.display(),
                 failure.display()
             );

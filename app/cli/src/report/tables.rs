@@ -50,18 +50,13 @@ pub enum Part {
     },
     /// A table.
     Table(Table),
-    /// A paragraph.
-    Note {
-        /// Its text.
-        text: String,
-    },
 }
 
 /// A plot of a page.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Plot {
-    /// Points, and lines through them.
+    /// Points.
     Scatter(Scatter),
     /// One bar per value of a parameter.
     Bars {
@@ -69,15 +64,6 @@ pub enum Plot {
         title: String,
         /// The bars.
         bars: Vec<Bar>,
-    },
-    /// An SVG drawn elsewhere.
-    Picture {
-        /// Its heading.
-        title: String,
-        /// The SVG.
-        svg: String,
-        /// The labels of its circles, in their order.
-        circles: Vec<String>,
     },
 }
 
@@ -92,8 +78,6 @@ pub struct Scatter {
     pub y: String,
     /// The points. Those with a coordinate that is not finite are left out.
     pub groups: Vec<Group>,
-    /// True to join the points of each group by a line, failures excepted.
-    pub joined: bool,
 }
 
 /// Points of one colour.

@@ -17,7 +17,7 @@ pub use grid::{
     CostLists, FlowGrid, FlowPoint, Grid, LimitLists, Parameters, RelaxGrid, RelaxPoint,
 };
 pub use page::sweep_page;
-pub use ranking::{Ranked, best, ranking, ranking_of, ranking_table, write_ranking};
+pub use ranking::{Ranked, best, ranking, ranking_table, write_ranking};
 pub use results::{Results, merge, shard_files, write_rows};
 pub use row::{FlowWork, RelaxWork, Row, RowOutcome, Work};
 pub use run::run;

@@ -108,7 +108,6 @@ fn efforts(rows: &[Row]) -> Scatter {
         x: "time of the solve, ms".to_owned(),
         y: "effort, ∫|u|² dt".to_owned(),
         groups: groups.filter(|group| !group.is_empty()).collect(),
-        joined: false,
     }
 }
 

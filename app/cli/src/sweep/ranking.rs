@@ -85,15 +85,6 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     ranking
 }
 
-/// Ranks the parameters over those scenarios of a sweep whose names begin with `prefix`. `rows` contains those of all
-/// their sets, and may contain others, in order.
-#[must_use]
-pub fn ranking_of(sweep: &Sweep, rows: &[Row], prefix: &str) -> Vec<Ranked> {
-    let chosen = rows.iter().filter(|row| row.scenario.starts_with(prefix));
-    let rows: Vec<Row> = chosen.cloned().collect();
-    ranked(prefix, sweep, &rows)
-}
-
 /// The fastest set among those with the highest rate of success in a ranking of one group of scenarios, and the one of
 /// least effort; `None` if no set succeeds.
 #[must_use]

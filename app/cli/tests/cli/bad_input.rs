@@ -47,7 +47,7 @@ fn a_robot_is_chosen_for_generated_scenarios_alone() {
     );
     assert_eq!(parsed(&run)["robot"], "pendulum_3");
     std::fs::write(folder.join("some.json"), run.stdout).expect("writable");
-    for command in ["solve", "degrees", "scenarios"] {
+    for command in ["solve", "scenarios"] {
         for (scenario, words) in [
             ("some.json", "some.json: robot: ; names its robot"),
             ("kinova_free_01", "kinova_free_01: robot: ; names its robot"),
@@ -132,20 +132,6 @@ fn bad_options_exit_with_2() {
             "the method 'flow' has no such parameter",
         );
     }
-    for (size, words) in [
-        ("9", "size: '9'; such as 4x9"),
-        ("2x", "size: '2x'"),
-        ("0x9", "segments: it is 0; at least 1"),
-        ("29x9", "segments: it is 29; at most 28"),
-        ("1x3", "degree: it is 3; at least 4"),
-    ] {
-        assert_bad_input(
-            &folder,
-            &["degrees", "pendulum_1_swingup", "1x9", size],
-            words,
-        );
-    }
-    assert_bad_input(&folder, &["degrees", "nothing"], "nothing; neither");
     assert!(files(&folder).is_empty(), "nothing is written");
 }
 

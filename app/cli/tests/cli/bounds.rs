@@ -10,20 +10,11 @@ const LARGEST: &str = "18446744073709551615";
 fn counts_and_times_have_bounds() {
     let folder = empty_folder("bounds");
     let pendulum = "pendulum_1_swingup";
-    let reproduce = ["reproduce", "--quick", "--only", "pendulum_1"];
     for (command, option, name, most) in [
         (&["solve", pendulum][..], "--starts", "num_starts", "100000"),
-        (
-            &["degrees", pendulum, "1x9"],
-            "--starts",
-            "num_starts",
-            "100000",
-        ),
         (&["solve", pendulum], "--threads", "threads", "1024"),
         (&["check", "pendulum_1"], "--samples", "samples", "100000"),
         (&["prove"], "--points", "points", "1000"),
-        (&reproduce, "--repetitions", "repetitions", "10000"),
-        (&reproduce, "--configurations", "configurations", "100000"),
         (&["sweep", "table_10_quick"], "--jobs", "jobs", "1024"),
     ] {
         let above = (most.parse::<u64>().expect("a number") + 1).to_string();

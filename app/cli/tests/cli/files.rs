@@ -131,20 +131,6 @@ fn no_file_is_overwritten_unless_told() {
     ] {
         assert_bad_input(&folder, again, "it exists already");
     }
-    std::fs::create_dir(folder.join("study")).expect("writable");
-    std::fs::write(folder.join("study/degrees.csv"), "mine").expect("writable");
-    let study = ["degrees", SWING, "1x6", "--starts", "1", "--out", "study"];
-    assert_bad_input(&folder, &study, "study/degrees.csv; it exists already");
-    std::fs::write(folder.join("study/fits.csv"), "mine").expect("writable");
-    let report = [
-        "reproduce",
-        "--quick",
-        "--only",
-        "nothing",
-        "--out",
-        "study",
-    ];
-    assert_bad_input(&folder, &report, "study/fits.csv; it exists already");
 }
 
 #[test]

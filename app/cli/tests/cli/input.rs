@@ -83,11 +83,6 @@ fn the_standard_input_stands_for_any_file() {
             "s.json",
             "out/stdin/summary.json",
         ),
-        (
-            &["degrees", "-", "1x6"],
-            "s.json",
-            "out/degrees/stdin/degrees.csv",
-        ),
         (&["sweep", "-"], "s.toml", "out/sweeps/stdin/results.csv"),
     ] {
         let run = reading(&folder, arguments, name);
@@ -222,7 +217,6 @@ note: r.urdf: link 'l3': its principal moment of inertia -1e0 is negative
     };
     for arguments in [
         &["solve", "s.json", "--json"][..],
-        &["degrees", "s.json", "1x6"],
         &["scenarios", "s.json"],
         &["sweep", "s.toml"],
         &["check", "r.urdf", "--samples", "1", "--json"],

@@ -39,7 +39,6 @@ fn the_help_is_plain_text() {
         &["--help"][..],
         &["solve", "--help"],
         &["sweep", "--help"],
-        &["degrees", "--help"],
         &["robots", "--help"],
         &["scenarios", "--help"],
         &["eval", "--help"],

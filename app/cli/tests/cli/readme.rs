@@ -55,7 +55,7 @@ fn the_commands_of_the_readme_run() {
     assert_eq!(solved.code, Some(0), "{}", solved.stderr);
     let mut run = 0;
     for words in commands(&text_of("README.md")) {
-        if ["view", "benchmark", "reproduce"].contains(&words[0].as_str()) {
+        if ["view", "benchmark"].contains(&words[0].as_str()) {
             let help = aghf(&folder, &[&words[0], "--help"]);
             assert_eq!(help.code, Some(0), "{words:?}");
             continue;

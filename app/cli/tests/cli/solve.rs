@@ -233,41 +233,6 @@ fn pieces_and_an_adaptive_degree_show_in_the_summary() {
 }
 
 #[test]
-fn degrees_writes_a_row_for_each_size() {
-    let folder = empty_folder("degrees");
-    let arguments = [
-        "degrees",
-        "pendulum_1_swingup",
-        "1x7",
-        "2x5",
-        "3x6",
-        "--starts",
-        "2",
-    ];
-    let run = aghf(&folder, &arguments);
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let written =
-        ["degrees.csv", "report.html"].map(|name| format!("out/degrees/pendulum_1_swingup/{name}"));
-    assert_eq!(files(&folder), written.clone().into());
-    let file = &written[0];
-    let mut reader = csv::Reader::from_path(folder.join(file)).expect("it is there");
-    let header = reader.headers().expect("it has one").clone();
-    let column = |name: &str| header.iter().position(|h| h == name).expect("it is there");
-    let names = ["pieces", "p", "unknowns", "success"].map(column);
-    let rows = reader.records().map(|row| {
-        let row = row.expect("as long as the header");
-        assert!(
-            row[column("control_effort")]
-                .parse::<f64>()
-                .is_ok_and(|x| x > 6.0)
-        );
-        names.map(|i| row[i].to_owned()).join(" ")
-    });
-    let rows: Vec<String> = rows.collect();
-    assert_eq!(rows, ["1 7 4 true", "2 5 6 true", "3 6 13 true"]);
-}
-
-#[test]
 fn a_scenario_file_is_solved_under_its_own_name() {
     let folder = empty_folder("file");
     std::fs::create_dir(folder.join("tasks")).expect("writable");

@@ -1,10 +1,8 @@
 //! Pages of tables: their rows are those of the files, their points those of the rows, and no text in them is more than text.
 
 use crate::folder;
-use aghf_cli::degree_study::{by_size, size_page};
 use aghf_cli::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
 use aghf_cli::sweep::{Row, RowOutcome, Sweep, ranking, sweep_page};
-use aghf_scenario::Scenario;
 use serde_json::{Value, json};
 
 const EVIL: &str = "</script><script>window.bad = 1</script><!-- <img src=x onerror=alert(1)> \"'&😀 {{TITLE}} {{DATA}}";
@@ -112,39 +110,6 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
 }
 
 #[test]
-fn sizes_have_a_line_for_each_number_of_pieces() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("it is built in");
-    let sizes = ["2x7", "1x9", "1x7", "2x5"].map(|size| size.parse().expect("a size"));
-    let rows = by_size(&scenario, &sizes, Some(1), &mut |_| {}).expect("it can be solved");
-    let mut failed = rows[3].clone();
-    failed.success = false;
-    failed.failure = Some("it missed".to_owned());
-    let rows = [rows[0].clone(), rows[1].clone(), rows[2].clone(), failed];
-    let page = size_page(&scenario, &rows).expect("it can be made");
-    let (_, data) = page_of(&page);
-    for (plot, by_degree) in plots(&data).iter().zip([true, false]) {
-        let groups = plot["groups"].as_array().expect("a list");
-        let names: Vec<_> = groups.iter().map(|group| group["name"].clone()).collect();
-        assert_eq!(names, ["1 piece", "2 pieces", "failed"]);
-        let xs = |group: usize| {
-            let points = groups[group]["points"].as_array().expect("a list");
-            let xs = points.iter().filter_map(|point| point[0].as_f64());
-            xs.collect::<Vec<_>>()
-        };
-        assert!(xs(0).is_sorted() && xs(0).len() == 2, "{:?}", xs(0));
-        if by_degree {
-            assert_eq!(
-                (xs(0), xs(1), xs(2)),
-                (vec![7.0, 9.0], vec![7.0], vec![5.0])
-            );
-        } else {
-            assert_eq!(xs(1), [rows[0].unknowns as f64]);
-        }
-    }
-    assert_eq!(tables(&data)[0]["failed"], json!([3]));
-}
-
-#[test]
 fn cells_are_numbers_where_they_are_and_long_tables_are_cut() {
     let column = ["a".to_owned()];
     let cells = [
@@ -194,7 +159,6 @@ fn points_that_are_no_numbers_are_left_out_and_too_many_are_thinned() {
         x: "x".to_owned(),
         y: "y".to_owned(),
         groups: vec![Group::new("g".to_owned(), 0, false, points)],
-        joined: false,
     };
     let count = |scatter: Scatter| {
         let page = TablePage {
@@ -238,7 +202,6 @@ fn hostile_text_is_text_everywhere() {
         x: evil(),
         y: evil(),
         groups: vec![group],
-        joined: true,
     };
     let page = TablePage {
         title: evil(),
@@ -256,7 +219,6 @@ fn hostile_text_is_text_everywhere() {
                 ],
             },
             Part::Table(Table::new(EVIL, &[evil()], &[vec![evil()]])),
-            Part::Note { text: evil() },
         ],
     };
     let (text, data) = page_of(&page);

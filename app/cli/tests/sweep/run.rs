@@ -4,7 +4,7 @@ use crate::files::{FULL, GRID, folder, load};
 use aghf::relax::PlannedStarts;
 use aghf_cli::sweep::{
     FlowWork, Ranked, RelaxWork, Row, RowOutcome, Sweep, Work, best, builtin_sweeps, ranking,
-    ranking_of, ranking_table, write_ranking, write_rows,
+    ranking_table, write_ranking, write_rows,
 };
 use aghf_scenario::{Method, SolveOptions};
 use serde_json::Value;
@@ -171,12 +171,6 @@ fn the_ranking_is_by_success_then_time() {
         one.iter().map(|r| k(r)).collect::<Vec<_>>(),
         [1e7, 1e4, 1e5, 1e3]
     );
-    // The same for a part of the scenarios, and of a table of which no other part is there.
-    let three: Vec<f64> = ranking_of(&grid, &rows[4..], "pendulum_3")
-        .iter()
-        .map(k)
-        .collect();
-    assert_eq!(three, [1e4, 1e5, 1e3, 1e7]);
     let all: Vec<_> = all.into_iter().cloned().collect();
     let [fastest, least] = best(&all).expect("some succeed");
     assert_eq!((k(fastest), k(least)), (1e4, 1e5));

@@ -115,7 +115,6 @@ class ScatterCard {
     this.plot.groups.forEach((group) => {
       const own = this.points.filter((point) => point.group === group);
       const place = ([a, b]) => `${a.toFixed(1)} ${b.toFixed(1)}`;
-      if (this.plot.joined && !group.failed) parts.push(shape("polyline", { stroke: group.color, points: own.map((point) => place(point.at)).join(" ") }));
       // Many points are one path: a dot is a line of no length with round ends.
       const mark = group.failed ? "m-4 -4 l8 8 m0 -8 l-8 8" : "h0";
       const className = group.failed ? "crosses" : "dots";
@@ -154,36 +153,6 @@ const showTip = (tip, area, [x, y], text) => {
   tip.style.left = `${left}px`;
   tip.style.top = `${above < 0 ? y + 14 : above}px`;
 };
-
-// An SVG that was drawn elsewhere, whose circles tell what they are.
-class PictureCard {
-  constructor({ title, svg, circles }) {
-    const picture = svgOf(svg);
-    const { width, height } = picture;
-    if (!picture.hasAttribute("viewBox")) picture.setAttribute("viewBox", `0 0 ${width.baseVal.value} ${height.baseVal.value}`);
-    picture.removeAttribute("width");
-    picture.removeAttribute("height");
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", title);
-    const tip = element("div", "tip");
-    tip.hidden = true;
-    const area = element("div", "plot-area", "", [picture, tip]);
-    [...picture.querySelectorAll("circle")].slice(0, circles.length).forEach((circle, i) => {
-      const target = circle.cloneNode();
-      target.setAttribute("class", "target");
-      target.setAttribute("r", 12);
-      const show = () => {
-        const [own, box] = [circle.getBoundingClientRect(), area.getBoundingClientRect()];
-        showTip(tip, area, [own.left + own.width / 2 - box.left, own.top - box.top], circles[i]);
-      };
-      for (const name of ["pointerenter", "pointerdown"]) target.addEventListener(name, show);
-      target.addEventListener("pointerleave", () => { tip.hidden = true; });
-      picture.append(target);
-    });
-    this.root = element("figure", "plot picture", "", [area]);
-    this.root.dataset.title = title;
-  }
-}
 
 // A bar for each value: the share of solves that succeed.
 const barsCard = ({ title, bars }) => {

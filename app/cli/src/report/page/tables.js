@@ -8,14 +8,9 @@ const title = element("div", "title", "", [element("h1", "", data.title), elemen
 header.append(element("div", "head", "", [title, figures]));
 followTheme(() => {});
 
-const card = (plot) => {
-  if (plot.kind === "scatter") return new ScatterCard(plot);
-  if (plot.kind === "picture") return new PictureCard(plot);
-  return barsCard(plot);
-};
+const card = (plot) => (plot.kind === "scatter" ? new ScatterCard(plot) : barsCard(plot));
 const part = (one) => {
   if (one.kind === "table") return new SortTable(one).root;
-  if (one.kind === "note") return element("p", "note", one.text);
   const small = one.plots.every((plot) => plot.kind === "bars");
   return panel(one.title, [element("div", small ? "grid bars" : "grid large", "", one.plots.map((plot) => card(plot).root))]);
 };
