@@ -75,7 +75,7 @@ def owner(header):
 
 @functools.cache
 def items(text):
-    """The items of a file: kind and path, as in `fn Joint::placement` and `impl Method for Bdf`, and part of the text."""
+    """The items of a file: kind and path, as in `fn Joint::placement` and `impl Method for Bdf`, and their extent."""
     code, found, scopes, inside = code_of(text), [], [], 0
     for match in ITEM.finditer(code):
         # The header of an item has no items, and those that a macro makes are known to it alone.
