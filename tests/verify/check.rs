@@ -211,6 +211,12 @@ fn states_are_reproducible_and_within_limits() {
     assert_eq!(state, State::random(&model, 3, 4));
     assert_ne!(state, State::random(&model, 3, 5));
     assert_ne!(state, State::random(&model, 4, 4));
+    // Numbers that vanish or occur twice hide terms and swapped arguments.
+    let mut all = [&state.x[..], &state.xdot, &state.xddot, &[state.t]].concat();
+    let count = all.len();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    assert!(all.len() == count && !all.contains(&0.0));
     for sample in 0..50 {
         let state = State::random(&model, 1, sample);
         for (q, joint) in state.x.iter().zip(model.joints()) {

@@ -8,3 +8,5 @@ mod check;
 mod check_flow;
 mod errata;
 mod ledger;
+mod prover;
+mod wrong;

@@ -104,7 +104,8 @@ impl Equality {
     }
 
     /// The first entry that differs, if any, or the sizes if these differ.
-    fn difference(&self) -> Option<String> {
+    #[must_use]
+    pub fn difference(&self) -> Option<String> {
         if self.left.shape() != self.right.shape() {
             let (left, right) = (self.left.shape(), self.right.shape());
             return Some(format!("{}: sizes {left:?} and {right:?}", self.what));
