@@ -45,6 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let weights = PenaltyWeights { state: penalty, torque: penalty };
     let penalised = Penalised { constraints: kept, weights };
     let flowed = Flow::new(&problem, FlowSettings::new(9, 1e4, 1.0)).constraints(&penalised).run()?;
+    assert_eq!(flowed.failure, None);
     let kept = &penalised.constraints;
     for (method, curve) in [("relaxation", &relaxed.curve), ("flow", &flowed.curve)] {
         let mut rows = violations(model, curve, kept, 2000)?;
