@@ -42,7 +42,9 @@ fn the_flow_heeds_constraints() {
         solution.curve
     };
     let free = Flow::new(&problem, settings.clone()).run();
-    let free = free.expect("good input").curve;
+    let free = free.expect("good input");
+    assert_eq!(free.failure, None);
+    let free = free.curve;
     let fastest = |curve: &aghf::curve::Curve| {
         let speeds = (0..=100).map(|i| curve.at(0.02 * f64::from(i)).0[1].abs());
         speeds.fold(0.0, f64::max)

@@ -350,7 +350,9 @@ fn simulations_agree_between_integrators() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let (model, problem) = (&scenario.model, scenario.problem());
     let settings = FlowSettings::new(12, 1e6, 10.0);
-    let curve = Flow::new(&problem, settings).run().expect("sound").curve;
+    let solution = Flow::new(&problem, settings).run().expect("sound");
+    assert_eq!(solution.failure, None);
+    let curve = solution.curve;
     let feedback = Feedback { kp: 10.0, kv: 10.0 };
     let by_bdf = simulate(model, &curve, feedback, &[]).expect("sound");
     let other = simulate_with(model, &curve, feedback, &[], &mut Esdirk34).expect("sound");
