@@ -255,7 +255,7 @@ def fit(quantity: Quantity, times: list[dict]) -> tuple[Polynomial, float, float
 def polynomial_in_words(coefficients: np.ndarray) -> str:
     powers = ["", " N", *(f" N^{i}" for i in range(2, len(coefficients)))]
     terms = [f"{'-' if c < 0 else '+'} {figures(abs(c), 3)}{power}" for c, power in zip(coefficients, powers)]
-    return " ".join(terms).removeprefix("+ ")
+    return terms[0].replace("- ", "-").removeprefix("+ ") + "".join(f" {term}" for term in terms[1:])
 
 
 def times_tables(times: dict[str, list[dict]]) -> str:
