@@ -3,7 +3,7 @@
 use super::files::unfinished;
 use aghf::error::{Error, Result};
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The largest number of folders of one name.
@@ -60,6 +60,19 @@ impl OutputFolder {
         ))
     }
 
+    /// Creates a folder of a random name for the results called `name` in the folder of temporary files; on Unix no
+    /// other user may read it.
+    ///
+    /// # Errors
+    /// The folder cannot be created.
+    pub fn private(name: &str) -> Result<Self> {
+        let folder = tempfile::Builder::new()
+            .prefix(&format!("aghf-{name}-"))
+            .tempdir();
+        let folder = folder.map_err(|e| Error::io(std::env::temp_dir(), e))?;
+        Self::new(&folder.keep(), true, false)
+    }
+
     fn new(path: &Path, made: bool, replace: bool) -> Result<Self> {
         let folder = Self {
             path: path.to_owned(),
@@ -69,11 +82,8 @@ impl OutputFolder {
         if made {
             unfinished(path, true);
         }
-        let probe = path.join(format!("probe.{}.partial", std::process::id()));
-        let written = fs::write(&probe, b"probe");
-        // Whatever was written of it, or nothing.
-        let _ = fs::remove_file(&probe);
-        written.map_err(|e| Error::io(path, e))?;
+        let mut probe = tempfile::tempfile_in(path).map_err(|e| Error::io(path, e))?;
+        probe.write_all(b"probe").map_err(|e| Error::io(path, e))?;
         Ok(folder)
     }
 
