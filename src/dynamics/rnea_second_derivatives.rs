@@ -67,6 +67,13 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
         }
     }
 
+    /// The same with other derivatives by `q` twice and by `v` twice; for tests of wrong formulas.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with(self, dqdq: Tensor3<S>, dvdv: Tensor3<S>) -> Self {
+        Self { dqdq, dvdv, ..self }
+    }
+
     /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
     #[must_use]
     pub fn dqdq(&self) -> &Tensor3<S> {

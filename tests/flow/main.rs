@@ -17,6 +17,7 @@ mod jacobian;
 mod rest;
 mod rest_settings;
 mod right_hand_side;
+mod row_terms;
 mod run;
 mod theorem_b4;
 mod weak;

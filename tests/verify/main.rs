@@ -8,5 +8,6 @@ mod check;
 mod check_flow;
 mod errata;
 mod ledger;
+mod literal;
 mod prover;
 mod wrong;

@@ -46,7 +46,7 @@ pub use obstacles::{
 };
 pub use options::{FlowVariant, Method, SolveOptions};
 pub use own_terms::SharedCost;
-pub use passive::PASSIVE_TORQUE_SHARE;
+pub use passive::{PASSIVE_TORQUE_SHARE, effort_of_joints};
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, Trace, solve};
