@@ -4,9 +4,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod check;
-mod check_flow;
+mod duals;
 mod errata;
+mod field;
 mod ledger;
-mod prover;
 mod wrong;
