@@ -1,12 +1,12 @@
 //! Helpers of all tests: robots, random states, comparisons and derivatives by duals.
 #![allow(dead_code)] // every test file uses its own part of it
 
-pub mod derivatives;
+pub mod constraint;
 pub mod ode;
 pub mod relax;
 pub mod scenario;
 
-use aghf::dynamics::{Data, crba};
+use aghf::dynamics::{Data, crba, rnea};
 use aghf::flow::Node;
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
@@ -15,17 +15,25 @@ use aghf::verify::duals::{Finding, State};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngSeed};
+use proptest::test_runner::{Config, FailurePersistence, FileFailurePersistence, RngSeed};
+
+/// Regressions of a property test in a file beside its source.
+fn beside() -> Box<dyn FailurePersistence> {
+    Box::new(FileFailurePersistence::WithSource("regressions"))
+}
 
 /// The settings of a property test: seeded, and longer when `AGHF_CASES` says so.
 pub fn config(cases: u32) -> Config {
     let cases = std::env::var("AGHF_CASES")
         .map(|n| n.parse().expect("AGHF_CASES is a number of cases"))
         .unwrap_or(cases);
+    let default = Config::default();
     Config {
         cases,
         rng_seed: RngSeed::Fixed(20_261_121),
-        ..Config::default()
+        // Beside the test, unless the environment says that nothing is kept.
+        failure_persistence: default.failure_persistence.map(|_| beside()),
+        ..default
     }
 }
 
@@ -172,6 +180,16 @@ pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
 /// Numbers that are neither zero nor alike: $\sin(f)$, $\sin(2 f)$, and so on.
 pub fn wave(count: usize, f: f64) -> Vec<f64> {
     (1..=count).map(|i| (f * i as f64).sin()).collect()
+}
+
+/// The torques of a robot at a state without pattern.
+pub fn torques_somewhere(model: &Model) -> Vec<f64> {
+    let n = model.dof();
+    let [q, v, a] =
+        [0.3, 1.7, 2.9].map(|c| Vec::from_iter((0..n).map(|i| 2.0 * (c + 1.3 * i as f64).sin())));
+    let mut tau = vec![0.0; n];
+    rnea(model, &mut Data::new(model), &q, &v, &a, &mut tau).expect("lengths agree");
+    tau
 }
 
 /// A state of the checker from `x`, `xdot` and `xddot`.

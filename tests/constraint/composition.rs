@@ -1,54 +1,19 @@
 //! Several constraints are one: whatever holds them, rows, names and derivatives are those of the parts.
 
+use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, RowKind, RowLabel, Side, Sphere, SphereClearance, Weights,
+    HalfSpaceClearance, RowLabel, Side, Sphere, SphereClearance, Weights,
 };
 use aghf::model::Model;
-use aghf::scalar::AlgebraOver;
 use nalgebra::{DMatrix, DVector, Vector3};
-
-/// The equality $q_0^2 = c$, whose derivatives are duals.
-#[derive(Clone, Debug)]
-struct Held(f64);
-
-impl Constraint for Held {
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
-        g[0] = at.x[0] * at.x[0] - S::from_f64(self.0);
-        Ok(())
-    }
-
-    fn row_scales(&self, scales: &mut [f64]) {
-        scales.fill(2.0 * self.0.sqrt());
-    }
-
-    fn label(&self, row: usize, model: &Model) -> RowLabel {
-        RowLabel {
-            name: format!("row {row} of {}", model.name()),
-            unit: "rad",
-            kind: RowKind::Position(0),
-        }
-    }
-
-    fn is_equality(&self, _: usize) -> bool {
-        true
-    }
-}
 
 /// Six different ones, with another number of rows each.
 type Parts = (
     SphereClearance,
     HalfSpaceClearance,
-    Held,
+    (Held, Slow),
     Bounds,
     Bounds,
     Bounds,
@@ -72,7 +37,7 @@ fn parts(model: &Model) -> Parts {
                 offset: 0.2,
             },
         },
-        Held(0.09),
+        (Held(0.09), Slow(0.5)),
         Bounds::velocities(model),
         Bounds::positions(model),
         Bounds(vec![Bound {

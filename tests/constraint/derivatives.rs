@@ -1,7 +1,7 @@
 //! Constraints: contractions against dual numbers of the value, swept links, and the constrained flow.
 
 use crate::common::{any_model, assert_refused, assert_right, config, numbers, robot, wave};
-use crate::solids::sizes;
+use crate::solid_clearance::sizes;
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
     HalfSpaceClearance, PlacedState, SelfClearance, Side, SolidClearance, Sphere, SphereClearance,

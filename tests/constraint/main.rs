@@ -6,6 +6,6 @@ mod common;
 
 mod composition;
 mod derivatives;
+mod dynamic;
 mod self_clearance;
-mod solids;
-mod violations;
+mod solid_clearance;

@@ -6,12 +6,25 @@ mod common;
 
 mod allocation;
 mod derivatives;
-mod fast_paths;
 mod identities;
-mod locked;
-mod prime_field;
 mod rnea_weighted;
-mod scalar;
 mod second_derivatives;
-mod spatial;
-mod tensor;
+
+#[path = "../linalg"]
+mod linalg {
+    mod ldlt;
+    mod matmul;
+    mod tensor;
+}
+
+#[path = "../scalar"]
+mod scalar {
+    mod lanes;
+    mod numeric;
+    mod prime_field;
+}
+
+#[path = "../spatial"]
+mod spatial {
+    mod products;
+}

@@ -1,5 +1,8 @@
 //! Every Jacobian of the right-hand side against dual numbers, block by block.
 
+mod registry;
+mod theorem_b4;
+
 use crate::common::{
     any_model, assert_refused, assert_right, config, model_and_node, node, robot, robots, state,
     wave,

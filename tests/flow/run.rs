@@ -1,4 +1,4 @@
-//! The flow, the control that it leads to, and whether that control does it.
+//! The flow and its end.
 
 use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
@@ -6,7 +6,7 @@ use aghf::curve::{Chebyshev, Curve};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{Flow, FlowRecord, FlowSettings, FlowSolution, effort_of};
 use aghf::model::{Model, pendulum};
-use aghf::motion::{Feedback, Guess, Problem, Stopped, sample, simulate};
+use aghf::motion::{Feedback, Guess, Problem, Stopped, simulate};
 use nalgebra::DMatrix;
 
 fn run(problem: &Problem<'_>, settings: &FlowSettings) -> FlowSolution {
@@ -25,7 +25,7 @@ fn swing_up(model: &Model) -> Problem<'_> {
 }
 
 /// A curve whose velocity is the derivative of its configuration: `q(t) = c t^2 (T - t)` in every joint.
-fn consistent(model: &Model, c: f64) -> Curve {
+pub fn consistent(model: &Model, c: f64) -> Curve {
     let (n, horizon) = (model.dof(), 2.0);
     let chebyshev = Chebyshev::new(6, horizon).expect("valid");
     let x = DMatrix::from_fn(2 * n, 7, |row, node| {
@@ -164,55 +164,6 @@ fn measures_of_a_known_curve() {
             .dynamics_defect
             < 1e-12
     );
-}
-
-/// The control of a dynamically consistent curve takes the robot along it, without any feedback.
-#[test]
-fn open_loop_control_follows_a_consistent_curve() {
-    for (name, c, bound) in [
-        ("pendulum_1", 0.4, 1e-6),
-        ("pendulum_2", 0.2, 1e-4),
-        ("pendulum_3", 0.1, 1e-3),
-    ] {
-        let model = robot(name);
-        let curve = consistent(&model, c);
-        let end = simulate(&model, &curve, Feedback::NONE, &[]).expect("same robot");
-        assert_eq!(end.failure, None);
-        assert!(end.error_inf < bound, "{name}: {:e}", end.error_inf);
-        assert_eq!(end.state.len(), 2 * model.dof());
-    }
-}
-
-/// Feedback holds an arm with light wrists that would drift away open loop.
-#[test]
-fn feedback_follows_where_open_loop_drifts() {
-    let model = robot("kinova_gen3");
-    let curve = consistent(&model, 0.5);
-    let gains = Feedback { kp: 10.0, kv: 10.0 };
-    let end = simulate(&model, &curve, gains, &[]).expect("same robot");
-    assert_eq!(end.failure, None);
-    assert!(end.error_inf < 1e-6, "{:e}", end.error_inf);
-    // A wrong sign of the feedback pushes away.
-    let wrong = Feedback {
-        kp: -10.0,
-        kv: -10.0,
-    };
-    let pushed = simulate(&model, &curve, wrong, &[]).expect("same robot");
-    assert!(pushed.error_inf > 1.0);
-}
-
-#[test]
-fn samples_are_on_the_curve() {
-    let model = pendulum(2).expect("two links");
-    let curve = consistent(&model, 0.3);
-    let samples = sample(&model, &curve, 10).expect("same robot");
-    assert_eq!(samples.len(), 11);
-    for s in samples {
-        let q = 0.3 * s.t * s.t * (2.0 - s.t);
-        assert_close!(&s.q, &[q, q], 1e-13);
-        assert_close!(&s.qdot, &s.v, 1e-12);
-        assert_close!(&s.a, &[0.3 * (4.0 - 6.0 * s.t); 2], 1e-12);
-    }
 }
 
 /// A start so fast that its forces overflow: the error says where, and the curve is kept.

@@ -1,13 +1,13 @@
 //! Paths: free everywhere, the same for the same seed, and what is said where there is none.
 
+use crate::common::constraint::Held;
 use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
 use crate::{across, outside, point, ring, wall, wall_with_a_gap};
-use aghf::constraint::{AnyConstraint, Constraint, Evaluator, PlacedState};
-use aghf::error::Result;
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator};
 use aghf::motion::Problem;
 use aghf::plan::{Checker, Plan, PlanSettings, plan};
-use aghf::scalar::{AlgebraOver, Scalar};
+use aghf::scalar::Scalar;
 use std::cell::Cell;
 
 fn planned(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings) -> Plan {
@@ -211,25 +211,6 @@ fn it_stops_when_told() {
     assert_eq!(found.expect("valid"), Plan::Stopped);
 }
 
-/// One row that is no inequality.
-#[derive(Clone, Debug)]
-struct Held;
-
-impl Constraint for Held {
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> Result<()> {
-        g[0] = at.q()[1];
-        Ok(())
-    }
-
-    fn is_equality(&self, _: usize) -> bool {
-        true
-    }
-}
-
 #[test]
 fn what_it_cannot_do_is_refused() {
     let model = point();
@@ -271,12 +252,15 @@ fn what_it_cannot_do_is_refused() {
         }),
         "most_checks",
     );
-    assert_refused(plan(&problem, &Held, &default(), &|| false), "equality");
+    assert_refused(
+        plan(&problem, &Held(0.0), &default(), &|| false),
+        "equality",
+    );
     // Bodies that the robot does not have.
     let other = robot("pendulum_1");
     let swing = Problem::new(&other, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     assert!(plan(&swing, &ring(), &default(), &|| false).is_err());
     let zero = f64::from_f64(0.0);
-    let mut checker = Checker::new(&model, &Held, 0.1).expect("same robot");
+    let mut checker = Checker::new(&model, &Held(0.0), 0.1).expect("same robot");
     assert!(checker.is_free(&[zero]).is_err());
 }

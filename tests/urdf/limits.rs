@@ -1,6 +1,6 @@
 //! The limits of joints that are read from URDFs, and what is told of those that are missing.
 
-use crate::model::{massless, one_joint, unlimited};
+use crate::elements::{massless, one_joint, unlimited};
 use aghf::model::Limits;
 use aghf::urdf::LoadNote::ZeroLimit;
 

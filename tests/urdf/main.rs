@@ -1,20 +1,33 @@
-//! Models and URDF files.
+//! Models, URDF files and geometry.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
 mod common;
 
 mod build;
-mod cover;
-mod errors;
-mod large;
+mod builtin;
+mod elements;
 mod limits;
-mod model;
-mod notes;
-mod robots;
 #[cfg(unix)]
-mod ros;
+mod load;
+mod options;
+mod read;
+mod refused;
 mod several_arms;
 mod shapes;
+mod srdf;
+mod tree;
 mod underactuated;
 mod write;
+
+#[path = "../geometry"]
+mod geometry {
+    mod cover;
+}
+
+#[path = "../model"]
+mod model {
+    mod build;
+    mod lock;
+    mod random;
+}

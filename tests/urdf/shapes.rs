@@ -1,14 +1,14 @@
-//! Collision elements: read, moved with their links, written; and what an SRDF says of links.
+//! Collision elements: read, moved with their links, written.
 
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::Shape;
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
-use aghf::urdf::{Srdf, parse_urdf};
+use aghf::urdf::parse_urdf;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// `base` carries `arm`, to which `tool` is fixed, which carries `finger`: each with a shape, `tool` with two.
-const ROBOT: &str = r#"<robot name="shapes">
+pub const ROBOT: &str = r#"<robot name="shapes">
   <link name="base"><collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision></link>
   <link name="arm">
     <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
@@ -30,7 +30,7 @@ const ROBOT: &str = r#"<robot name="shapes">
     <axis xyz="1 0 0"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
 </robot>"#;
 
-fn robot() -> Model {
+pub fn robot() -> Model {
     parse_urdf(ROBOT, "shapes.urdf").expect("it is good").0
 }
 
@@ -164,197 +164,4 @@ fn shapes_that_no_urdf_can_say_are_refused() {
         .expect_err("arm moves")
         .to_string();
     assert!(error.contains("link 'arm'"), "{error}");
-}
-
-#[test]
-fn bad_collision_elements_are_refused_by_link_and_element() {
-    for (good, bad, words) in [
-        (
-            r#"radius="0.07""#,
-            r#"radius="0""#,
-            "collision 1;radius of its sphere;positive",
-        ),
-        (
-            r#"radius="0.07""#,
-            r#"radius="NaN""#,
-            "collision 1;radius of its sphere;positive",
-        ),
-        (
-            r#"radius="0.07""#,
-            r#"radius="big""#,
-            "collision 1;radius of its sphere is 'big'",
-        ),
-        (
-            r#"radius="0.07""#,
-            "",
-            "collision 1;its sphere has no radius",
-        ),
-        (
-            r#"radius="0.02" length="0.1""#,
-            r#"radius="0.02" length="-1""#,
-            "collision 2;length of its capsule has -1",
-        ),
-        (
-            r#"<sphere radius="0.07"/>"#,
-            "",
-            "collision 1;geometry is empty",
-        ),
-        (
-            r#"<geometry><sphere radius="0.07"/></geometry>"#,
-            "",
-            "collision 1;no geometry element",
-        ),
-        (
-            r#"<sphere radius="0.07"/>"#,
-            "<torus/>",
-            "collision 1;'torus', none of sphere",
-        ),
-        (
-            r#"<sphere radius="0.07"/>"#,
-            r#"<sphere radius="1"/><box size="1 1 1"/>"#,
-            "collision 1;several shapes",
-        ),
-        (
-            r#"xyz="0.01 0.02 0.03""#,
-            r#"xyz="0.01 0.02""#,
-            "collision 1;xyz of its origin",
-        ),
-        (
-            r#"xyz="0.01 0.02 0.03""#,
-            r#"xyz="0 inf 0""#,
-            "collision 1;origin is not a finite number",
-        ),
-    ] {
-        assert_eq!(ROBOT.matches(good).count(), 1, "{good}");
-        let error = parse_urdf(&ROBOT.replace(good, bad), "shapes.urdf").expect_err(bad);
-        let text = error.to_string();
-        assert!(text.starts_with("shapes.urdf: link 'tool': "), "{text}");
-        assert!(
-            words.split(';').all(|w| text.contains(w)),
-            "{text}; {words}"
-        );
-    }
-    for (good, bad, words) in [
-        (
-            r#"size="0.2 0.4 0.6""#,
-            r#"size="0.2 0.4 -0.6""#,
-            "link 'base';size of its box has -0.6",
-        ),
-        (
-            r#"size="0.2 0.4 0.6""#,
-            r#"size="0.2 0.4""#,
-            "link 'base';size of its box;3 numbers",
-        ),
-        (
-            r#"radius="0.05" length"#,
-            r#"radius="0.05" height"#,
-            "link 'arm';collision 'shaft';no length",
-        ),
-        (
-            r#"scale="1 -1 0.001""#,
-            r#"scale="1 0 1""#,
-            "link 'finger';scale of its mesh",
-        ),
-        (
-            r#"filename="package://hand/finger.stl""#,
-            "",
-            "link 'finger';no filename",
-        ),
-    ] {
-        let error = parse_urdf(&ROBOT.replace(good, bad), "shapes.urdf").expect_err(bad);
-        let text = error.to_string();
-        assert!(
-            words.split(';').all(|w| text.contains(w)),
-            "{text}; {words}"
-        );
-    }
-}
-
-const SRDF: &str = r#"<robot name="shapes">
-  <group name="all"><chain base_link="base" tip_link="nowhere"/></group>
-  <disable_collisions link1="base" link2="arm" reason="Adjacent"/>
-  <disable_collisions link1="finger" link2="base"/>
-  <link_sphere_approximation link="tool"><sphere center="0.1 0 0" radius="0.2"/><sphere center="0 0.1 0" radius="0.3"/></link_sphere_approximation>
-  <link_sphere_approximation link="finger"><sphere center="0 0 0" radius="0"/></link_sphere_approximation>
-</robot>"#;
-
-#[test]
-fn pairs_and_spheres_of_an_srdf_are_read() {
-    let model = robot();
-    let srdf = Srdf::parse(SRDF, "shapes.srdf", &model).expect("it is good");
-    let pairs: Vec<_> = srdf
-        .disabled
-        .iter()
-        .map(|p| (p.links.join(" "), p.reason.as_str()))
-        .collect();
-    let expected = [
-        ("base arm".to_owned(), "Adjacent"),
-        ("finger base".to_owned(), ""),
-    ];
-    assert_eq!(pairs, expected);
-    let with = srdf
-        .with_spheres(model.clone())
-        .expect("the links are there");
-    let links: Vec<_> = with.collisions().iter().map(|c| c.link.as_str()).collect();
-    assert_eq!(
-        links,
-        ["base", "arm", "tool", "tool"],
-        "the finger has none"
-    );
-    let flange = Rotation3::from_euler_angles(0.0, 0.0, 0.5);
-    let centre = flange * Vector3::new(0.1, 0.0, 0.0) + Vector3::new(0.0, 0.1, 0.5);
-    assert_close!(&with.collisions()[2].placement.translation, &centre, 1e-15);
-    assert_eq!(
-        with.collisions()[2].shape,
-        CollisionShape::Solid(Shape::Sphere { radius: 0.2 })
-    );
-}
-
-#[test]
-fn bad_srdfs_are_refused_by_element() {
-    let model = robot();
-    for (good, bad, words) in [
-        (
-            r#"link2="arm""#,
-            r#"link2="leg""#,
-            "disable_collisions at line 3;link2;no link 'leg'",
-        ),
-        (
-            r#" link2="arm""#,
-            "",
-            "disable_collisions at line 3;no link2",
-        ),
-        (
-            r#"link="tool""#,
-            r#"link="leg""#,
-            "link_sphere_approximation at line 5;no link 'leg'",
-        ),
-        (
-            r#"link="finger""#,
-            r#"link="tool""#,
-            "link_sphere_approximation at line 6;'tool' has spheres already",
-        ),
-        (r#"radius="0.2""#, r#"radius="-1""#, "line 5;radius -1"),
-        (
-            r#"radius="0.2""#,
-            r#"radius="wide""#,
-            "line 5;'wide', not a number",
-        ),
-        (
-            r#"center="0.1 0 0""#,
-            r#"center="0.1 0""#,
-            "line 5;3 numbers",
-        ),
-        ("</robot>", "", "robot: ;not a valid SRDF"),
-        ("<group", r#"<joint name="a"/><group"#, "robot: ;a URDF"),
-    ] {
-        assert_eq!(SRDF.matches(good).count(), 1, "{good}");
-        let error = Srdf::parse(&SRDF.replace(good, bad), "shapes.srdf", &model).expect_err(bad);
-        let text = error.to_string();
-        assert!(text.starts_with("shapes.srdf: "), "{text}");
-        assert!(
-            words.split(';').all(|w| text.contains(w)),
-            "{text}; {words}"
-        );
-    }
 }

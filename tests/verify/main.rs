@@ -4,10 +4,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod check;
-mod check_flow;
+mod duals;
 mod errata;
+mod field;
 mod ledger;
 mod literal;
-mod prover;
 mod wrong;

@@ -1,8 +1,15 @@
 //! The pages of motions and of tables: what is in them. `tests/browser` has what they do.
 
+#[path = "../command/mod.rs"]
+mod command;
 mod page;
 mod shapes;
 mod tables;
+
+#[path = "../output"]
+mod output {
+    mod folder;
+}
 
 use aghf_cli::report::{Motion, page};
 use aghf_scenario::{Scenario, SolveOptions, SolveReport, solve};

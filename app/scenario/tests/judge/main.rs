@@ -4,8 +4,9 @@
 #[path = "../../../../tests/common/mod.rs"]
 mod common;
 
-mod bounds;
-mod clearances;
+mod clearance;
+mod cubic;
+mod reach;
 mod robot;
-mod table;
+mod trajectory;
 mod verdict;

@@ -4,11 +4,10 @@
 #[path = "../../../../tests/common/mod.rs"]
 mod common;
 
-mod best_known;
+mod builtin;
+mod by_flow;
 mod feasibility;
-mod files;
-mod generate;
-mod generated_limits;
+mod file;
 mod limits;
 mod locked;
 mod objective;
@@ -17,8 +16,13 @@ mod passive;
 mod preflight;
 mod published_flow;
 mod relaxation;
+mod report;
 mod self_collision;
-mod solve;
 mod surroundings;
-mod variants;
 mod written;
+
+#[path = "../generate"]
+mod generate {
+    mod limits;
+    mod seeds;
+}

@@ -1,6 +1,6 @@
 //! The notes on loading a robot, beside those on its limits.
 
-use crate::model::{massless, one_joint, unlimited};
+use crate::elements::{massless, one_joint, unlimited};
 use aghf::urdf::LoadNote::{self, ImpossibleInertia, Independent, LeftOut, Merged};
 use aghf::urdf::{parse_urdf, summarised};
 

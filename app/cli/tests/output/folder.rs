@@ -1,11 +1,8 @@
 //! Files and folders of results.
 
-#[path = "../command/mod.rs"]
-mod command;
-
+use crate::command::empty_folder;
 use aghf_cli::output::{OutputFolder, summary_table, write_json};
 use aghf_scenario::{Method, Scenario, SolveOptions, solve};
-use command::empty_folder;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 

@@ -1,5 +1,6 @@
 //! Reading robots from URDFs: what is read is what was meant, and what was odd is told.
 
+use crate::common::torques_somewhere;
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -46,16 +47,6 @@ fn mass_matrix(model: &Model, q: &[f64]) -> DMatrix<f64> {
     let mut h = DMatrix::zeros(model.dof(), model.dof());
     crba(model, &mut Data::new(model), q, &mut h).expect("lengths agree");
     h
-}
-
-/// Three vectors of `n` numbers without pattern.
-fn states(n: usize) -> [Vec<f64>; 3] {
-    [0.3, 1.7, 2.9].map(|c| (0..n).map(|i| 2.0 * (c + 1.3 * i as f64).sin()).collect())
-}
-
-fn torques_somewhere(model: &Model) -> Vec<f64> {
-    let [q, v, a] = states(model.dof());
-    torques(model, [&q, &v, &a])
 }
 
 /// Turning about the fixed axes x, y, z in this order, written out.

@@ -1,5 +1,7 @@
 //! The public checker: it passes what is right, and it finds what is wrong, where it is, and says how to see it again.
 
+mod general_flow;
+
 use crate::common::{robot, robots};
 use aghf::flow::jacobian::{
     ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,

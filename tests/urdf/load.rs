@@ -46,7 +46,7 @@ fn xacro_files_are_expanded() {
     let folder = folder("ros_xacro", &[("xacro", &script)]);
     let path = folder.join("arm.urdf.xacro");
     fs::write(&path, "<robot/>").expect("it is writable");
-    if !run_again("ros::xacro_files_are_expanded", &folder) {
+    if !run_again("load::xacro_files_are_expanded", &folder) {
         return;
     }
     let expected = builtin_robot("pendulum_2").expect("built in");
@@ -71,7 +71,7 @@ fn xacro_that_is_missing_or_fails_is_named_with_the_file() {
         fs::write(&path, "<robot/>").expect("it is writable");
         if env::var("PATH").is_ok_and(|path| Path::new(&path) != folder) {
             run_again(
-                "ros::xacro_that_is_missing_or_fails_is_named_with_the_file",
+                "load::xacro_that_is_missing_or_fails_is_named_with_the_file",
                 &folder,
             );
             continue;
@@ -98,7 +98,7 @@ fn packages_of_ros_come_after_the_folders() {
     corner("installed/hand/both.obj", 1.0);
     corner("installed/hand/one.obj", 2.0);
     corner("hand/both.obj", 3.0);
-    if !run_again("ros::packages_of_ros_come_after_the_folders", &folder) {
+    if !run_again("load::packages_of_ros_come_after_the_folders", &folder) {
         return;
     }
     let load = |file| load_mesh(file, &folder, &Vector3::repeat(1.0));

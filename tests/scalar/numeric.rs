@@ -1,11 +1,10 @@
-//! Numbers: derivatives of the functions, constants that are not promoted, and the factorisation.
+//! Numbers: derivatives of the functions, and constants that are not promoted.
 
-use crate::common::{config, numbers, wave};
+use crate::common::{config, wave};
 use aghf::dynamics::{Data, rnea};
-use aghf::linalg::Ldlt;
 use aghf::model::random_tree;
 use aghf::scalar::{AlgebraOver, Jet, Lanes, Scalar, Tanh};
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::SVector;
 use num_dual::{Derivative, Dual, Dual2_64, Dual64, DualSVec64, HyperDual64};
 use proptest::prelude::*;
 
@@ -23,12 +22,6 @@ fn mixed_by_hand(x: f64) -> [f64; 3] {
         (2.0 * x).cos() + sech2,
         -2.0 * (2.0 * x).sin() - 2.0 * t * sech2,
     ]
-}
-
-/// A symmetric positive definite matrix.
-fn definite(n: usize, x: &[f64]) -> DMatrix<f64> {
-    let factor = DMatrix::from_column_slice(n, n, &x[..n * n]);
-    &factor * factor.transpose() + DMatrix::identity(n, n)
 }
 
 proptest! {
@@ -70,45 +63,6 @@ proptest! {
             (scaled.re, scaled.eps1, scaled.eps2, scaled.eps1eps2),
             (promoted.re, promoted.eps1, promoted.eps2, promoted.eps1eps2)
         );
-    }
-
-    #[test]
-    fn lanes_divide_each_by_its_own(a in prop::array::uniform4(-3.0..3.0_f64), b in prop::array::uniform4(0.1..3.0_f64)) {
-        let alone: [f64; 4] = std::array::from_fn(|i| a[i] / b[i]);
-        prop_assert_eq!((Lanes(a) / Lanes(b)).0, alone);
-        let mut assigned = Lanes(a);
-        assigned /= Lanes(b);
-        prop_assert_eq!(assigned.0, alone);
-    }
-
-    #[test]
-    fn ldlt_solves(n in 1..7_usize, x in numbers(36), b in numbers(6)) {
-        let h = definite(n, &x);
-        let mut ldlt = Ldlt::new(n);
-        // Only the lower triangle is read.
-        ldlt.factorise(&h.lower_triangle());
-        let mut solution = b[..n].to_vec();
-        ldlt.solve(&mut solution);
-        assert_close!(&(&h * DVector::from_vec(solution)), &b[..n], 1e-10);
-        prop_assert!(ldlt.pivots().all(|d| d >= 1.0 - 1e-9));
-        prop_assert!((ldlt.pivots().product::<f64>() / h.determinant() - 1.0).abs() < 1e-10);
-        let mut inverse = DMatrix::identity(n, n);
-        ldlt.solve_columns(&mut inverse);
-        assert_close!(&(h * inverse), &DMatrix::identity(n, n), 1e-10);
-    }
-
-    /// `d(H^-1 b) = H^-1 (db - dH H^-1 b)`.
-    #[test]
-    fn ldlt_differentiates(n in 1..6_usize, x in numbers(25), y in numbers(25), b in numbers(10)) {
-        let h = definite(n, &x);
-        let rate = definite(n, &y);
-        let mut ldlt = Ldlt::new(n);
-        ldlt.factorise(&h.zip_map(&rate, Dual64::new));
-        let mut solution: Vec<Dual64> = (0..n).map(|i| Dual64::new(b[i], b[5 + i])).collect();
-        ldlt.solve(&mut solution);
-        let value = DVector::from_iterator(n, solution.iter().map(|s| s.re));
-        let slope = DVector::from_iterator(n, solution.iter().map(|s| s.eps));
-        assert_close!(&(h * slope), &(DVector::from_column_slice(&b[5..5 + n]) - rate * value), 1e-9);
     }
 }
 

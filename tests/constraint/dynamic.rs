@@ -1,42 +1,18 @@
-//! Extensions from outside the crate: constraints behind pointers, Jacobians by name.
+//! Constraints behind pointers.
 
+use crate::common::constraint::Slow;
 use crate::common::relax::solved_within;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{
     AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator,
-    PlacedState, Sphere, SphereClearance, TorqueLimits, Weights,
+    Sphere, SphereClearance, TorqueLimits, Weights,
 };
-use aghf::flow::jacobian::{ControlFormJacobian, JacobianKind, Jacobians};
+use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::model::{Model, random_tree};
 use aghf::relax::RelaxSettings;
-use aghf::scalar::AlgebraOver;
-use aghf::verify::duals::{CheckOptions, check_jacobians};
 use nalgebra::Vector3;
 use num_dual::HyperDual64;
-
-/// The sum of the squares of all velocities is bounded.
-#[derive(Clone, Debug)]
-struct Slow(f64);
-
-impl Constraint for Slow {
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
-        g[0] = (at.v().iter()).fold(S::zero(), |sum, v| sum + *v * *v) - S::lift(self.0);
-        Ok(())
-    }
-
-    fn row_scales(&self, scales: &mut [f64]) {
-        scales.fill(2.0 * self.0.sqrt());
-    }
-}
 
 fn spheres(model: &Model) -> SphereClearance {
     SphereClearance {
@@ -168,65 +144,4 @@ fn flow_and_relaxation_take_boxed_constraints() {
     let boxed = solved_within(&problem, &settings, &boxed);
     let bare = solved_within(&problem, &settings, &bare);
     assert_eq!(boxed.curve.x(), bare.curve.x());
-}
-
-#[test]
-fn a_jacobian_is_registered_by_name() {
-    let model = random_tree(3, 1).expect("there are joints");
-    let mut jacobians = Jacobians::built_in();
-    let built_in = JacobianKind::by_name().count();
-    assert_eq!(jacobians.names().count(), built_in);
-    jacobians
-        .register("mine", |model| Box::new(ControlFormJacobian::new(model)))
-        .expect("a new name");
-    let taken = jacobians.register("dual", |model| Box::new(ControlFormJacobian::new(model)));
-    assert!(
-        taken
-            .expect_err("taken")
-            .to_string()
-            .contains("'dual' is taken")
-    );
-    let error = jacobians
-        .build("magic", &model)
-        .err()
-        .expect("no such name")
-        .to_string();
-    for word in [
-        "'magic'",
-        "control-form",
-        "theorem-b4",
-        "dual",
-        "difference",
-        "mine",
-    ] {
-        assert!(error.contains(word), "{error}");
-    }
-    let options = CheckOptions {
-        samples: 1,
-        seed: 3,
-        penalties: vec![1e4],
-    };
-    let findings = check_jacobians(&model, &jacobians, &options).expect("same robot");
-    let mine = findings.iter().filter(|f| f.quantity.contains("mine"));
-    assert!(mine.clone().count() >= 5 && mine.clone().all(aghf::verify::duals::Finding::passes));
-}
-
-#[test]
-fn names_are_read_and_written() {
-    for (name, kind) in JacobianKind::by_name() {
-        assert_eq!(kind.to_string(), name);
-        assert_eq!(name.parse::<JacobianKind>().expect("its name"), kind);
-        assert_eq!(
-            serde_json::to_string(&kind).expect("a name"),
-            format!("\"{name}\"")
-        );
-    }
-    let error = "magic"
-        .parse::<JacobianKind>()
-        .expect_err("no such name")
-        .to_string();
-    assert!(
-        error.contains("jacobian: 'magic' is none of control-form, theorem-b4"),
-        "{error}"
-    );
 }

@@ -1,47 +1,15 @@
 //! Labels of rows, and the one function that says by how much they are violated.
 
+use crate::common::constraint::Held;
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, RowKind, RowLabel, Side, Sphere, SphereClearance,
-    TorqueLimits,
+    HalfSpaceClearance, RowKind, RowLabel, Side, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
 use aghf::model::Model;
 use aghf::motion::{Violation, sample, violations};
-use aghf::scalar::AlgebraOver;
 use nalgebra::{DMatrix, Vector3};
-
-/// The equality $x_0 = c$.
-#[derive(Clone, Debug)]
-struct Held(f64);
-
-impl Constraint for Held {
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
-        g[0] = at.x[0] - S::from_f64(self.0);
-        Ok(())
-    }
-
-    fn label(&self, row: usize, model: &Model) -> RowLabel {
-        RowLabel {
-            name: format!("row {row} of {}", model.name()),
-            unit: "rad",
-            kind: RowKind::Position(0),
-        }
-    }
-
-    fn is_equality(&self, _: usize) -> bool {
-        true
-    }
-}
 
 fn assert_close_to(a: f64, b: f64, bound: f64) {
     assert!((a - b).abs() <= bound, "{a} is not {b}");

@@ -1,0 +1,39 @@
+//! How near the defaults come to the least costs that are known of built-in scenarios, `robots/best_known.json`.
+
+use aghf_scenario::{Details, Scenario, SolveOptions, builtin_scenarios, solve};
+use serde_json::Value;
+
+/// The factor above the least known cost that the defaults may find without limits.
+const NEAR: f64 = 1.5;
+/// The part that the digits of the file leave out.
+const DIGITS: f64 = 1e-5;
+
+fn known() -> Value {
+    let text = std::fs::read_to_string("robots/best_known.json").expect("it is there");
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+/// The defaults on scenarios without limits and obstacles find nothing that costs much more, nor anything that costs less.
+#[test]
+fn the_defaults_come_near_the_best_known_cost() {
+    let known = known();
+    let names = builtin_scenarios().filter(|name| {
+        let arm = name.starts_with("kinova_free");
+        arm || (name.starts_with("pendulum") && *name != "pendulum_1_swingup")
+    });
+    for name in names {
+        let scenario = Scenario::load(name).expect("built in");
+        let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+        let Details::Relax(details) = &report.summary.details else {
+            panic!("it is a relaxation");
+        };
+        assert!(report.summary.success, "{name}");
+        let cost = details.minima[0].cost;
+        let least = known[name]["cost"].as_f64().expect("a number");
+        let ratio = cost / least;
+        assert!(
+            (1.0 - DIGITS..NEAR).contains(&ratio),
+            "{name}: {cost}, {least}"
+        );
+    }
+}
