@@ -94,7 +94,7 @@ mod tests {
         let intervals = 400;
         for joints in [vec![], vec![1], vec![0, 1]] {
             let effort = effort_of_joints(&model, &curve, &joints, intervals)?;
-            // By Simpson's rule.
+            // Simpson's rule.
             let mut sum = 0.0;
             for (k, at) in sample(&model, &curve, intervals)?.iter().enumerate() {
                 let weight = match k {
