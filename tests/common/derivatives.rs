@@ -1,4 +1,4 @@
-//! The derivatives of what Theorem B4 differentiates, by a second level of dual numbers.
+//! The derivatives of the quantities of Theorem B4, by a second level of dual numbers.
 
 use aghf::flow::Node;
 use aghf::model::Model;
@@ -34,7 +34,7 @@ pub enum Quantity {
     Omega4,
 }
 
-/// Every quantity at a node, one after the other in the order of [`Quantity`].
+/// All quantities at a node, concatenated in the order of [`Quantity`].
 fn quantities<S: DifferentiableOver<f64>>(at: &At<'_, f64, S>) -> DVector<S> {
     let all = || {
         let mut all = vec![gamma(at)?, alpha_1(at)?, alpha_2(at)?, capital_gamma(at)?];
@@ -49,7 +49,7 @@ fn quantities<S: DifferentiableOver<f64>>(at: &At<'_, f64, S>) -> DVector<S> {
 pub struct Derivatives {
     pub n: usize,
     values: DVector<f64>,
-    /// A column for each entry of `[x; xdot; xddot]`.
+    /// One column per entry of `[x; xdot; xddot]`.
     derivatives: DMatrix<f64>,
 }
 
@@ -64,7 +64,7 @@ impl Derivatives {
         }
     }
 
-    /// The first row of a quantity and how many it has: the first four have `N`, the others `2 N`.
+    /// The first row of a quantity and its number of rows: `N` for the first four, `2 N` for the others.
     fn rows(&self, of: Quantity) -> (usize, usize) {
         let number = of as usize;
         let first = number + number.saturating_sub(4);

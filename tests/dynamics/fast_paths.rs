@@ -1,5 +1,5 @@
-//! The code that only `f64` goes through, which the proofs therefore do not see: products of matrices by `faer`, and sines and
-//! cosines of four angles by `wide`. Both ways have to give the same numbers.
+//! The code that only `f64` uses, which the proofs therefore do not cover: products of matrices by `faer`, and sines
+//! and cosines of four angles by `wide`. Both paths must agree with the generic code.
 
 use crate::common::{any_model, config, numbers};
 use aghf::dynamics::{Data, RneaWeightedHessian, crba, rnea, rnea_weighted_hessian};
@@ -9,7 +9,7 @@ use aghf::scalar::{AlgebraOver, Lanes, Scalar};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
-/// Two matrices whose product exists, of any shapes up to 400, with zeros among the entries.
+/// Two matrices of compatible shapes up to 400, with some zero entries.
 fn factors() -> impl Strategy<Value = [DMatrix<f64>; 2]> {
     (1..400_usize, 1..400_usize, 1..400_usize, any::<u64>()).prop_map(|(m, k, n, seed)| {
         let entry = |i: usize, j: usize, f: f64| {
@@ -26,13 +26,13 @@ fn factors() -> impl Strategy<Value = [DMatrix<f64>; 2]> {
     })
 }
 
-/// Angles of all sizes that the short way is for.
+/// Angles of all sizes in the range of the fast path.
 fn angle() -> impl Strategy<Value = f64> {
     let sized = (-300.0..9.0_f64, -1.0..1.0_f64).prop_map(|(e, sign)| sign * 10.0_f64.powf(e));
     prop_oneof![-7.0..7.0_f64, -1e9..1e9_f64, sized]
 }
 
-/// Angles that it is not for, half of them only just, and what is no angle.
+/// Angles beyond that range, half of them only just, and non-finite numbers.
 fn beyond() -> impl Strategy<Value = f64> {
     let exponent = prop_oneof![9.0..12.0_f64, 9.0..308.0_f64];
     let sign = prop::sample::select(vec![-1.0, 1.0]);
@@ -41,8 +41,8 @@ fn beyond() -> impl Strategy<Value = f64> {
     prop_oneof![4 => sized, 1 => prop::sample::select(none)]
 }
 
-/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, behind one another; the acceleration serves
-/// as the weight.
+/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, concatenated; the acceleration
+/// serves as the weight.
 fn dynamics<S: AlgebraOver<f64>>(model: &Model, [q, v, a]: [&[S]; 3]) -> Vec<S> {
     let n = model.dof();
     let data = &mut Data::new(model);
@@ -64,7 +64,7 @@ fn model_and_lanes() -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
     })
 }
 
-/// The dynamics in lanes side by side, lane by lane.
+/// The dynamics evaluated in SIMD lanes, lane by lane.
 fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = model.dof();
     let packed: Vec<Lanes<f64, W>> = (0..3 * n)
@@ -79,8 +79,8 @@ fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>>
 proptest! {
     #![proptest_config(config(48))]
 
-    /// A sum of `k` products is off by at most `k` half units of rounding of the sum of their sizes, in whatever order, so two such sums
-    /// differ by at most twice that. What was in the result before has no part in it.
+    /// The error of a sum of `k` products in any order is at most `k` half units of rounding of the sum of their
+    /// magnitudes, so two such sums differ by at most twice that. Previous contents of the result have no effect.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_products([a, b] in factors()) {
         let shape = (a.nrows(), b.ncols());
@@ -98,8 +98,9 @@ proptest! {
         }
     }
 
-    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from cancellation, and is as
-    /// good as one is. An angle beyond what the fast path is for has the bits that it has alone, and changes none of the others'.
+    /// Within one unit in the last place up to about one turn; cancellation in the reduction of larger angles allows
+    /// the error of one unit at magnitude one. An angle beyond the range of the fast path has the same bits as alone,
+    /// and does not change the others.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::collection::vec(angle(), 1..10), far in beyond(), place in 0..9_usize) {
         let bits = |(s, c): &(f64, f64)| (s.to_bits(), c.to_bits());
@@ -127,7 +128,7 @@ proptest! {
         }
     }
 
-    /// Each lane has the bits that it has alone.
+    /// Each lane has the same bits as a separate evaluation.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_the_dynamics((model, states) in model_and_lanes()) {
         let n = model.dof();

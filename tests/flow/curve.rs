@@ -14,7 +14,7 @@ fn chebyshev(p: usize) -> Chebyshev {
     Chebyshev::new(p, HORIZON).expect("valid")
 }
 
-/// A smooth function that is no polynomial, with its first two derivatives.
+/// A smooth function that is not a polynomial, with its first two derivatives.
 fn smooth(t: f64) -> [f64; 3] {
     let (value, inner) = ((2.0 * t).sin().exp(), 2.0 * (2.0 * t).cos());
     [
@@ -24,7 +24,7 @@ fn smooth(t: f64) -> [f64; 3] {
     ]
 }
 
-/// Largest errors of `D`, `D^2`, interpolation and quadrature on `smooth`, relative to the sizes there.
+/// The largest errors of `D`, `D^2`, interpolation and quadrature on `smooth`, relative to the largest values.
 fn errors(p: usize) -> [f64; 4] {
     let c = chebyshev(p);
     let at =
@@ -124,11 +124,11 @@ fn bad_settings_are_errors() {
     );
 }
 
-/// Three parts of degree 4 on [0, 2]: `q` is a cubic on each, with the same value and slope where two meet, and `v` its slope.
+/// Three segments of degree 4 on [0, 2]: `q` is a cubic on each, with continuous value and slope, and `v` is its slope.
 fn three_parts() -> (Curve, impl Fn(usize, f64) -> [f64; 3]) {
     let third = HORIZON / 3.0;
     let cubic = move |e: usize, t: f64| {
-        // Bends of its own on each part, zero with its slope at both of its ends but for a common line.
+        // A different bend on each segment, which vanishes with its slope at both ends, added to a common line.
         let (bend, s) = ([1.0, -2.0, 0.5][e], t - e as f64 * third);
         let q = 0.3 + 0.7 * t + bend * (s * (third - s)).powi(2);
         let slope = 0.7 + 2.0 * bend * s * (third - s) * (third - 2.0 * s);
@@ -163,7 +163,7 @@ fn a_curve_of_parts_is_each_of_its_parts() {
             assert!((ours - exact).abs() < 1e-12, "{t}: {ours} {exact}");
         }
     }
-    // Where two meet the state is that of both, to the last bit, and the acceleration that of the part that is asked.
+    // At a breakpoint both segments have the same state, to the last bit, and each has its own acceleration.
     for part in 1..3 {
         let t = curve.breakpoints()[part];
         assert_eq!(curve.segment_at(t), part);
@@ -286,7 +286,7 @@ fn gauss_legendre_is_exact_to_its_degree() {
     }
 }
 
-/// With both ends among the nodes, two degrees less.
+/// With both ends among the nodes, the exact degree is two less than that of Gauss quadrature.
 #[test]
 fn gauss_lobatto_is_exact_to_its_degree() {
     for m in [2, 3, 5, 16, 97] {
