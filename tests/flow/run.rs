@@ -1,4 +1,4 @@
-//! The flow, the control that it leads to, and whether that control does it.
+//! The flow, its control, and the simulation of that control.
 
 use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
@@ -53,7 +53,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     assert_eq!(seen.last().map(|r| r.s), Some(10.0));
     assert_eq!(seen.len(), 51);
     assert!(seen.windows(2).all(|w| w[0].s < w[1].s));
-    // Down from step to step, to the tolerance of the integrator.
+    // Decreasing from record to record, to the tolerance of the integrator.
     let falls = |w: &[FlowRecord]| w[1].action_at_nodes <= w[0].action_at_nodes * (1.0 + 1e-3);
     assert!(seen.windows(2).all(falls), "{seen:?}");
     assert!(
@@ -71,7 +71,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     assert_eq!(x.column(9).as_slice(), problem.goal());
 }
 
-/// Where the flow has come to rest, Omega vanishes at the interior nodes.
+/// At rest of the flow, Omega vanishes at the interior nodes.
 #[test]
 fn a_long_flow_comes_to_rest() {
     use aghf::flow::Collocation;
@@ -166,7 +166,7 @@ fn measures_of_a_known_curve() {
     );
 }
 
-/// The control of a dynamically consistent curve takes the robot along it, without any feedback.
+/// The control of a dynamically consistent curve moves the robot along it without feedback.
 #[test]
 fn open_loop_control_follows_a_consistent_curve() {
     for (name, c, bound) in [
@@ -183,7 +183,7 @@ fn open_loop_control_follows_a_consistent_curve() {
     }
 }
 
-/// Feedback holds an arm with light wrists that would drift away open loop.
+/// Feedback stabilises an arm with light wrists, which would drift away open loop.
 #[test]
 fn feedback_follows_where_open_loop_drifts() {
     let model = robot("kinova_gen3");
@@ -192,7 +192,7 @@ fn feedback_follows_where_open_loop_drifts() {
     let end = simulate(&model, &curve, gains, &[]).expect("same robot");
     assert_eq!(end.failure, None);
     assert!(end.error_inf < 1e-6, "{:e}", end.error_inf);
-    // A wrong sign of the feedback pushes away.
+    // Feedback with the wrong sign drives the robot away.
     let wrong = Feedback {
         kp: -10.0,
         kv: -10.0,
@@ -215,7 +215,7 @@ fn samples_are_on_the_curve() {
     }
 }
 
-/// A start so fast that its forces overflow: the error says where, and the curve is kept.
+/// An initial velocity so high that forces overflow: the error names the place, and the curve is kept.
 #[test]
 fn a_flow_that_is_not_finite_says_where() {
     let model = robot("pendulum_2");
@@ -230,7 +230,7 @@ fn a_flow_that_is_not_finite_says_where() {
     assert_eq!(solution.curve.x().column(0).as_slice(), problem.start());
 }
 
-/// A penalty far too small for the length of the flow: it stops on the way and keeps what it had.
+/// A penalty far too small for the duration of the flow: it stops early and keeps its last curve.
 #[test]
 fn a_flow_that_stops_on_the_way_keeps_its_last_curve() {
     let model = robot("pendulum_5");
@@ -289,7 +289,7 @@ fn bad_problems_and_settings_are_errors() {
     );
 }
 
-/// Acceptance: the same solve with each Jacobian ends at the same curve, to the tolerance.
+/// Acceptance: the flow ends at the same curve with each Jacobian, to the tolerance.
 #[test]
 fn every_jacobian_gives_the_same_curve() {
     for name in ["kinova_free_01", "digit_free_stretch"] {
@@ -315,7 +315,7 @@ fn every_jacobian_gives_the_same_curve() {
     }
 }
 
-/// A limit that has passed before the first step, and one that never does.
+/// A time limit that has passed before the first step, and one that is never reached.
 #[test]
 fn a_flow_stops_at_its_time_limit_and_says_so() {
     use std::time::Duration;

@@ -1,7 +1,7 @@
-//! Theorem B4 block by block: every numbered function against the dual derivative of the quantity that it differentiates.
+//! Theorem B4 block by block: every numbered function against the derivative of its quantity by dual numbers.
 //!
-//! The quantities on the dual side never meet a tensor. They are functions of the node over any scalar, made of `crba`,
-//! `bias`, `aba` and of duals of these; a second level of duals differentiates them.
+//! The reference quantities use no tensor. They are functions of the node over any scalar, computed from `crba`,
+//! `bias`, `aba` and dual numbers of these; a second level of dual numbers differentiates them.
 
 use crate::common::derivatives::{Derivatives, Parts, Quantity, node};
 use crate::common::{config, model_and_node, robot, robots};
@@ -16,19 +16,19 @@ use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-/// Penalties: one, where no term hides, and the paper's.
+/// Penalties: one, where no term is negligible, and the paper's.
 const PENALTIES: [f64; 2] = [1.0, 1e7];
 
-/// The rounding error when `H` is solved with `solves` times.
+/// The rounding error of `solves` solves with `H`.
 fn bound(model: &Model, parts: &Parts<f64>, solves: i32) -> f64 {
     let h = mass(model, &parts[0][..model.dof()]).expect("lengths agree");
     let eigenvalues = h.symmetric_eigenvalues();
     1e-9 + 1e-15 * (eigenvalues.max() / eigenvalues.min()).powi(solves)
 }
 
-/// Asserts that each of the four blocks of a `2 N` by `2 N` matrix is right in its own size, the upper two and the lower
-/// two after they are multiplied by a factor each: a `1 / k` must not hide an error, and where a `k` magnifies the
-/// rounding of a small number, that is not one.
+/// Asserts that each of the four blocks of a `2 N` by `2 N` matrix is right relative to its own size, with the upper
+/// two and the lower two first multiplied by one factor each: a factor `1 / k` must not hide an error, and rounding of
+/// a small number that a `k` magnifies is not one.
 fn close_blocks(
     what: &str,
     a: &DMatrix<f64>,
@@ -75,7 +75,7 @@ fn check_terms(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
     }
 }
 
-/// (B53) to (B60), (B66) to (B70), (B76), (B77) and (B79): what is `N` by `N`.
+/// (B53) to (B60), (B66) to (B70), (B76), (B77) and (B79): the `N` by `N` blocks.
 fn check_parts(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
     use Quantity::{Alpha1, Alpha2, CapitalGamma, Gamma};
     // Part 0 is x, 1 is xdot, 2 is xddot; half 0 is P1, 1 is P2.
@@ -99,7 +99,7 @@ fn check_parts(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
     ] {
         close(what, &found, &reference.derivative(of, part, half), bound);
     }
-    // What the theorem leaves out because it vanishes.
+    // The derivatives that the theorem omits because they vanish.
     let zero = DMatrix::zeros(reference.n, reference.n);
     for of in [Alpha1, Alpha2, CapitalGamma] {
         for (part, half) in [(1, 0), (2, 0), (2, 1)] {
@@ -114,11 +114,11 @@ fn check_parts(t: &Quantities<f64>, reference: &Derivatives, bound: f64) {
     close("left out", &zero, &reference.derivative(Gamma, 2, 0), 0.0);
 }
 
-/// (B74) and (B75): `Hdot` and `Cdot` are rates, here differentiated in the velocity of the rate.
+/// (B74) and (B75): the derivatives of the rates `Hdot` and `Cdot` in the velocity.
 fn check_derivatives_of_rates(t: &Quantities<f64>, model: &Model, parts: &Parts<f64>) {
     let n = model.dof();
     let z = parts.concat();
-    // Differentiated in xdot alone, the rest held fixed.
+    // Derivatives in xdot alone, the rest held constant.
     let moved = |xdot: &[Dual64]| {
         let mut z = constant(&z);
         z[2 * n..4 * n].copy_from_slice(xdot);
@@ -160,7 +160,7 @@ fn check_derivative_of_the_inverse(t: &Quantities<f64>, model: &Model, q: &[f64]
     close("d(H^T H)^-1", &t.dhth_inverse_dx_p1(&w), &expected, bound);
 }
 
-/// (B45) to (B48), (B62) to (B65), (B78) and (B80): what is `2 N` by `2 N`.
+/// (B45) to (B48), (B62) to (B65), (B78) and (B80): the `2 N` by `2 N` blocks.
 fn check_blocks(t: &Quantities<f64>, reference: &Derivatives, k: f64, bound: f64) {
     use Quantity::{Omega1, Omega2, Omega3, Omega4};
     for (what, found, of, part, factors) in [
@@ -198,7 +198,7 @@ fn check_node(model: &Model, parts: &Parts<f64>) {
     for (run, k) in PENALTIES.into_iter().enumerate() {
         let reference = Derivatives::new(model, parts, k);
         if run == 0 {
-            // Nothing here knows the penalty.
+            // These quantities do not depend on the penalty.
             check_terms(t, &reference, bound(model, parts, 1));
             check_parts(t, &reference, bound(model, parts, 1));
             check_derivatives_of_rates(t, model, parts);
@@ -268,7 +268,7 @@ proptest! {
     }
 }
 
-/// States in which terms vanish, so that a block cannot lean on them, and one in which none does.
+/// States in which terms vanish, so that no block depends on them alone, and one in which none vanishes.
 fn states(n: usize) -> Vec<Parts<f64>> {
     let wave = |f: f64| crate::common::wave(n, f);
     let zero = vec![0.0; n];
@@ -293,7 +293,7 @@ fn states(n: usize) -> Vec<Parts<f64>> {
     ]
 }
 
-/// Acceptance: the robots of the paper and a tree, in the states that hide terms.
+/// Acceptance: the robots of the paper and a tree, in states where terms vanish.
 #[test]
 fn every_numbered_block_on_the_robots() {
     let models = ["pendulum_2", "pendulum_4", "kinova_gen3"].map(robot);
@@ -318,7 +318,8 @@ fn the_jacobian_of_every_robot() {
     }
 }
 
-/// The same code over other scalars: duals carry the value along bit for bit, single precision to its precision.
+/// The same code over other scalars: dual numbers have the same real parts bit for bit, single precision to its
+/// precision.
 #[test]
 fn it_runs_over_other_scalars() {
     fn of<S: AlgebraOver<f64>>(model: &Model, parts: &Parts<f64>) -> NodeBlocks<S> {

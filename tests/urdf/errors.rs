@@ -1,10 +1,10 @@
-//! Bad URDFs: each is refused by an error that names the file, the element and what is wrong with it.
+//! Invalid URDFs: each is refused by an error that names the file, the element and the fault.
 
 use aghf::error::Error;
 use aghf::urdf::{load_urdf, parse_urdf};
 use std::path::Path;
 
-/// A good robot to break: `base`, turned by `shoulder`, then `upper`, then pushed by `slide`, then `lower`.
+/// A valid robot for modification: `base`, rotated by `shoulder`, then `upper`, then moved by `slide`, then `lower`.
 const ARM: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base"/>
@@ -37,13 +37,13 @@ const ARM: &str = r#"<?xml version="1.0"?>
   </joint>
 </robot>"#;
 
-/// [`ARM`] with its only `what` replaced.
+/// [`ARM`] with the only occurrence of `what` replaced.
 fn arm_with(what: &str, replacement: &str) -> String {
     assert_eq!(ARM.matches(what).count(), 1, "'{what}' in the good robot");
     ARM.replace(what, replacement)
 }
 
-/// Says what is wrong where `text` is not refused as `element`, with all `words` (between semicolons) in the condition.
+/// The discrepancy if `text` is not refused as `element` with all `words` (separated by semicolons) in the condition.
 fn not_refused(text: &str, element: &str, words: &str) -> Option<String> {
     let wanted = format!("want {element}: {words}");
     let error = match parse_urdf(text, "folder/arm.urdf") {
@@ -177,7 +177,7 @@ fn zero_axes() {
     assert_refused(["0 1 0 => 0 0 -0 | joint 'shoulder' | axis is zero"]);
 }
 
-/// The message must lead to the place, which is the element.
+/// The message must lead to the place of the fault, which is the element.
 #[test]
 fn malformed_numbers() {
     assert_refused([
@@ -190,7 +190,7 @@ fn malformed_numbers() {
     ]);
 }
 
-/// A word among three numbers must not be passed over.
+/// A word among three numbers must not be skipped.
 #[test]
 fn words_among_the_numbers_of_a_vector() {
     assert_refused([
@@ -233,7 +233,7 @@ fn several_roots() {
     ]);
 }
 
-/// A joint to add to a robot.
+/// A joint for addition to a robot.
 fn joint(name: &str, parent: &str, child: &str) -> String {
     let ends = format!(r#"<parent link="{parent}"/><child link="{child}"/>"#);
     format!(r#"<joint name="{name}" type="continuous">{ends}</joint>"#)
@@ -270,7 +270,7 @@ fn joints_that_are_not_supported() {
     ]);
 }
 
-/// Numbers that are finite, but not what is computed from them.
+/// Finite numbers with non-finite results.
 #[test]
 fn numbers_that_overflow() {
     let far = arm_with("0.1 0.2 0.3", "1e200 0.2 0.3");
@@ -279,7 +279,7 @@ fn numbers_that_overflow() {
 
 const NO_INERTIA: &str = r#"<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>"#;
 
-/// A robot with one joint about or along (1, 2, 2), which moves a point mass at `xyz`.
+/// A robot with one joint about or along (1, 2, 2) and a point mass at `xyz`.
 fn point_mass(kind: &str, xyz: &str, mass: &str) -> String {
     let origin = format!(r#"<origin xyz="{xyz}"/><mass value="{mass}"/>"#);
     let load = format!("<inertial>{origin}{NO_INERTIA}</inertial>");
@@ -296,7 +296,7 @@ fn joints_that_move_nothing() {
     let refused = |text: &str| assert_text_refused(text, "joint 'move'", words);
     refused(&point_mass("continuous", "1 0 0", "0"));
     refused(&point_mass("prismatic", "1 0 0", "0"));
-    // On the axis; beside it is no problem, nor is sliding.
+    // On the axis; off the axis, and for sliding, the same mass is accepted.
     refused(&point_mass("continuous", "-0.5 -1 -1", "3"));
     refused(&point_mass("revolute", "0.1 0.2 0.2", "3"));
     for good in [
@@ -305,12 +305,12 @@ fn joints_that_move_nothing() {
     ] {
         parse_urdf(&good, "good").expect("there is something to move");
     }
-    // What turns does not push.
+    // Rotational inertia does not resist translation.
     let rotor = point_mass("prismatic", "0 0 0", "0").replace("ixx=\"0\"", "ixx=\"1\"");
     refused(&rotor);
 }
 
-/// A massless leaf is refused below good joints too, also where a fixed link hangs on it.
+/// A massless leaf is refused below valid joints as well, also with a fixed link on it.
 #[test]
 fn massless_leaves() {
     let fixed = joint("tip", "leaf", "tip").replace("continuous", "fixed");
@@ -321,7 +321,7 @@ fn massless_leaves() {
     )]);
 }
 
-/// Two axes in one place and direction: each has inertia about it, but only their sum can be told.
+/// Two joints with the same axis: each moves inertia, but only their sum is determined.
 #[test]
 fn coinciding_axes() {
     let between = format!(

@@ -1,4 +1,4 @@
-//! The robots that are built in, built in code or made at random, and the order of their joints.
+//! Built-in robots, robots built in code or at random, and the order of their joints.
 
 use crate::common::robot;
 use aghf::dynamics::{Data, crba, rnea};
@@ -14,7 +14,7 @@ fn urdf(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("it exists")
 }
 
-/// The links and joints of such a text, each of which starts on a line of its own.
+/// The links and joints of such a text, each of which begins on a separate line.
 fn elements(text: &str) -> (String, Vec<String>) {
     let mut parts = vec![String::new()];
     for line in text.lines().filter(|line| *line != "</robot>") {
@@ -53,7 +53,7 @@ fn joints_are_numbered_depth_first_by_name_whatever_the_order_of_the_file() {
             match turn {
                 0 => parts.reverse(),
                 1 => parts.sort(),
-                // A step that shares no factor with the number of elements visits all.
+                // A step that is coprime to the number of elements visits all.
                 _ => {
                     let (count, step) = (parts.len(), if parts.len() % 7 == 0 { 5 } else { 7 });
                     parts = (0..count)
@@ -71,7 +71,7 @@ fn joints_are_numbered_depth_first_by_name_whatever_the_order_of_the_file() {
     }
 }
 
-/// The children of one link, in the order of their joints' names and not of their own or of the file.
+/// The children of a link are in the order of the names of their joints, not of their own names or of the file.
 #[test]
 fn siblings_are_in_alphabetical_order_of_joint_names() {
     let body = r#"<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>"#;
@@ -244,7 +244,7 @@ fn bad_models_in_code_are_errors() {
 fn random_trees_repeat_with_their_seed() {
     let shown = |n, seed| format!("{:?}", random_tree(n, seed).expect("n > 0"));
     assert_eq!(shown(9, 5), shown(9, 5));
-    // The name tells the seed, so compare what it does.
+    // The name contains the seed, so the dynamics are compared.
     let torques = |n, seed| torques_somewhere(&random_tree(n, seed).expect("n > 0"));
     assert_ne!(torques(9, 5), torques(9, 6));
 }

@@ -1,4 +1,4 @@
-//! Collision elements: read, moved with their links, written; and what an SRDF says of links.
+//! Collision elements: read, moved with their links and written; and the data of an SRDF.
 
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::Shape;
@@ -7,7 +7,7 @@ use aghf::spatial::Placement;
 use aghf::urdf::{Srdf, parse_urdf};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// `base` carries `arm`, to which `tool` is fixed, which carries `finger`: each with a shape, `tool` with two.
+/// A robot of `base`, `arm`, `tool`, which is fixed to `arm`, and `finger`: each has a shape, `tool` two.
 const ROBOT: &str = r#"<robot name="shapes">
   <link name="base"><collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision></link>
   <link name="arm">
