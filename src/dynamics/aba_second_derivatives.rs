@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::scalar::Scalar;
 
-/// The second derivatives of forward dynamics in the state, at a force that does not change.
+/// The second derivatives of forward dynamics in the state, at constant force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForwardDynamicsSecondDerivatives<S: Scalar> {
     /// $\partial^2 FD_i / (\partial q_j\\, \partial q_k)$.
@@ -17,7 +17,7 @@ pub struct ForwardDynamicsSecondDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {

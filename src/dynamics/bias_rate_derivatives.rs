@@ -15,7 +15,7 @@ pub struct BiasRateDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> BiasRateDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {

@@ -110,7 +110,7 @@ impl<S: Scalar> Data<S> {
     }
 }
 
-/// The acceleration of the base that stands for gravity: $-a_g$.
+/// The acceleration of the base that is equivalent to gravity: $-a_g$.
 pub(super) fn base_acceleration<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>) -> Motion<S> {
     Motion {
         linear: model.gravity().map(|g| -S::lift(g)),

@@ -22,7 +22,7 @@ impl<S: Scalar> Data<S> {
             let ratio = S::one() / self.scalar_scratch[i];
             let scaled = self.articulated_axes[i] * ratio;
             self.related.clear();
-            // A loop as `extend` would keep the state of the iterator in memory.
+            // A loop, because `extend` would keep the state of the iterator in memory.
             for j in path_to_base(model, i).skip(1) {
                 self.related.push(j);
             }
@@ -44,9 +44,9 @@ impl<S: Scalar> Data<S> {
         }
     }
 
-    /// $-H^{-1} A$ for two matrices `A` whose entries vanish but for joints on one path to the base, after
-    /// [`invert_mass_matrix`](Self::invert_mass_matrix); all `N` by `N`. Cost O(N^2 d) where joints are numbered depth first; other
-    /// numbers add products with zeros.
+    /// $-H^{-1} A$ for two matrices `A` whose entries vanish unless both joints are on one path to the base, after
+    /// [`invert_mass_matrix`](Self::invert_mass_matrix); all `N` by `N`. Cost O(N^2 d) where joints are numbered depth
+    /// first; other numberings add products with zeros.
     pub(super) fn minus_h_inverse_times<C: Scalar>(
         &mut self,
         model: &Model<C>,

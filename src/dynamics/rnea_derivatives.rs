@@ -25,7 +25,7 @@ pub struct InverseDynamicsDerivatives<S: Scalar = f64> {
 }
 
 impl<S: Scalar> InverseDynamicsDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -95,7 +95,7 @@ impl<S: Scalar> SubtreeForceDerivatives<S> {
         out: &mut InverseDynamicsDerivatives<S>,
     ) {
         let two = S::from_f64(2.0);
-        // How joint i feels the joints before it.
+        // The derivatives of the torque of joint i in the coordinates of the joints before it.
         let eta = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
         for j in path_to_base(model, i) {
             let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
@@ -130,7 +130,7 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// The same for bodies whose placements, velocities and accelerations are known.
+    /// Performs [`prepare_derivatives`](Self::prepare_derivatives) for known placements, velocities and accelerations.
     pub(super) fn differentiate_bodies<C: Scalar>(&mut self, model: &Model<C>)
     where
         S: AlgebraOver<C>,

@@ -18,14 +18,15 @@
 //!    \frac{\partial^2 ID_i}{\partial a_j \partial q_k} = S_i \cdot \dot I S_j, \quad
 //!    \frac{\partial^2 ID_i}{\partial a_k \partial q_j} = \lbrack i < j \rbrack\\, S_i \cdot (S_j \times^* F_a), $$
 //!
-//! where `i < j` says that `i` is nearer to the base. What joint `k` itself feels of joints `i` and `j` before it needs the couples
-//! $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$. For `i` not after `j`
+//! where `i < j` means that `i` is nearer to the base. The derivatives of $ID_k$ itself in the coordinates of joints
+//! `i` and `j` before it need the couples $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$. For `i` not
+//! after `j`
 //!
 //! $$ \frac{\partial^2 ID_k}{\partial q_i \partial q_j} = \dot\Psi_i \cdot P_j + \ddot\Psi_i \cdot (S_j \times^* F_a), \quad
 //!    \frac{\partial^2 ID_k}{\partial v_i \partial q_j} = S_i \cdot P_j + 2 \dot\Psi_i \cdot (S_j \times^* F_a), $$
 //!
-//! and the others are there already, by the symmetry of `H` and because $S_i \cdot B_v S_j$ is what velocities at `i` and `j` do to
-//! `k`, with the opposite sign:
+//! and the others follow from the symmetry of `H`, and because velocities at `i` and `j` act on `k` with the opposite
+//! of $S_i \cdot B_v S_j$:
 //!
 //! $$ \frac{\partial^2 ID_k}{\partial a_i \partial q_j} = \frac{\partial^2 ID_i}{\partial a_k \partial q_j}, \quad
 //!    \frac{\partial^2 ID_k}{\partial v_i \partial v_j} = -\frac{\partial^2 ID_j}{\partial v_i \partial v_k}, \quad
@@ -55,7 +56,7 @@ pub struct InverseDynamicsSecondDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -166,7 +167,7 @@ struct Last<S: Scalar> {
 }
 
 impl<S: Scalar> Last<S> {
-    /// Of joint `k`, with the sums over its subtree in `data`.
+    /// The quantities of joint `k`, from the sums over its subtree in `data`.
     fn new(k: usize, data: &Data<S>) -> Self {
         let (axis, rate) = (&data.axes[k], &data.axis_rates[k]);
         let (inertia, coriolis) = (&data.inertias[k], &data.coriolis[k]);
@@ -219,7 +220,7 @@ impl<S: Scalar> Last<S> {
                 out.dqdv[(k, j, i)] = -by_qv;
             }
         }
-        // Joints before j, which feel what joint j carries.
+        // Joints before j: moving j also moves its load relative to them.
         let qq = qq + axis.cross_force(&self.force.by_q);
         let qv = qv + axis.cross_force(&self.force.by_v);
         let qa = axis.cross_force(&self.force.by_a);

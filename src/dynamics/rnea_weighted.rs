@@ -45,7 +45,7 @@ pub struct RneaVjp<S: Scalar> {
 }
 
 impl<S: Scalar> RneaVjp<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl<S: Scalar> RneaVjp<S> {
     }
 }
 
-/// The blocks of the Hessian of $w^T ID(q, v, a)$, `N` by `N` each; that in `a` twice and that in `v` and `a` are zero.
+/// The blocks of the Hessian of $w^T ID(q, v, a)$, `N` by `N` each; those in `(a, a)` and in `(v, a)` are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RneaWeightedHessian<S: Scalar> {
     /// $\partial^2 (w^T ID) / \partial q_i \partial q_j$.
@@ -70,7 +70,7 @@ pub struct RneaWeightedHessian<S: Scalar> {
 }
 
 impl<S: Scalar> RneaWeightedHessian<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = || DMatrix::zeros(n, n);
@@ -205,7 +205,8 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// The initial values of contractions besides [`prepare_derivatives`](Self::prepare_derivatives): virtual quantities of the bodies.
+    /// Computes the virtual quantities of the bodies for a contraction, after
+    /// [`prepare_derivatives`](Self::prepare_derivatives).
     fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S]) -> Result<()> {
         self.add_virtual_velocities(model, w)?;
         let two = S::from_f64(2.0);
@@ -230,7 +231,7 @@ impl<S: Scalar> Data<S> {
         }
         let two = S::from_f64(2.0);
         for (k, joint) in model.joints().iter().enumerate().rev() {
-            // A push on the subtree of k is what moving joint k changes of F.
+            // The derivatives of the force F on the subtree of k in the coordinates of joint k.
             let f = self.push(k);
             if let Some(first) = first.as_deref_mut() {
                 f.fill_row_and_column(model, self, k, first);

@@ -46,8 +46,8 @@ pub struct PlanSettings {
     pub seed: u64,
     /// The number of the path: each number gives a different one.
     pub number: u64,
-    /// The largest number of paths, of which the shortest is the result. The last one is that at most a quarter longer
-    /// than the straight line from start to goal.
+    /// The largest number of paths, of which the shortest is the result. Planning stops at a path at most a quarter
+    /// longer than the straight line from start to goal.
     pub paths: usize,
     /// The distance that rows keep from their bounds if start and goal have it too, in the unit of the row, m for a
     /// clearance.

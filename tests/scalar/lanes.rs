@@ -21,13 +21,13 @@ proptest! {
     }
 }
 
-/// Angles of all sizes that the short way is for.
+/// Angles of all sizes in the range of the fast path.
 fn angle() -> impl Strategy<Value = f64> {
     let sized = (-300.0..9.0_f64, -1.0..1.0_f64).prop_map(|(e, sign)| sign * 10.0_f64.powf(e));
     prop_oneof![-7.0..7.0_f64, -1e9..1e9_f64, sized]
 }
 
-/// Angles that it is not for, half of them only just, and what is no angle.
+/// Angles beyond that range, half of them only just, and non-finite numbers.
 fn beyond() -> impl Strategy<Value = f64> {
     let exponent = prop_oneof![9.0..12.0_f64, 9.0..308.0_f64];
     let sign = prop::sample::select(vec![-1.0, 1.0]);
@@ -36,8 +36,8 @@ fn beyond() -> impl Strategy<Value = f64> {
     prop_oneof![4 => sized, 1 => prop::sample::select(none)]
 }
 
-/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, behind one another; the acceleration serves
-/// as the weight.
+/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, concatenated; the acceleration
+/// serves as the weight.
 fn dynamics<S: AlgebraOver<f64>>(model: &Model, [q, v, a]: [&[S]; 3]) -> Vec<S> {
     let n = model.dof();
     let data = &mut Data::new(model);
@@ -59,7 +59,7 @@ fn model_and_lanes() -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
     })
 }
 
-/// The dynamics in lanes side by side, lane by lane.
+/// The dynamics evaluated in SIMD lanes, lane by lane.
 fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = model.dof();
     let packed: Vec<Lanes<f64, W>> = (0..3 * n)
@@ -103,7 +103,7 @@ proptest! {
         }
     }
 
-    /// Each lane has the bits that it has alone.
+    /// Each lane has the same bits as a separate evaluation.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_the_dynamics((model, states) in model_and_lanes()) {
         let n = model.dof();

@@ -133,7 +133,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
         let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
 
         let view = |x| DVectorView::from_slice(x, n);
-        // What the inertia forces leave of the rate of u.
+        // The rate of u without its inertia term H xddot_P2.
         self.rate.gemv(one, dq, &view(node.xdot_p1()), zero);
         self.rate.gemv(one, dv, &view(a), one);
 

@@ -40,9 +40,9 @@ pub(super) fn unfinished(path: &Path, is: bool) {
 /// Removes unfinished files and empty folders before the program ends early.
 pub fn remove_unfinished() {
     let all = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-    // Files before the folders that they are in, which have shorter names.
+    // In reverse order, because the name of a folder comes before those of its files.
     for path in all.iter().rev() {
-        // A folder with results cannot be removed.
+        // Best effort: a folder with results cannot be removed.
         let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir(path));
     }
 }
@@ -54,7 +54,7 @@ pub(super) struct Partial {
 }
 
 impl Partial {
-    /// Writes a new file of a random name next to `path`: no file or link that is there already is written through.
+    /// Writes a new file of a random name next to `path`, so that no existing file or link is written through.
     pub fn write(
         path: &Path,
         write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
@@ -62,7 +62,7 @@ impl Partial {
         let mut builder = tempfile::Builder::new();
         builder.prefix(path.file_name().unwrap_or_default());
         builder.suffix(".partial");
-        // Readable as the process's mask allows, like any result; the default is for the owner alone.
+        // Permissions by the umask, as for any result; by default only the owner could read the file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let folder = path
@@ -91,7 +91,7 @@ impl Partial {
         let moved = if replace {
             partial.persist(&path)
         } else {
-            // Unlike a rename it fails where there is a file, also one made meanwhile by another process.
+            // Unlike a rename, this fails if the file exists, even if another process has just created it.
             partial.persist_noclobber(&path)
         };
         moved.map_err(|e| Error::io(&path, e.error))?;

@@ -45,7 +45,7 @@ impl OutputFolder {
             if number > 1 {
                 name.push(format!("-{number}"));
             }
-            // Another process that looks for a folder at the same time finds this one taken.
+            // Creating it also reserves the name against other processes.
             match fs::create_dir(&name) {
                 Ok(()) => return Self::new(Path::new(&name), true, false),
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => (),
@@ -103,7 +103,7 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if self.made {
-            // Only an empty one can be removed, and one that is not has results.
+            // Best effort: only an empty folder can be removed, and one with results should stay.
             let _ = fs::remove_dir(&self.path);
             unfinished(&self.path, false);
         }

@@ -40,7 +40,7 @@ pub fn summary_table(summary: &Summary) -> String {
     table.to_string()
 }
 
-/// The rows of that table, each a name and a value.
+/// The rows of the table of a solve, each a name and a value.
 pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
@@ -96,7 +96,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         add("largest torque of passive joints", &both);
     }
     let limits = s.feasibility.limit_violations.iter();
-    // The torques of passive joints have a row of their own.
+    // The torques of passive joints have their own row.
     for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
         add("limit exceeded", &violation.to_string());
     }
