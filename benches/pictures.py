@@ -107,8 +107,9 @@ def methods():
 
 def obstacles():
     """Paths of the third joint of the pendulum with and without a sphere."""
-    sphere = {"center_m": [-1.35, 0.0, 0.3], "radius_m": 0.15}
-    clear = {**SWING, "sphere_obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
+    centre, radius = [-1.35, 0.0, 0.3], 0.15
+    sphere = {"shape": {"sphere": {"radius_m": radius}}, "pose": {"position_m": centre}}
+    clear = {**SWING, "obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
     figure, ax = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
     for scenario, colour, label in [(SWING, BLUE, "free"), (clear, ORANGE, "clear of the sphere")]:
         motion, summary = solved(scenario)
@@ -117,7 +118,7 @@ def obstacles():
         # Links point along -x and turn about y.
         x, z = -np.cos(first) - np.cos(second), np.sin(first) + np.sin(second)
         ax.plot(x, z, color=colour, label=f"{label}: effort {summary['control_effort']:.0f}")
-    ax.add_patch(plt.Circle((sphere["center_m"][0], sphere["center_m"][2]), sphere["radius_m"], color=GREY))
+    ax.add_patch(plt.Circle((centre[0], centre[2]), radius, color=GREY))
     ax.set(xlabel="x, m", ylabel="z, m", aspect="equal")
     ax.legend(fontsize=8)
     return figure

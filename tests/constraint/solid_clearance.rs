@@ -48,6 +48,7 @@ fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
             let on_axis = Vector3::new(0.0, 0.0, p.z.clamp(-half_length, *half_length));
             (p - on_axis).norm() - radius
         }
+        Shape::HalfSpace => p.z,
     }
 }
 

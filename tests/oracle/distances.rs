@@ -9,7 +9,7 @@ use aghf::urdf::builtin_robot;
 use nalgebra::{Rotation3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder};
+use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, HalfSpace};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::Cell;
@@ -52,6 +52,7 @@ fn theirs(shape: &Shape) -> Box<dyn PointQuery> {
             radius,
             half_length,
         } => Box::new(Capsule::new_y(half_length, radius)),
+        Shape::HalfSpace => Box::new(HalfSpace::new(Vector::Y)),
     }
 }
 

@@ -65,22 +65,10 @@ pub(super) struct Tip {
 impl Item {
     /// A shape at `placement` in a body.
     pub fn new(body: Option<usize>, placement: &Placement<f64>, shape: &Shape<f64>) -> Self {
-        let (kind, size) = match *shape {
-            Shape::Sphere { radius } => ("sphere", [radius; 3]),
-            Shape::Cuboid { half_extents } => ("box", half_extents.into()),
-            Shape::Cylinder {
-                radius,
-                half_length,
-            } => ("cylinder", [radius, radius, half_length]),
-            Shape::Capsule {
-                radius,
-                half_length,
-            } => ("capsule", [radius, radius, half_length]),
-        };
         Self {
             body,
-            kind,
-            size,
+            kind: shape.name(),
+            size: shape.half_lengths().into(),
             pose: pose(placement),
             color: None,
             name: None,

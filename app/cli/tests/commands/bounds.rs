@@ -53,7 +53,8 @@ fn scenario(keys: Value) -> String {
 fn sizes_in_a_scenario_have_bounds() {
     let folder = empty_folder("scenario_bounds");
     let horizon = "a positive time of at least 1e-6 s and at most 31536000 s";
-    let sphere = json!({"center_m": [5, 5, 5], "radius_m": 0.1});
+    let sphere =
+        json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [5, 5, 5] } });
     let swept = |spacing: f64| json!({"swept-links": {"radius_m": 0.05, "spacing_m": spacing}});
     for (keys, words) in [
         (
@@ -81,25 +82,25 @@ fn sizes_in_a_scenario_have_bounds() {
             format!("free_horizon.longest_s: it is 1e300, ; {horizon}"),
         ),
         (
-            json!({"sphere_obstacles": [sphere], "robot_shape": swept(1e-6)}),
+            json!({"obstacles": [sphere], "robot_shape": swept(1e-6)}),
             "robot_shape.swept-links.spacing_m: it is 1e-6, ; 1000002 balls; at most 10000"
                 .to_owned(),
         ),
         (
-            json!({"sphere_obstacles": [sphere], "robot_shape": swept(1e-300)}),
+            json!({"obstacles": [sphere], "robot_shape": swept(1e-300)}),
             "robot_shape.swept-links.spacing_m: it is 1e-300, ; at most 10000".to_owned(),
         ),
         (
-            json!({"sphere_obstacles": vec![sphere; 100], "robot_shape": swept(1e-3)}),
-            "sphere_obstacles: 100 obstacles and 1002 balls; 50000".to_owned(),
+            json!({"obstacles": vec![sphere; 100], "robot_shape": swept(1e-3)}),
+            "obstacles: 100 obstacles and 1002 balls; 50000".to_owned(),
         ),
         (
-            json!({"sphere_obstacles": [{"center_m": [1e300, 0, 0], "radius_m": 1e300}]}),
-            "sphere_obstacles[0]: ; no number above 1000000 m".to_owned(),
+            json!({"obstacles": [{ "shape": { "sphere": { "radius_m": 1e300 } }, "pose": { "position_m": [1e300, 0, 0] } }]}),
+            "obstacles[0]: position_m; none above 1000000 m".to_owned(),
         ),
         (
-            json!({"half_spaces": [{"normal": [0, 0, 1], "offset_m": 1e7}]}),
-            "half_spaces[0]: ; at most 1000000 m".to_owned(),
+            json!({"obstacles": [{ "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, 1e7] } }]}),
+            "obstacles[0]: position_m; none above 1000000 m".to_owned(),
         ),
     ] {
         std::fs::write(folder.join("s.json"), scenario(keys)).expect("writable");

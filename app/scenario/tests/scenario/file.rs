@@ -11,8 +11,10 @@ fn good() -> Value {
     json!({
         "robot": "pendulum_2", "horizon_s": 2.0,
         "q_start": [-1.5, 0.25], "v_start": [0.0, 0.5], "q_goal": [1.5, 0.75], "v_goal": [1.0, 0.0],
-        "sphere_obstacles": [{ "center_m": [0.0, 3.0, 0.5], "radius_m": 0.1 }],
-        "half_spaces": [{ "normal": [0.0, 0.0, 0.5], "offset_m": -3.0 }],
+        "obstacles": [
+            { "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 3.0, 0.5] } },
+            { "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -3.0] } },
+        ],
         "robot_shape": { "swept-links": { "radius_m": 0.1, "spacing_m": 0.2 } },
         "enforced_limits": { "position": true, "velocity": false, "torque": false },
         "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state", "k_cons": 1e3, "c_cons": 4.0 },
@@ -70,12 +72,7 @@ fn what_a_file_says_is_what_is_solved() {
 #[test]
 fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let mut short = good();
-    let about_obstacles = [
-        "sphere_obstacles",
-        "half_spaces",
-        "robot_shape",
-        "enforced_limits",
-    ];
+    let about_obstacles = ["obstacles", "robot_shape", "enforced_limits"];
     let parameters = ["flow", "feedback", "success_threshold"];
     for key in about_obstacles.into_iter().chain(parameters) {
         short.as_object_mut().expect("it is one").remove(key);
@@ -87,7 +84,7 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
-    assert!(file.enforced_limits.any() && file.sphere_obstacles.is_empty());
+    assert!(file.enforced_limits.any() && file.obstacles.is_empty());
     assert_eq!(
         (file.feedback.kp, file.feedback.kv, file.success_threshold),
         (10.0, 10.0, 0.05)
@@ -267,16 +264,18 @@ fn robots_that_do_not_exist_or_are_bad() {
 #[test]
 fn bad_obstacles_are_refused() {
     let with = |key: &str, value: Value| with(good(), json!({ key: value })).to_string();
+    let obstacle =
+        |shape: Value, pose: Value| with("obstacles", json!([{ "shape": shape, "pose": pose }]));
     let sphere = |centre: Value, radius: f64| {
-        with(
-            "sphere_obstacles",
-            json!([{ "center_m": centre, "radius_m": radius }]),
+        obstacle(
+            json!({ "sphere": { "radius_m": radius } }),
+            json!({ "position_m": centre }),
         )
     };
-    let floor = |normal: Value| {
-        with(
-            "half_spaces",
-            json!([{ "normal": normal, "offset_m": 0.0 }]),
+    let floor = |turn: Value| {
+        obstacle(
+            json!({ "half_space": {} }),
+            json!({ "position_m": [0.0, 0.0, -3.0], "orientation_xyzw": turn }),
         )
     };
     let swept = |radius: f64, spacing: f64| {
@@ -284,9 +283,9 @@ fn bad_obstacles_are_refused() {
         with("robot_shape", shape)
     };
     for good in [
-        with("sphere_obstacles", json!([])),
+        with("obstacles", json!([])),
         sphere(json!([0.0, 0.0, 1.0]), 0.1),
-        floor(json!([0.0, 0.0, 2.0])),
+        floor(json!([0.0, 0.0, 0.6, 0.8])),
         swept(0.0, 0.1),
         with("robot_shape", json!({ "swept-links": { "radius_m": 0.1 } })),
         with("enforced_limits", json!({ "position": true })),
@@ -296,20 +295,42 @@ fn bad_obstacles_are_refused() {
     assert_refused([
         (
             sphere(json!([0.0, 1.0]), 0.1),
-            "sphere_obstacles[0].center_m; length 2",
+            "obstacles[0].pose.position_m; length 2",
         ),
         (
             sphere(json!([0.0, 0.0, 1.0]), 0.0),
-            "sphere_obstacles[0]; positive radius",
+            "obstacles[0]; radius_m has; a positive number",
         ),
         (
             sphere(json!([0.0, 0.0, 1.0]), -0.1),
-            "sphere_obstacles[0]; positive radius",
+            "obstacles[0]; radius_m has; a positive number",
         ),
-        (floor(json!([0.0, 0.0, 0.0])), "half_spaces[0]; not zero"),
         (
-            floor(json!([0.0, "up", 0.0])),
-            "half_spaces[0].normal[1]; up",
+            floor(json!([0.0, 0.0, 0.0, 0.0])),
+            "obstacles[0]; has length 0",
+        ),
+        (
+            floor(json!([0.0, "up", 0.0, 0.0])),
+            "obstacles[0].pose.orientation_xyzw[1]; up",
+        ),
+        (
+            obstacle(json!({ "cone": {} }), json!({ "position_m": [0, 0, 0] })),
+            "obstacles[0].shape; cone",
+        ),
+        (
+            obstacle(
+                json!({ "half_space": { "height_m": 1 } }),
+                json!({ "position_m": [0, 0, 0] }),
+            ),
+            "obstacles[0].shape.half_space.height_m; unknown",
+        ),
+        (
+            with("box_obstacles", json!([])),
+            "box_obstacles; one list; {\"box\": {\"size_m\": [x, y, z]}}",
+        ),
+        (
+            with("half_spaces", json!([])),
+            "half_spaces; one list; {\"half_space\": {}}",
         ),
         (swept(-0.1, 0.1), "robot_shape; not negative"),
         (swept(0.1, 0.0), "robot_shape; positive spacing"),

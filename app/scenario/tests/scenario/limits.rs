@@ -203,14 +203,14 @@ fn lists_are_no_objects() {
             "robot_shape.swept-links: ",
         ),
         (
-            json!({ "sphere_obstacles": [
-                { "center_m": [0.0, 0.0, 9.0], "radius_m": 0.1 }, [[0.0, 0.0, 9.0], 0.1]
+            json!({ "obstacles": [
+                { "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 0.0, 9.0] } }, [[0.0, 0.0, 9.0], 0.1]
             ] }),
-            "sphere_obstacles[1]: ",
+            "obstacles[1]: ",
         ),
         (
-            json!({ "half_spaces": [[[0.0, 0.0, 1.0], -9.0]] }),
-            "half_spaces[0]: ",
+            json!({ "obstacles": [{ "shape": { "sphere": [0.1] }, "pose": { "position_m": [0, 0, 9] } }] }),
+            "obstacles[0].shape.sphere: ",
         ),
     ] {
         let error = load("lists", &with(plain("pendulum_2", 2), keys)).expect_err(words);
