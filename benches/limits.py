@@ -31,12 +31,12 @@ def seeds(text: str) -> range:
 
 
 def percentile(ascending: list, share: float) -> float:
-    """The smallest value that at least `share` of all do not exceed."""
+    """The smallest value not exceeded by at least `share` of all."""
     return ascending[max(math.ceil(share * len(ascending)) - 1, 0)]
 
 
 def solve(aghf: Path, name: str, robot: str, extra: list, folder: str) -> tuple:
-    """The seconds of the search, if there was one, and why it failed, if it did."""
+    """The duration of the search in seconds, if there was one, and the reason of a failure, if it failed."""
     command = [aghf, "solve", name, "--robot", robot, "--mimic", "independent", "--json", "--out", folder, "--force", *extra]
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode not in (0, 3):

@@ -22,7 +22,10 @@ _BOUND = {"complex step": 1e-9, "central difference": 1e-5}
 
 
 class RunningCost(Protocol):
-    """A running cost ``l(t, q, v, a, u)`` with ``u = rnea(q, v, a)``: any object with these methods, which threads call, one at a time."""
+    """A running cost ``l(t, q, v, a, u)`` with ``u = rnea(q, v, a)``: any object with these methods.
+
+    Threads call them, one at a time.
+    """
 
     def value(self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, u: np.ndarray) -> float:
         """``l``."""
@@ -30,11 +33,11 @@ class RunningCost(Protocol):
     def derivatives(
         self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, u: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Its gradient, shape (4 N,), and Hessian, shape (4 N, 4 N), in ``[q; v; a; u]``, with ``u`` for a variable of its own."""
+        """Its gradient, (4 N,), and Hessian, (4 N, 4 N), in ``[q; v; a; u]``, with ``u`` as an independent variable."""
 
 
 class Constraint(Protocol):
-    """A constraint ``g(q, v) <= 0``: any object with these.
+    """A constraint ``g(q, v) <= 0``: any object with these members.
 
     ``scales``, shape (rows,), may say how fast each row grows with what it bounds, and ``names`` what they are called.
     """
@@ -138,10 +141,10 @@ def _compare(states, value, first, second, names, samples: int, seed: int) -> Ta
 
 
 def _derivative(of: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> tuple[np.ndarray, str]:
-    """The derivative of a function with its last index that of ``x``, and how it was found."""
+    """The derivative of a function, with the index of ``x`` last, and its method."""
     try:
         with warnings.catch_warnings():
-            # Where a function writes complex numbers into real arrays.
+            # Raised by functions that write complex numbers into real arrays.
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
             return _by_columns(lambda e: np.imag(of(x + 1j * _COMPLEX * e)) / _COMPLEX, x, of), "complex step"
     except (TypeError, ValueError, np.exceptions.ComplexWarning, _NotComplex):

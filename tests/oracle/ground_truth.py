@@ -1,11 +1,11 @@
-"""The quantities of Pinocchio in the conventions of aghf: a joint has one position, a tensor's derivative index comes last."""
+"""The quantities of Pinocchio in the conventions of aghf: one position per joint, derivative indices last."""
 
 import numpy as np
 import pinocchio as pin
 
 
 def placements(poses):
-    """One row a pose: its rotation, row by row, and its translation."""
+    """One row per pose: its rotation by rows, and its translation."""
     rows = [np.append(pose.rotation.ravel(), pose.translation) for pose in poses]
     return np.array(rows).reshape(-1, 12)
 
@@ -37,7 +37,7 @@ def derivative(f, x, i, turns, degree):
 
 
 def angular_first(jacobian):
-    """Our rows of a Jacobian, which comes as a vector where there is one joint."""
+    """The rows of a Jacobian in our order; with one joint Pinocchio returns a vector."""
     return np.roll(jacobian.reshape(6, -1), 3, axis=0)
 
 
@@ -49,7 +49,7 @@ class Robot:
         self.data = self.model.createData()
         joints = list(self.model.joints)[1:]
         self.n = len(joints)
-        # A continuous joint has two numbers here, the cosine and the sine of its angle.
+        # A continuous joint has two numbers in Pinocchio, the cosine and the sine of its angle.
         self.on_circle = np.array([joint.nq == 2 for joint in joints], dtype=bool)
         self.index = np.array([joint.idx_q for joint in joints], dtype=int)
         self.turns = np.array([not joint.shortname().startswith("JointModelP") for joint in joints])
@@ -64,7 +64,7 @@ class Robot:
         }
 
     def summary(self):
-        """The number of joints, and of those that move nothing with inertia."""
+        """The number of joints, and of those whose subtree has no inertia."""
         mass = pin.crba(self.model, self.data, pin.neutral(self.model))
         return f"{self.n} joints, {np.count_nonzero(np.diag(mass) < 1e-12)} of them without inertia"
 
@@ -89,7 +89,7 @@ class Robot:
         return coriolis + coriolis.T
 
     def dynamics(self, q, v, a, tau):
-        """Everything that Pinocchio has a function for."""
+        """All quantities for which Pinocchio has a function."""
         model, data, p = self.model, self.data, self.configuration(q)
         axes = pin.computeJointJacobians(model, data, p)
         pin.framesForwardKinematics(model, data, p)
