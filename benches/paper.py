@@ -11,7 +11,7 @@ The searches are those of `aghf sweep`, are resumed after an interruption, and c
 `--shard`. Then every scenario is solved with the best sets, one after the other on one core, and
 `cargo bench --bench flow` times the right-hand side of the flow and its Jacobian on robots of 2 to 22 joints, as in
 Figures 4 and 5. The folder gets report.md, results.json with the summaries of all solves, and the figures as SVG.
-benches/RESULTS.md says how to read the tables.
+benches/RESULTS.md explains the tables.
 """
 
 import argparse

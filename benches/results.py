@@ -5,9 +5,10 @@
     benches/results.py                     # scenarios, families, degrees, paper, variants: some 25 minutes
     benches/results.py scenarios families
 
-Tables stand between `<!-- NAME -->` and `<!-- end of NAME -->`. The first line of the file says where and of which commit the last run was. The
-tables of `benches/limits.py`, of MotionBenchMaker, whose problems are downloaded, and of builds have their commands beside them.
-`paper` and `variants` are those of `benches/paper.py` and need what it needs; the others need Python 3.9 alone.
+Tables are between `<!-- NAME -->` and `<!-- end of NAME -->`. The first line of the file names the processor and the
+commit of the last run. The commands of the tables of `benches/limits.py`, of MotionBenchMaker, whose problems are
+downloaded, and of builds are next to them. `paper` and `variants` come from `benches/paper.py` and have its
+requirements; the others need only Python 3.9.
 """
 
 import json

@@ -5,13 +5,13 @@
     VENV/bin/python benches/underactuated.py                     # all, into robots/underactuated_ipopt.json
     VENV/bin/python benches/underactuated.py acrobot_swingup --starts 50 --intervals 40
 
-The motion is collocated at the three Gauss points of each interval: unknown are the state at the beginning of the interval and the
-accelerations at these points; position and velocity at the points are their Runge-Kutta integrals, of order six over an
-interval. At the points the torques of the passive joints are zero, by equalities; minimised is the sum of the squares of all
-others with the weights of Gauss, by exact Hessians from CasADi. Pinocchio reads the URDF, and the inverse dynamics, written here
-as a CasADi expression, are compared with its own. Starts are the cubic between the ends, and the same with random bends, each
-solved again with twice the intervals from where it ended. The best of them whose effort four times the intervals leave as it is, to 1e-3,
-is told. Limits are not looked at.
+The motion is collocated at the three Gauss points of each interval. The unknowns are the state at the beginning of the
+interval and the accelerations at these points; position and velocity at the points are their Runge-Kutta integrals, of
+order six over an interval. Equalities require zero torques of the passive joints at the points; the objective is the
+Gauss quadrature of the squares of the other torques, with exact Hessians from CasADi. Pinocchio reads the URDF, and the
+inverse dynamics, a CasADi expression in this file, are compared with Pinocchio's. Starts are the cubic between the ends
+and the same with random bends, each solved again from its solution on twice the intervals. The result is the best
+effort that changes by at most 1e-3 with four times the intervals. Limits are ignored.
 """
 
 import argparse

@@ -163,7 +163,7 @@ def frame_placement(model: Model, q, frame: str) -> np.ndarray:
 
 def frame_jacobian(model: Model, q, frame: str) -> np.ndarray:
     """The Jacobian of a frame, shape (6, N) or (B, 6, N): its angular velocity, then that of its
-    origin, along the axes of the base. It is the ``LOCAL_WORLD_ALIGNED`` of Pinocchio, whose rows are the linear ones first."""
+    origin, along the axes of the base. It is Pinocchio's ``LOCAL_WORLD_ALIGNED``, which has the linear rows first."""
     return _aghf.frame_jacobian(model._own, array(q, "q"), frame)[0]
 
 

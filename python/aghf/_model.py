@@ -62,13 +62,13 @@ class Model:
     def from_pinocchio(cls, model) -> Model:
         """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
 
-        Torques at random states are compared before it is returned. `aghf.pinocchio_configuration` has the ``q`` of Pinocchio, in
+        Torques of both models are compared at random states. `aghf.pinocchio_configuration` returns Pinocchio's ``q``, in
         which an unbounded revolute joint has a cosine and a sine.
 
         Parameters
         ----------
         model : pinocchio.Model
-            Of revolute and prismatic joints about and along any axes, on a fixed base.
+            A model of revolute and prismatic joints with any axes, on a fixed base.
 
         Returns
         -------
@@ -77,8 +77,8 @@ class Model:
         Raises
         ------
         InputError
-            The joint, and what it has that is not known here: more than one degree of freedom, a mimic joint or an armature; or a
-            body without inertia.
+            Names the joint and its unsupported feature: more than one degree of freedom, mimic, or an armature; or
+            a body without inertia.
         ImportError
             Pinocchio is not installed.
         """

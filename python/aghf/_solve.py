@@ -136,8 +136,8 @@ def solve(
     on_iteration : callable, optional
         Called with a dict of each iteration; an exception ends the search.
     **options
-        Those of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``, ``planned_starts``, ``threads``,
-        ``time_limit_s`` and so on.
+        The options of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``,
+        ``planned_starts``, ``threads``, ``time_limit_s`` and so on.
 
     Raises
     ------

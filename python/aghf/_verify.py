@@ -39,7 +39,7 @@ class RunningCost(Protocol):
 class Constraint(Protocol):
     """A constraint ``g(q, v) <= 0``: any object with these members.
 
-    ``scales``, shape (rows,), may say how fast each row grows with what it bounds, and ``names`` what they are called.
+    Optional are ``scales``, shape (rows,), the growth of each row with its bounded quantity, and ``names`` of the rows.
     """
 
     rows: int
@@ -57,8 +57,8 @@ def check(model: Model, *, samples: int = 100, seed: int = 0) -> Table:
     Returns
     -------
     Table
-        A row per quantity: ``quantity``, ``k`` (the penalty, where it matters), ``error`` (the worst, relative), ``bound``, ``passes``, and
-        the ``entry`` and the number of the ``sample`` where it was.
+        One row per quantity: ``quantity``, ``k`` (the penalty, if the quantity depends on it), ``error`` (the largest,
+        relative), ``bound``, ``passes``, and the ``entry`` and the number of the ``sample`` with this error.
     """
     findings = json.loads(_aghf.check(model._own, samples, seed))
     columns = ("quantity", "k", "error", "bound")
@@ -76,13 +76,13 @@ def check(model: Model, *, samples: int = 100, seed: int = 0) -> Table:
 def check_cost(model: Model, cost: RunningCost, *, samples: int = 10, seed: int = 0) -> Table:
     """Compares the derivatives of a running cost in Python with its values.
 
-    Values and gradients are differentiated by complex steps, to rounding, where the functions take complex arrays, and by central
-    differences where they do not.
+    Values and gradients are differentiated by complex steps, exact up to rounding, if the functions accept complex
+    arrays, otherwise by central differences.
 
     Returns
     -------
     Table
-        A row per quantity: ``quantity``, ``witness``, ``error`` (the worst, relative), ``bound`` and ``passes``.
+        One row per quantity: ``quantity``, ``witness``, ``error`` (the largest, relative), ``bound`` and ``passes``.
     """
 
     def states(random):

@@ -13,13 +13,14 @@ def placements(poses):
 def derivative(f, x, i, turns, degree):
     """df / dx_i, without a truncation error.
 
-    Along an angle (`turns`) `f` is a trigonometric polynomial of this degree d, and its values at 2 d + 1 equidistant angles
-    give its derivative exactly: the weights are those of the derivative of the trigonometric interpolant (Trefethen,
-    Spectral Methods in MATLAB, chapter 3, for an odd number of points). Along anything else it is a polynomial of this
-    degree, for which the central difference of order two (degrees 1, 2) or four (3, 4) is exact whatever its step is: 1.
+    Along an angle (`turns`) `f` is a trigonometric polynomial of this degree d, and its values at 2 d + 1 equidistant
+    angles give its derivative exactly: the weights are those of the derivative of the trigonometric interpolant
+    (Trefethen, Spectral Methods in MATLAB, chapter 3, for an odd number of points). Along any other variable it is a
+    polynomial of this degree, for which the central difference of order two (degrees 1, 2) or four (3, 4) is exact with
+    any step; here 1.
 
-    What remains is rounding: the sum of the absolute weights (2.8 and 4.4 for angles of degree 2 and 4; 1 and 1.5) times that
-    of `f` at points where it is as large as anywhere.
+    The rounding error is the sum of the absolute weights (2.8 and 4.4 for angles of degree 2 and 4; 1 and 1.5) times
+    that of the largest value of `f`.
     """
     if turns:
         m = 2 * degree + 1
@@ -115,11 +116,11 @@ class Robot:
         return everything
 
     def second_derivatives(self, q, v, a):
-        """Those of inverse dynamics, by differences of Pinocchio's first ones.
+        """The second derivatives of inverse dynamics, by differences of Pinocchio's first ones.
 
-        Seen from joint k, a kinetic energy is the square of velocities in which q_k enters through one rotation or one
-        translation, and a potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
-        where the joint slides, and its derivatives are not of a higher one. In v it is of degree 2, too.
+        As a function of q_k, the kinetic energy is quadratic in velocities that contain one rotation or translation by
+        q_k, and the potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
+        of a prismatic joint, and so are its derivatives at most. In v it is of degree 2, too.
         """
 
         first = lambda q, v: np.array(self.inverse_dynamics(q, v, a)[1:])
@@ -130,8 +131,8 @@ class Robot:
         return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}
 
     def constraints(self, q):
-        """A ball of 0.1 m about the origin of every link, to stay out of a sphere and in a half-space: the values of the rows, then
-        the gradient and the Hessian of their sum with the weights 1, 2, ...
+        """The clearances of a ball of 0.1 m about the origin of every link from a sphere and a half-space: the values
+        of the rows, then the gradient and the Hessian of their sum with the weights 1, 2, ...
 
         A position is of degree 1 in the sine and cosine of each angle, so its square is of degree 2.
         """
