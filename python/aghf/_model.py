@@ -62,8 +62,8 @@ class Model:
     def from_pinocchio(cls, model) -> Model:
         """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
 
-        Torques of both models are compared at random states. `aghf.pinocchio_configuration` returns Pinocchio's ``q``, in
-        which an unbounded revolute joint has a cosine and a sine.
+        Torques of both models are compared at random states. `aghf.pinocchio_configuration` returns Pinocchio's ``q``,
+        in which an unbounded revolute joint has a cosine and a sine.
 
         Parameters
         ----------
