@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the pictures of the guide again, into src/guide/pictures: all of them, or those that are named.
+"""Redraws the pictures of the guide in src/guide/pictures: all of them, or the named ones.
 
     cargo build --release
     pip install matplotlib
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
 PICTURES = ROOT / "src" / "guide" / "pictures"
 
-#: Text stays text, names in the file do not change from run to run, and the page is white in dark themes too.
+#: Text stays text, names in the file are reproducible, and the background is white in dark themes, too.
 STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "aghf",
@@ -140,7 +140,7 @@ def degree():
 
 
 def written(name, figure):
-    """Writes an SVG that stands in a page of rustdoc: no declaration, no metadata, no empty line."""
+    """Writes an SVG for inclusion in a page of rustdoc: no declaration, no metadata, no empty line."""
     path = PICTURES / f"{name}.svg"
     figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
     plt.close(figure)
@@ -155,7 +155,7 @@ def written(name, figure):
 
 
 def svg_head(found):
-    """The head of a picture that shrinks with its page."""
+    """The head of a picture that scales with its page."""
     return found[0].replace(f'width="{found[1]}pt" height="{found[2]}pt"', f'width="{float(found[1]):.0f}"')
 
 

@@ -52,8 +52,8 @@ fn array<'py>(
     Ok(array)
 }
 
-/// A running cost: an object with `value(t, q, v, a, u)` and `derivatives(t, q, v, a, u)`, which returns gradient and Hessian in
-/// `[q; v; a; u]`.
+/// A running cost: an object with `value(t, q, v, a, u)` and `derivatives(t, q, v, a, u)`, which returns gradient and
+/// Hessian in `[q; v; a; u]`.
 pub struct PyRunningCost {
     pub object: Py<PyAny>,
     pub raised: Raised,

@@ -32,7 +32,8 @@ impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
 ///
 /// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ twice, with $\partial ID / \partial a = H$, gives
 ///
-/// $$ -H FD_{qq,jk} = ID_{qq,jk} + \frac{\partial H}{\partial q_j} FD_{q,k} + \frac{\partial H}{\partial q_k} FD_{q,j}, \quad
+/// $$ -H FD_{qq,jk} = ID_{qq,jk} +
+///    \frac{\partial H}{\partial q_j} FD_{q,k} + \frac{\partial H}{\partial q_k} FD_{q,j}, \quad
 ///    -H FD_{qv,jk} = ID_{qv,jk} + \frac{\partial H}{\partial q_j} FD_{v,k}, \quad -H FD_{vv} = ID_{vv}. $$
 ///
 /// * `fd`: first derivatives of forward dynamics at $(q, v, \tau)$

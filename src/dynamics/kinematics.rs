@@ -90,7 +90,8 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// Accelerations of the bodies, the base accelerating against gravity, after [`add_velocities`](Self::add_velocities).
+    /// Accelerations of the bodies, the base accelerating against gravity, after
+    /// [`add_velocities`](Self::add_velocities).
     pub(super) fn add_accelerations<C: Scalar>(
         &mut self,
         model: &Model<C>,

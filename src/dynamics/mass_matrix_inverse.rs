@@ -7,12 +7,13 @@ use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 impl<S: Scalar> Data<S> {
-    /// $H^{-1}$, both halves, into `h_inverse`, after [`accelerate`](Self::accelerate). Cost O(N^2 d) with d the depth of the tree.
+    /// $H^{-1}$, both halves, into `h_inverse`, after [`accelerate`](Self::accelerate). Cost O(N^2 d) with d the depth
+    /// of the tree.
     ///
-    /// The articulated bodies hold the factors of $H = L^T D L$ (6.5 in Featherstone's book): eliminating joints from the tips to the
-    /// base leaves $S_j^T I^A_i S_i$ in row `i`, so that $L_{ij} = S_j \cdot U_i / D_i$ for `j` before `i`. From
-    /// $L H^{-1} = D^{-1} L^{-T}$, which is upper triangular with the diagonal $D^{-1}$, row `i` follows from the rows of the joints
-    /// before `i` on its path.
+    /// The articulated bodies hold the factors of $H = L^T D L$ (6.5 in Featherstone's book): eliminating joints from
+    /// the tips to the base leaves $S_j^T I^A_i S_i$ in row `i`, so that $L_{ij} = S_j \cdot U_i / D_i$ for `j` before
+    /// `i`. From $L H^{-1} = D^{-1} L^{-T}$, which is upper triangular with the diagonal $D^{-1}$, row `i` follows from
+    /// the rows of the joints before `i` on its path.
     pub(super) fn invert_mass_matrix<C: Scalar>(&mut self, model: &Model<C>)
     where
         S: AlgebraOver<C>,

@@ -4,8 +4,8 @@
 //! body, so the recursions only add and subtract where the book transforms between link coordinates. Gravity enters as
 //! an acceleration of the base (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
 //!
-//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. The scratch carries no state from
-//! one call to the next. Functions allocate only where their documentation says so.
+//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. The scratch carries no state
+//! from one call to the next. Functions allocate only where their documentation says so.
 //!
 //! Second derivatives come as explicit tensors, whose index convention [`Tensor3`](crate::linalg::Tensor3) and
 //! [`Tensor4`](crate::linalg::Tensor4) share: a derivative index comes last.

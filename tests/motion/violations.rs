@@ -98,7 +98,8 @@ fn an_equality_is_violated_by_its_absolute_value() {
 #[test]
 fn each_segment_has_both_its_ends() {
     let chebyshev = Chebyshev::new(2, 1.0).expect("a good degree");
-    // The speed rises as 1.5 t^2 and falls by 2 a second, so the force on 2 kg is 6 N just before 1 s and -4 N after that.
+    // The speed rises as 1.5 t^2 and falls by 2 a second, so the force on 2 kg is 6 N just before 1 s and -4 N after
+    // that.
     let speeds = chebyshev.times().iter().map(|t| 1.5 * t * t);
     let falling = chebyshev.times().iter().map(|t| 1.5 - 2.0 * t);
     let speeds: Vec<f64> = speeds.chain(falling).collect();
