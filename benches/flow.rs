@@ -73,7 +73,8 @@ fn main() {
     report(&mut times);
 }
 
-/// The terms of ten spheres alone, and the flow with them and limits on the torque: for the joint frames and for swept links.
+/// The terms of ten spheres alone, and the flow with them and limits on the torque: for the joint frames and for swept
+/// links.
 fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node: Node<'_, f64>) {
     let n = model.dof();
     let swept: Vec<CollisionSphere> = Capsule::along_links(model, 0.05)

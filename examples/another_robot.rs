@@ -1,5 +1,5 @@
-//! Another robot: the derivatives of its inverse dynamics by dual numbers and by the analytic algorithm, with their times. The
-//! argument is the path of a URDF file; without one it is a built-in robot.
+//! Another robot: the derivatives of its inverse dynamics by dual numbers and by the analytic algorithm, with their
+//! times. The argument is the path of a URDF file; without one it is a built-in robot.
 
 use aghf::dynamics::{Data, InverseDynamicsDerivatives, rnea, rnea_derivatives};
 use aghf::model::Model;

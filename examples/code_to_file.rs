@@ -1,4 +1,5 @@
-//! From code to file: a built-in scenario is changed in code and solved; trajectory, summary, the page of the motion and plots go to a new folder in `out`.
+//! From code to file: a built-in scenario is changed in code and solved; trajectory, summary, the page of the motion
+//! and plots go to a new folder in `out`.
 
 use aghf::model::Model;
 use aghf::motion::{Sample, sample};

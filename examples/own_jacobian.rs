@@ -1,5 +1,5 @@
-//! A Jacobian of one's own in place of the analytic one: differences of fourth order. Prints what the checker finds, and where the
-//! flow comes to with both.
+//! A Jacobian of one's own in place of the analytic one: differences of fourth order. Prints what the checker finds,
+//! and where the flow comes to with both.
 
 use aghf::flow::jacobian::{NodeBlocks, NodeJacobian};
 use aghf::flow::{ControlForm, Flow, FlowSettings, Node, RightHandSide};
@@ -8,7 +8,8 @@ use aghf_cli::output::check_table;
 use aghf_scenario::Scenario;
 use std::error::Error;
 
-/// Differences of the right-hand side at four points: their error is O(h^4) for the step h. In the accelerations it is linear.
+/// Differences of the right-hand side at four points: their error is O(h^4) for the step h. In the accelerations it is
+/// linear.
 struct FourthOrder<'m>(ControlForm<'m>);
 
 impl NodeJacobian for FourthOrder<'_> {

@@ -1,5 +1,5 @@
-//! A Lagrangian of one's own, run by the flow: a potential that draws the joints to a rest position joins the paper's Lagrangian.
-//! Prints how near to rest the motion stays, and at what effort, for several weights of the potential.
+//! A Lagrangian of one's own, run by the flow: a potential that draws the joints to a rest position joins the paper's
+//! Lagrangian. Prints how near to rest the motion stays, and at what effort, for several weights of the potential.
 
 use aghf::flow::{ActuationMetric, AghfLagrangian, Flow, FlowSettings, Lagrangian, effort_of};
 use aghf::model::Model;

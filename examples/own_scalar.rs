@@ -1,4 +1,5 @@
-//! A scalar of one's own: it counts the operations on it. Prints how many the inverse dynamics of each built-in robot take.
+//! A scalar of one's own: it counts the operations on it. Prints how many the inverse dynamics of each built-in robot
+//! take.
 
 use aghf::dynamics::{Data, InverseDynamicsDerivatives, rnea, rnea_derivatives};
 use aghf::scalar::{AlgebraOver, Scalar, impl_scalar_operators};

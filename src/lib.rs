@@ -20,8 +20,8 @@
 //! 4. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
 //!    [Jacobian](guide::jacobian), a [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an
 //!    [integrator](guide::integrator), a [joint](guide::joint).
-//! 5. [Performance](guide::performance), and [a crate of your own](guide::your_crate): its `Cargo.toml`, and how to keep
-//!    the code fast.
+//! 5. [Performance](guide::performance), and [a crate of your own](guide::your_crate): its `Cargo.toml`, and how to
+//!    keep the code fast.
 //! 6. [The limits of the library](guide::limitations).
 //!
 //! First motions, the keys of a scenario and the command line are told in the packages `aghf-scenario` and `aghf-cli`.

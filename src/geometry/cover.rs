@@ -57,7 +57,8 @@ impl Shape<f64> {
     /// The number of balls is of the order of the volume over $h^3$.
     ///
     /// # Errors
-    /// `spacing` or a length of the shape is not positive and finite (a half-space has none), or more than 1e5 balls are needed.
+    /// `spacing` or a length of the shape is not positive and finite (a half-space has none), or more than 1e5 balls
+    /// are needed.
     pub fn cover(&self, spacing: f64) -> Result<Cover> {
         check(spacing, self.half_lengths().as_slice())?;
         let mut cover = Cover {

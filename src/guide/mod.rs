@@ -4,9 +4,9 @@
 //! [performance], [the limits of the library](limitations). First motions, all that a scenario can ask for and the
 //! variants of the flow are pages of the package `aghf-scenario`; the command line and sweeps are pages of `aghf-cli`.
 //!
-//! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test.
-//! Each of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of it, where it
-//! goes, and what the limits are.
+//! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test. Each
+//! of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of
+//! it, where it goes, and what the limits are.
 //!
 //! | to replace | implement | verified by |
 //! | --- | --- | --- |
@@ -18,8 +18,8 @@
 //! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
 //! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |
 //!
-//! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which examples there are
-//! to begin with.
+//! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which
+//! examples there are to begin with.
 
 #[doc = include_str!("methods.md")]
 #[doc = include_str!("pictures/methods.svg")]

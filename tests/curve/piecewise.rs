@@ -5,7 +5,8 @@ use crate::common::assert_refused;
 use aghf::curve::Curve;
 use nalgebra::{DMatrix, DVector};
 
-/// Three parts of degree 4 on [0, 2]: `q` is a cubic on each, with the same value and slope where two meet, and `v` its slope.
+/// Three parts of degree 4 on [0, 2]: `q` is a cubic on each, with the same value and slope where two meet, and `v` its
+/// slope.
 fn three_parts() -> (Curve, impl Fn(usize, f64) -> [f64; 3]) {
     let third = HORIZON / 3.0;
     let cubic = move |e: usize, t: f64| {

@@ -206,7 +206,8 @@ impl Constraint for Below {
     }
 }
 
-/// Three constraints that bind, in whatever holds them, lead to the same motion, to the last bit; and by several threads.
+/// Three constraints that bind, in whatever holds them, lead to the same motion, to the last bit; and by several
+/// threads.
 #[test]
 fn what_holds_constraints_does_not_matter() {
     let model = robot("pendulum_2");

@@ -67,8 +67,8 @@ fn rows_that_overflow_are_a_failure() {
     }
 }
 
-/// A touch in a point takes a multiplier that is all at one time, far above the first price of an excess, and more so the more
-/// points there are. A polynomial of a lower degree is one of a higher.
+/// A touch in a point takes a multiplier that is all at one time, far above the first price of an excess, and more so
+/// the more points there are. A polynomial of a lower degree is one of a higher.
 #[test]
 fn a_touch_in_a_point_is_worth_its_price_at_every_degree() {
     let found = [12, 16, 20, 24].map(|degree| around_a_ball(0.2, degree));
@@ -107,8 +107,8 @@ fn a_point_goes_around_a_ball() {
         .map(|s| distance(&s.q))
         .fold(f64::INFINITY, f64::min);
     assert!((-1e-6..1e-5).contains(&least), "{least}");
-    // Below, where the way is shorter, and nearly symmetric: the rows pull at the points of the quadrature beside the touch, here
-    // 5 mm to one side, and not where it is.
+    // Below, where the way is shorter, and nearly symmetric: the rows pull at the points of the quadrature beside the
+    // touch, here 5 mm to one side, and not where it is.
     let (middle, _) = solution.curve.at(0.5);
     assert!(
         (middle[0] - 0.5).abs() < 1e-2 && (middle[1] + 0.15).abs() < 1e-3,
@@ -121,8 +121,8 @@ fn a_point_goes_around_a_ball() {
     assert_eq!(again.curve.x(), solution.curve.x());
 }
 
-/// The double integrator with a limit on its velocity: the velocity rises as a parabola to the limit, stays there and falls.
-/// Without a limit it would reach 1.5 in the middle, and the cost would be 12.
+/// The double integrator with a limit on its velocity: the velocity rises as a parabola to the limit, stays there and
+/// falls. Without a limit it would reach 1.5 in the middle, and the cost would be 12.
 #[test]
 fn a_velocity_limit_is_kept_at_the_known_cost() {
     let model = point_mass(&[Vector3::x()]);
@@ -140,7 +140,8 @@ fn a_velocity_limit_is_kept_at_the_known_cost() {
         solution.converged && solution.largest_violation <= 1e-6,
         "{solution:?}"
     );
-    // It rises for 3 (v T - d) / 2 v, which is a quarter, and costs 8 v^2 / 3 times the inverse of that. A polynomial comes near.
+    // It rises for 3 (v T - d) / 2 v, which is a quarter, and costs 8 v^2 / 3 times the inverse of that. A polynomial
+    // comes near.
     let exact = 8.0 * 1.44 / 3.0 / 0.25;
     let excess = solution.cost / exact - 1.0;
     assert!((0.0..0.02).contains(&excess), "{excess}");

@@ -19,8 +19,8 @@ fn arriving_anyhow(p: usize) -> RelaxSettings {
     }
 }
 
-/// From rest over a distance `d` in `T`: the acceleration falls to zero at the end, $q = d (3 \tau^2 - \tau^3) / 2$, and the effort is
-/// $3 m^2 d^2 / T^3$, a quarter of that from rest to rest.
+/// From rest over a distance `d` in `T`: the acceleration falls to zero at the end, $q = d (3 \tau^2 - \tau^3) / 2$,
+/// and the effort is $3 m^2 d^2 / T^3$, a quarter of that from rest to rest.
 #[test]
 fn a_free_final_velocity_is_that_of_least_effort() {
     let (mass, horizon) = (3.0, 1.7);
@@ -122,8 +122,8 @@ fn horizon(shortest: f64, longest: f64, weight: f64) -> RelaxSettings {
     }
 }
 
-/// Rest to rest over `d` costs $12 m^2 d^2 / T^3 + w T$, least at $T^4 = 36 m^2 d^2 / w$; with a free final velocity a quarter of the
-/// effort, $T^4 = 9 m^2 d^2 / w$.
+/// Rest to rest over `d` costs $12 m^2 d^2 / T^3 + w T$, least at $T^4 = 36 m^2 d^2 / w$; with a free final velocity a
+/// quarter of the effort, $T^4 = 9 m^2 d^2 / w$.
 #[test]
 fn a_free_horizon_is_the_best_one() {
     let (mass, d, weight) = (2.0, 0.5, 3.0);

@@ -16,8 +16,8 @@ use rand_chacha::ChaCha8Rng;
 
 type Kept = Constraints<Vec<AnyConstraint>>;
 
-/// Excess `t` and slack `s` of a row by $h = t - s$ and $\mu / t + \mu / s = \nu$: the larger of the two solves a quadratic equation
-/// without loss of digits. Then what they cost.
+/// Excess `t` and slack `s` of a row by $h = t - s$ and $\mu / t + \mu / s = \nu$: the larger of the two solves a
+/// quadratic equation without loss of digits. Then what they cost.
 fn psi(h: HyperDual64, Barrier { mu, nu }: Barrier) -> HyperDual64 {
     let reach = (if h.re < 0.0 { -h } else { h }) * nu;
     let root = (reach * reach + 4.0 * mu * mu).sqrt();
@@ -142,9 +142,10 @@ fn point(z: &[f64]) -> Point<'_, f64> {
     }
 }
 
-/// With the multipliers of the barrier, and no relaxations, gradient and Hessian are those of $l_0 + \sum_j \psi(h_j + m_j)$. With
-/// others and with relaxations $r$ the gradient has the push $c_j r_j$ of the curvature `c` on a row more, and the Hessian is that
-/// of $l_0 + \sum_j z_j h_j + c_j (h_j - \bar h_j)^2 / 2$ where $\bar h$ is what `h` is here.
+/// With the multipliers of the barrier, and no relaxations, gradient and Hessian are those of
+/// $l_0 + \sum_j \psi(h_j + m_j)$. With others and with relaxations $r$ the gradient has the push $c_j r_j$ of the
+/// curvature `c` on a row more, and the Hessian is that of $l_0 + \sum_j z_j h_j + c_j (h_j - \bar h_j)^2 / 2$ where
+/// $\bar h$ is what `h` is here.
 #[test]
 fn derivatives_are_those_of_duals() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
@@ -171,8 +172,9 @@ fn derivatives_are_those_of_duals() {
             cost.equalities.duals.clone(),
             cost.equalities.penalties.clone(),
         );
-        // The barrier of a clearance fades: with the distance `x` relative to 0.05 m, from 0 to 1, it is mu (x - 1 - (x - 1)^2 / 2 - ln x), but
-        // for the part of the price, and nothing beyond. Where the bound is broken what is added to the logarithm is a line.
+        // The barrier of a clearance fades: with the distance `x` relative to 0.05 m, from 0 to 1, it is mu (x - 1 - (x
+        // - 1)^2 / 2 - ln x), but for the part of the price, and nothing beyond. Where the bound is broken what is
+        // added to the logarithm is a line.
         let clearance = |j: usize| !equality(j) && kept.label(j, &model).kind == RowKind::Clearance;
         let far = |j: usize, h: f64| clearance(j) && h < -0.05;
         let term = |j: usize, h: HyperDual64| {

@@ -11,7 +11,8 @@ use aghf::relax::{RelaxSettings, Relaxation};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual64, DualNum};
 
-/// The double integrator: least $\int u^2 dt$ from rest over a distance `d` in `T` is the cubic, and costs $12 m^2 d^2 / T^3$.
+/// The double integrator: least $\int u^2 dt$ from rest over a distance `d` in `T` is the cubic, and costs
+/// $12 m^2 d^2 / T^3$.
 #[test]
 fn the_optimum_of_a_double_integrator_is_the_cubic() {
     let (mass, horizon) = (3.0, 1.7);
@@ -121,8 +122,9 @@ fn more_starts_are_no_worse() {
     assert!(five.windows(2).all(|w| w[0] <= w[1]));
 }
 
-/// Where the effort is least the flow pushes no way that keeps $v = \dot q$: for variations $(\varphi, \dot\varphi)$ of the state that
-/// vanish with their slope at both ends, $\int (\varphi, \dot\varphi)^T G\, \Omega\, dt = 0$, whatever the penalty.
+/// Where the effort is least the flow pushes no way that keeps $v = \dot q$: for variations $(\varphi, \dot\varphi)$ of
+/// the state that vanish with their slope at both ends, $\int (\varphi, \dot\varphi)^T G\, \Omega\, dt = 0$, whatever
+/// the penalty.
 #[test]
 fn the_flow_of_the_optimum_vanishes_on_the_basis() {
     let scenario = Scenario::load("pendulum_2_swingup");

@@ -246,8 +246,8 @@ fn the_order_of_constraints_does_not_matter() {
     assert!(apart.abs() < 1e-9, "{apart:e}");
 }
 
-/// A polynomial cannot keep its torque at zero at all times: it does at the Gauss points of one degree less, on as many segments as leave
-/// next to none between them.
+/// A polynomial cannot keep its torque at zero at all times: it does at the Gauss points of one degree less, on as many
+/// segments as leave next to none between them.
 #[test]
 fn a_passive_joint_is_without_torque_where_it_can_be() {
     let scenario = Scenario::load("pendulum_2_swingup");

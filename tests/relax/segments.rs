@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector};
 
 const HORIZON: f64 = 2.4;
 
-/// Parts of degree 4, all joints alike: a line with bends $b_e s^2 (h - s)^2$, so that the acceleration jumps where two meet.
+/// Parts of degree 4, all joints alike: a line with bends $b_e s^2 (h - s)^2$, so that the acceleration jumps where two
+/// meet.
 fn bent(model: &Model, bends: &[f64]) -> Curve {
     let (n, segments) = (model.dof(), bends.len());
     let h = HORIZON / segments as f64;
@@ -33,8 +34,8 @@ fn bent(model: &Model, bends: &[f64]) -> Curve {
     Curve::piecewise(HORIZON, segments, x).expect("valid")
 }
 
-/// With $u = m a$ the effort of such a curve is $m^2 \sum_e \tfrac45 b_e^2 h^5$. Simpson's rule across a jump would be off by
-/// the part of an interval in the whole.
+/// With $u = m a$ the effort of such a curve is $m^2 \sum_e \tfrac45 b_e^2 h^5$. Simpson's rule across a jump would be
+/// off by the part of an interval in the whole.
 #[test]
 fn measures_of_a_curve_of_parts() {
     let (mass, bends) = (3.0, [1.0, -2.0, 0.5, 1.5, -0.7, 2.0, -1.0]);

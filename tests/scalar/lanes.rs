@@ -1,5 +1,5 @@
-//! Several numbers side by side. The sines and cosines of four angles by `wide` are code that `f64` alone goes through, which the
-//! proofs therefore do not see.
+//! Several numbers side by side. The sines and cosines of four angles by `wide` are code that `f64` alone goes through,
+//! which the proofs therefore do not see.
 
 use crate::common::{any_model, config, numbers};
 use aghf::dynamics::{Data, RneaWeightedHessian, crba, rnea, rnea_weighted_hessian};
@@ -74,8 +74,9 @@ fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>>
 proptest! {
     #![proptest_config(config(48))]
 
-    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from cancellation, and is as
-    /// good as one is. An angle beyond what the fast path is for has the bits that it has alone, and changes none of the others'.
+    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from
+    /// cancellation, and is as good as one is. An angle beyond what the fast path is for has the bits that it has
+    /// alone, and changes none of the others'.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::collection::vec(angle(), 1..10), far in beyond(), place in 0..9_usize) {
         let bits = |(s, c): &(f64, f64)| (s.to_bits(), c.to_bits());

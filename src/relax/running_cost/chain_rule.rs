@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector};
 /// $J = \left[ \frac{\partial ID}{\partial q}\ \frac{\partial ID}{\partial v}\ H \right]$,
 ///
 /// $$ \frac{d l}{d z} = l_z + J^T l_u, \qquad
-///    \frac{d^2 l}{d z^2} = \begin{bmatrix} I \\ J \end{bmatrix}^T l_{yy} \begin{bmatrix} I \\ J \end{bmatrix} + \Phi(l_u), $$
+///    \frac{d^2 l}{d z^2} = \begin{bmatrix} I \\ J \end{bmatrix}^T l_{yy} \begin{bmatrix} I \\ J \end{bmatrix} +
+///    \Phi(l_u), $$
 ///
 /// where $\Phi(w)$ is the Hessian of $w^T ID$ (`proofs/relax.md`).
 #[derive(Clone, Debug)]

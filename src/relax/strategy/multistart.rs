@@ -150,8 +150,8 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 if level == climber.first && !stopped() {
                     first_costs.push(candidate.cost);
                 }
-                // The first one has nothing to be compared with, and at the top all have come to their end. What a passive joint is given
-                // at a low rung says nothing of what the motion costs without.
+                // The first one has nothing to be compared with, and at the top all have come to their end. What a
+                // passive joint is given at a low rung says nothing of what the motion costs without.
                 let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
                     Some(left) if least[level].is_finite() && !passive => {
                         let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];

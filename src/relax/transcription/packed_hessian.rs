@@ -20,7 +20,8 @@ const fn index(x: usize, y: usize) -> usize {
 /// belongs to `x`,
 ///
 /// $$ \sum_{x, y} \phi_a^x \phi_b^y\\, W^{xy} = \sum_x \phi_a^x \phi_b^x\\, W^{xx} + \sum_{x < y}
-///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x) \frac{W^{xy} - W^{xy\\,T}}{2}. $$
+///    (\phi_a^x \phi_b^y + \phi_a^y \phi_b^x) \frac{W^{xy} + W^{xy\\,T}}{2} + (\phi_a^x \phi_b^y - \phi_a^y \phi_b^x)
+///    \frac{W^{xy} - W^{xy\\,T}}{2}. $$
 ///
 /// Only half of twice the symmetric and half of twice the antisymmetric parts are stored, which halves the number of
 /// products.

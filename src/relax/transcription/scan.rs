@@ -54,8 +54,8 @@ impl Scan {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = self.horizon / (segments * self.intervals) as f64;
-        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two segments meet, so each
-        // has ends of its own: after the last value of one `here` is below all again.
+        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two segments
+        // meet, so each has ends of its own: after the last value of one `here` is below all again.
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));

@@ -31,7 +31,8 @@ fn results(folder: &Path) -> Vec<Vec<String>> {
     lines.collect()
 }
 
-/// Every problem has a line and every family one in the table; a run that was interrupted goes on, and another one finds the same motions.
+/// Every problem has a line and every family one in the table; a run that was interrupted goes on, and another one
+/// finds the same motions.
 #[test]
 fn problems_are_solved_and_judged() {
     let folder = empty_folder("benchmark");

@@ -47,7 +47,8 @@ fn the_table_of_commands_names_options_that_are_there() {
     assert!(seen > 25, "{seen} options");
 }
 
-/// The commands of the README, on a robot and a scenario where it leaves the choice; those that open a browser or take long only exist.
+/// The commands of the README, on a robot and a scenario where it leaves the choice; those that open a browser or take
+/// long only exist.
 #[test]
 fn the_commands_of_the_readme_run() {
     let folder = empty_folder("readme_commands");

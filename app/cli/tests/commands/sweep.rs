@@ -78,7 +78,8 @@ fn so_does_one_of_the_relaxation() {
     assert_eq!(good.count(), 60);
 }
 
-/// Kills a sweep of 60 sets of pendulums many times, compares its results with those of one that went through, and returns those.
+/// Kills a sweep of 60 sets of pendulums many times, compares its results with those of one that went through, and
+/// returns those.
 fn killed(test: &str, grid: &str) -> Vec<String> {
     let whole = timeless(&sweep(
         &folder_with(&format!("{test}_whole"), grid),

@@ -1,9 +1,10 @@
-//! The readers of files under mutated input: none may panic, hang or refuse without naming the file, and what is accepted can be used.
+//! The readers of files under mutated input: none may panic, hang or refuse without naming the file, and what is
+//! accepted can be used.
 //!
-//! This binary mirrors no module of `src`: it goes through all that read text of users. The files of `corpus` are mutated, byte by
-//! byte and token by token, by a seeded generator. `AGHF_FUZZ_SECONDS` says for how long, 10 s of all formats together unless set, and
-//! `AGHF_FUZZ_SEED` with which seed, 1 unless set. `targets.rs` alone knows the library, so that a fuzzer guided by coverage can call
-//! the same functions.
+//! This binary mirrors no module of `src`: it goes through all that read text of users. The files of `corpus` are
+//! mutated, byte by byte and token by token, by a seeded generator. `AGHF_FUZZ_SECONDS` says for how long, 10 s of all
+//! formats together unless set, and `AGHF_FUZZ_SEED` with which seed, 1 unless set. `targets.rs` alone knows the
+//! library, so that a fuzzer guided by coverage can call the same functions.
 //!
 //! An input that was found belongs into `corpus`, made small: what is there is tried as it is before any mutation.
 
@@ -157,7 +158,8 @@ fn run(
         counts.all += 1;
         let outcome = target(current, &input)?;
         counts.accepted += u64::from(matches!(outcome, Outcome::Accepted));
-        // What is said of an input tells how far it came: one of which something new is said is worth further mutations.
+        // What is said of an input tells how far it came: one of which something new is said is worth further
+        // mutations.
         let is_new = match outcome {
             Outcome::Accepted => counts.accepted.is_multiple_of(16),
             Outcome::Refused(message) => seen.insert(shape(&message)),

@@ -1,4 +1,5 @@
-//! Pages of tables: their rows are those of the files, their points those of the rows, and no text in them is more than text.
+//! Pages of tables: their rows are those of the files, their points those of the rows, and no text in them is more than
+//! text.
 
 use crate::folder;
 use aghf_cli::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
@@ -32,7 +33,8 @@ fn plots(data: &Value) -> Vec<&Value> {
     plots.flatten().collect()
 }
 
-/// A sweep of twelve sets of two scenarios, and made-up rows: those with `p` 7 fail at the goal, number 3 before there is a motion.
+/// A sweep of twelve sets of two scenarios, and made-up rows: those with `p` 7 fail at the goal, number 3 before there
+/// is a motion.
 fn swept(test: &str) -> (Sweep, Vec<Row>) {
     let text = "scenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntimeout_s = 1.0\np = [5, 7]\nk = [1e5, 1e6, 1e7]\ns_max = [0.1]";
     let file = folder(test).join("s.toml");

@@ -157,7 +157,8 @@ enforced_limits.position = [false]
     assert!(efforts[0] < efforts[3], "so does less acceleration");
 }
 
-/// A search is stopped where it is, though it has many starts left, and tries no more than it was asked for while there is time.
+/// A search is stopped where it is, though it has many starts left, and tries no more than it was asked for while there
+/// is time.
 #[test]
 fn a_set_is_stopped_at_its_time() {
     let text = |starts, timeout| {

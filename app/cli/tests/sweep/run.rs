@@ -24,8 +24,8 @@ fn full(grid: &Sweep, set: usize, work: Work) -> Row {
     }
 }
 
-/// The table for data frames says what the text does, with numbers as numbers; every column of a full row has a value, and the names of
-/// columns are the same wherever they are.
+/// The table for data frames says what the text does, with numbers as numbers; every column of a full row has a value,
+/// and the names of columns are the same wherever they are.
 #[test]
 fn a_json_file_has_what_a_csv_has() {
     let flow = load(
@@ -100,8 +100,8 @@ fn a_json_file_has_what_a_csv_has() {
     }
 }
 
-/// Two scenarios with four sets each: the second is the fastest of those that succeed in both, the third has the least effort,
-/// the fourth is faster but fails once, and the first fails twice.
+/// Two scenarios with four sets each: the second is the fastest of those that succeed in both, the third has the least
+/// effort, the fourth is faster but fails once, and the first fails twice.
 #[test]
 fn the_ranking_is_by_success_then_time() {
     let four = GRID
@@ -232,7 +232,8 @@ fn sweeps_of_the_flow_are_what_they_were() {
     assert_eq!(text.lines().next(), Some(header));
 }
 
-/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as it is.
+/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as
+/// it is.
 #[test]
 fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let folder = folder("of_a_folder").join("problems");

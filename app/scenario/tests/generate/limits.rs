@@ -1,4 +1,5 @@
-//! The generated family for any robot: each scenario is close to the velocity limits and has a solution, found here by other means.
+//! The generated family for any robot: each scenario is close to the velocity limits and has a solution, found here by
+//! other means.
 
 use aghf::dynamics::{Data, bias, crba};
 use aghf::model::Model;
@@ -54,7 +55,8 @@ fn motion(scenario: &Scenario, bend: &[f64]) -> Vec<State> {
     (0..TIMES).map(state).collect()
 }
 
-/// The largest part of a limit of velocity, and of torque, that a motion takes; infinite if it leaves the range of a joint.
+/// The largest part of a limit of velocity, and of torque, that a motion takes; infinite if it leaves the range of a
+/// joint.
 fn shares(model: &Model, motion: &[State]) -> [f64; 2] {
     let n = model.dof();
     let mut data = Data::new(model);
@@ -117,7 +119,8 @@ fn without_an_obstacle_the_line_keeps_all_limits() {
         assert!(scenario.environment.is_empty());
         let line = motion(&scenario, &vec![0.0; scenario.model.dof()]);
         let [velocity, torque] = shares(&scenario.model, &line);
-        // Close to the limits, else the scenario is none of this family; between the generator's times there may be a little more.
+        // Close to the limits, else the scenario is none of this family; between the generator's times there may be a
+        // little more.
         assert!((0.95..0.98).contains(&velocity), "{seed}: {velocity}");
         assert!(torque < 0.901, "{seed}: {torque}");
         let [_, held] = shares(&scenario.model, &ends(&scenario));
@@ -158,7 +161,8 @@ fn around_an_obstacle_there_is_a_motion_within_all_limits() {
     }
 }
 
-/// The paths beside the lines of the older families are motions within the limits as well: so the line is, where it is hardest.
+/// The paths beside the lines of the older families are motions within the limits as well: so the line is, where it is
+/// hardest.
 #[test]
 fn the_families_of_kinova_leave_time_for_the_velocity_limits() {
     for family in ["kinova_cross", "kinova_gap", "kinova_floor"] {

@@ -1,4 +1,5 @@
-//! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the same.
+//! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the
+//! same.
 
 use aghf::constraint::{AnyConstraint, Capsule, CollisionSphere, SphereClearance};
 use aghf_scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};

@@ -30,7 +30,8 @@ fn a_thin_obstacle_between_two_samples_is_seen() {
                 .any(|name| place == format!("link 'carriage' and '{name}'")),
             "{place}"
         );
-        // At x = 0.1, 0.6 of the way, 3 s^2 - 2 s^3 = 0.6; it is as deep as the middle of the ball is beyond its surface.
+        // At x = 0.1, 0.6 of the way, 3 s^2 - 2 s^3 = 0.6; it is as deep as the middle of the ball is beyond its
+        // surface.
         assert!((worst.at_s - 0.567).abs() < 0.01, "{worst:?}");
         assert!((worst.value + 0.01005).abs() < 6e-4, "{worst:?}");
     }

@@ -13,7 +13,8 @@ fn known() -> Value {
     serde_json::from_str(&text).expect("it is JSON")
 }
 
-/// The defaults on scenarios without limits and obstacles find nothing that costs much more, nor anything that costs less.
+/// The defaults on scenarios without limits and obstacles find nothing that costs much more, nor anything that costs
+/// less.
 #[test]
 fn the_defaults_come_near_the_best_known_cost() {
     let known = known();

@@ -261,7 +261,8 @@ fn a_passive_joint_gets_neither_torque_nor_feedback() {
 #[test]
 fn a_passive_torque_is_judged_by_its_share_of_the_largest() {
     let scenario = load("share", &hanging(json!({}))).expect("it is good");
-    // The cart swings to and fro below the hanging pole, which is held by a small torque; in the middle and the ends that is most.
+    // The cart swings to and fro below the hanging pole, which is held by a small torque; in the middle and the ends
+    // that is most.
     let along = |of_pole: f64| {
         let chebyshev = Chebyshev::new(12, 2.0).expect("a good degree");
         let times = chebyshev.times().to_vec();

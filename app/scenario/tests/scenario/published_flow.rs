@@ -3,11 +3,12 @@
 use crate::common::assert_refused;
 use aghf_scenario::{Limit, Method, Scenario, SolveOptions, builtin_scenarios};
 
-/// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action is finite.
+/// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action
+/// is finite.
 const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
 
-/// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told above and those with
-/// passive joints or a free horizon, which it refuses.
+/// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told
+/// above and those with passive joints or a free horizon, which it refuses.
 #[test]
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {

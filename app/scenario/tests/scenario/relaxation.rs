@@ -15,8 +15,8 @@ fn an_arm_among_spheres_keeps_clear() {
     assert!(clearance.is_some_and(|m| m >= -1e-6), "{clearance:?}");
 }
 
-/// Here the first start does not end at a minimum within the constraints, and one of the next does. What is told of is the best of
-/// those that did.
+/// Here the first start does not end at a minimum within the constraints, and one of the next does. What is told of is
+/// the best of those that did.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
     let scenario = Scenario::load("kinova_cross_08").expect("generated");
