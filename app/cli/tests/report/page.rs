@@ -58,7 +58,10 @@ fn clearances_are_those_of_the_surroundings_and_have_names() {
     for name in [
         "kinova_obstacles_01",
         "kinova_gap_01",
-        "robots/panda/scenarios/box_0001.json",
+        concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../robots/panda/scenarios/box_0001.json"
+        ),
     ] {
         let scenario = Scenario::load(name).expect("it is there");
         let mut outcome = solved(&scenario, 1);

@@ -239,7 +239,11 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let folder = folder("of_a_folder").join("problems");
     std::fs::create_dir_all(&folder).expect("it is writable");
     for name in ["pendulum_3_swingup", "pendulum_2_swingup"] {
-        let path = format!("robots/{}/{name}.json", &name[..10]);
+        let path = format!(
+            "{}/../../robots/{}/{name}.json",
+            env!("CARGO_MANIFEST_DIR"),
+            &name[..10]
+        );
         std::fs::copy(path, folder.join(format!("own_{name}.json"))).expect("both are there");
     }
     std::fs::write(folder.join("notes.txt"), "no scenario").expect("it is writable");

@@ -9,7 +9,11 @@ const NEAR: f64 = 1.5;
 const DIGITS: f64 = 1e-5;
 
 fn known() -> Value {
-    let text = std::fs::read_to_string("robots/best_known.json").expect("it is there");
+    let text = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../robots/best_known.json"
+    ))
+    .expect("it is there");
     serde_json::from_str(&text).expect("it is JSON")
 }
 
