@@ -47,8 +47,10 @@ fn bad_robots_are_refused_by_name_and_element() {
     );
     refused(
         |r| {
-            let mut collision = urdf_rs::Collision::default();
-            collision.geometry = Geometry::Sphere { radius: -1.0 };
+            let collision = urdf_rs::Collision {
+                geometry: Geometry::Sphere { radius: -1.0 },
+                ..Default::default()
+            };
             r.links[2].collision = vec![collision];
         },
         "link 'panda_link2': collision 1: radius of its sphere has -1",

@@ -43,11 +43,9 @@ fn versions_are_those_of_this_crate() {
                 &manifest["dependencies"],
                 &manifest["workspace"]["dependencies"],
             ];
-            let ours = tables.into_iter().filter_map(|table| table.get(name));
-            let ours = ours
-                .filter(|ours| ours.get("workspace").is_none())
-                .next()
-                .expect("a dependency");
+            let mut ours = tables.into_iter().filter_map(|table| table.get(name));
+            let ours = ours.find(|ours| ours.get("workspace").is_none());
+            let ours = ours.expect("a dependency");
             let ((version, features), (own_version, own_features)) =
                 (version(theirs), version(ours));
             assert!(
