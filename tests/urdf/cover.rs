@@ -32,6 +32,7 @@ fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
             let ball = Vector3::new(a, b, c).cap_magnitude(1.0) * radius;
             ball + Vector3::z() * (half_length * if c < 0.0 { -1.0 } else { b })
         }
+        Shape::HalfSpace => unreachable!("it has no cover"),
     }
 }
 
@@ -89,7 +90,8 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
             for _ in 0..3000 {
                 let p = point(&shape, rng);
                 assert!(shape.distance(&p) < 1e-12, "the test draws points inside");
-                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                let covered =
+                    |b: &aghf::geometry::Sphere| (p - b.centre).norm() <= b.radius + 1e-12;
                 assert!(
                     cover.balls.iter().any(covered),
                     "{shape:?}, {spacing}: {p:?}"
@@ -100,6 +102,7 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
                 Shape::Cuboid { .. } => 0.5 * 3.0_f64.sqrt() * spacing,
                 Shape::Cylinder { .. } => 0.5 * 5.0_f64.sqrt() * spacing,
                 Shape::Capsule { radius, .. } => radius.hypot(0.5 * spacing) - radius,
+                Shape::HalfSpace => unreachable!("it has no cover"),
             };
             let found = sticks_out(&cover, &shape, rng);
             assert!(
@@ -201,7 +204,8 @@ fn every_point_of_a_surface_is_in_a_ball() {
                     (s, t) = (1.0 - s, 1.0 - t);
                 }
                 let p = a + (b - a) * s + (c - a) * t;
-                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                let covered =
+                    |b: &aghf::geometry::Sphere| (p - b.centre).norm() <= b.radius + 1e-12;
                 assert!(cover.balls.iter().any(covered), "{spacing}: {p:?}");
             }
         }
