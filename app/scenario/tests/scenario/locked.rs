@@ -98,7 +98,7 @@ fn what_makes_no_sense_is_refused_by_name() {
 fn balls(scenario: &Scenario, q: &[f64]) -> Vec<([f64; 3], f64)> {
     let mut placements = vec![Placement::identity(); scenario.model.dof()];
     forward_kinematics(&scenario.model, q, &mut placements).expect("lengths agree");
-    let constraints = scenario.state_constraints().expect("good");
+    let constraints = scenario.state_constraints();
     let [AnyConstraint::Spheres(clearance), ..] = &constraints[..] else {
         panic!("{constraints:?}");
     };
