@@ -108,7 +108,7 @@ def methods():
 def obstacles():
     """Paths of the third joint of the pendulum with and without a sphere."""
     sphere = {"center_m": [-1.35, 0.0, 0.3], "radius_m": 0.15}
-    clear = {**SWING, "sphere_obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
+    clear = {**SWING, "sphere_obstacles": [sphere], "robot_shape": {"swept_links": {"radius_m": 0.05}}}
     figure, ax = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
     for scenario, colour, label in [(SWING, BLUE, "free"), (clear, ORANGE, "clear of the sphere")]:
         motion, summary = solved(scenario)

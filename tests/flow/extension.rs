@@ -154,7 +154,7 @@ fn flow_and_relaxation_take_boxed_constraints() {
     }
     let settings = RelaxSettings {
         degree: 8,
-        num_starts: 1,
+        starts: 1,
         ..RelaxSettings::constrained()
     };
     let boxed = Constraints {
@@ -193,8 +193,8 @@ fn a_jacobian_is_registered_by_name() {
         .to_string();
     for word in [
         "'magic'",
-        "control-form",
-        "theorem-b4",
+        "control_form",
+        "theorem_b4",
         "dual",
         "difference",
         "mine",
@@ -226,7 +226,7 @@ fn names_are_read_and_written() {
         .expect_err("no such name")
         .to_string();
     assert!(
-        error.contains("jacobian: 'magic' is none of control-form, theorem-b4"),
+        error.contains("jacobian: 'magic' is none of control_form, theorem_b4"),
         "{error}"
     );
 }

@@ -350,10 +350,10 @@ fn it_runs_over_other_scalars() {
 
 #[test]
 fn it_is_found_by_name() {
-    let kind: JacobianKind = serde_json::from_str("\"theorem-b4\"").expect("the name");
+    let kind: JacobianKind = serde_json::from_str("\"theorem_b4\"").expect("the name");
     assert_eq!(kind, JacobianKind::TheoremB4);
     assert_eq!(
-        "theorem-b4".parse::<JacobianKind>().expect("the name"),
+        "theorem_b4".parse::<JacobianKind>().expect("the name"),
         kind
     );
     let model = robot("pendulum_2");

@@ -3,7 +3,7 @@
 use aghf::error::{Error, Result};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
 use serde::{Deserializer, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -39,6 +39,14 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
         Some(path) => Err(refuse(path.trim_start_matches('.'), NO_OBJECT.to_owned())),
         None => Ok(value),
     }
+}
+
+/// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
+pub(crate) fn read_keys<T: DeserializeOwned>(keys: Map<String, Value>, file: &str) -> Result<T> {
+    serde_path_to_error::deserialize(Value::Object(keys)).map_err(|error| {
+        let key = error.path().to_string();
+        Error::input(file, key, error.inner().to_string())
+    })
 }
 
 const NO_OBJECT: &str = "it is a list, not an object with keys";

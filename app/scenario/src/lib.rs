@@ -23,10 +23,12 @@ mod obstacles;
 mod options;
 mod own_terms;
 mod passive;
+mod patch;
 mod preflight;
 mod provenance;
 mod report;
 mod robot_shape;
+mod schema;
 mod self_collision;
 mod summary;
 
@@ -44,12 +46,15 @@ pub use obstacles::{
     BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
     SphereObstacle,
 };
-pub use options::{FlowVariant, Method, SolveOptions};
+pub use options::{FlowOptions, Method, RelaxOptions, RestOptions, SolveOptions};
 pub use own_terms::SharedCost;
 pub use passive::PASSIVE_TORQUE_SHARE;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
-pub use report::{Record, SolveReport, Trace, solve};
+pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::LinkBall;
+pub use schema::{
+    DescribedOption, described_options, option_keys, scenario_keys, scenario_schema,
+};
 pub use self_collision::{IgnoredPair, IgnoredPairs};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

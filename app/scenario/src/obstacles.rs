@@ -5,6 +5,7 @@ use aghf::error::{Error, Result, plain};
 use aghf::geometry::{Shape, Solid};
 use aghf::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -16,7 +17,7 @@ pub(super) const LARGEST_LENGTH: f64 = 1e6;
 const NOT_UNIT: f64 = 1e-3;
 
 /// A sphere to keep clear of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereObstacle {
     /// Centre in the base frame, m.
@@ -29,7 +30,7 @@ pub struct SphereObstacle {
 }
 
 /// A half-space to stay in, such as the space above a floor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HalfSpaceObstacle {
     /// A vector in the base frame, of any length, pointing into the free half-space.
@@ -42,7 +43,7 @@ pub struct HalfSpaceObstacle {
 }
 
 /// A box to keep clear of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxObstacle {
     /// Centre in the base frame, m.
@@ -58,7 +59,7 @@ pub struct BoxObstacle {
 }
 
 /// A cylinder to keep clear of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderObstacle {
     /// Centre in the base frame, m.
@@ -76,7 +77,7 @@ pub struct CylinderObstacle {
 }
 
 /// A capsule to keep clear of: all points within a radius of a segment.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleObstacle {
     /// The ends of the segment in the base frame, m.
@@ -89,8 +90,8 @@ pub struct CapsuleObstacle {
 }
 
 /// The parts of the robot that keep clear of obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RobotShape {
     /// The origins of all joint frames: the paper's measure.
     #[default]
@@ -116,7 +117,7 @@ fn default_spacing() -> f64 {
 }
 
 /// The pairs of links that may overlap; all others keep clear of each other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "WrittenPairs")]
 pub enum SelfCollision {
     /// A list of pairs of links.
@@ -127,13 +128,16 @@ pub enum SelfCollision {
 }
 
 /// The JSON form of a [`SelfCollision`].
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object with the key ignored_pairs or ignored_pairs_file"
 )]
 struct WrittenPairs {
+    /// Pairs of links.
     ignored_pairs: Option<Vec<[String; 2]>>,
+    /// The path of a file with such pairs, as written by `aghf pairs`, relative to the scenario.
     ignored_pairs_file: Option<String>,
 }
 

@@ -120,7 +120,7 @@ impl Body {
         };
         let spacing = match shape {
             RobotShape::JointFrames => return Ok(body),
-            RobotShape::SweptLinks { spacing_m, .. } => ("swept-links", spacing_m),
+            RobotShape::SweptLinks { spacing_m, .. } => ("swept_links", spacing_m),
             RobotShape::Collision { spacing_m } => ("collision", spacing_m),
         };
         let count = body.count();

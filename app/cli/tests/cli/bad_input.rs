@@ -67,8 +67,8 @@ fn a_robot_is_chosen_for_generated_scenarios_alone() {
 fn bad_options_exit_with_2() {
     let folder = empty_folder("bad_options");
     for (option, value, words) in [
-        ("--p", "0", "p: it is 0; at least 2"),
-        ("--p", "1", "p: it is 1; at least 2"),
+        ("--p", "0", "degree: it is 0; at least 2"),
+        ("--p", "1", "degree: it is 1; at least 2"),
         ("--p", "x", "--degree; invalid value 'x'"),
         ("--k", "0", "k: it is 0; positive"),
         ("--k", "1e999", "k: it is inf; positive"),
@@ -76,7 +76,7 @@ fn bad_options_exit_with_2() {
         ("--s-max", "inf", "s_max: it is inf; positive"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--jacobian", "magic", "--jacobian; 'magic'; dual"),
-        ("--guess", "circle", "--guess; 'circle'; line-state"),
+        ("--guess", "circle", "--guess; 'circle'; line_state"),
         (
             "--integrator",
             "magic",

@@ -54,7 +54,7 @@ fn sizes_in_a_scenario_have_bounds() {
     let folder = empty_folder("scenario_bounds");
     let horizon = "a positive time of at least 1e-6 s and at most 31536000 s";
     let sphere = json!({"center_m": [5, 5, 5], "radius_m": 0.1});
-    let swept = |spacing: f64| json!({"swept-links": {"radius_m": 0.05, "spacing_m": spacing}});
+    let swept = |spacing: f64| json!({"swept_links": {"radius_m": 0.05, "spacing_m": spacing}});
     for (keys, words) in [
         (
             json!({"horizon_s": 1e300}),
@@ -82,12 +82,12 @@ fn sizes_in_a_scenario_have_bounds() {
         ),
         (
             json!({"sphere_obstacles": [sphere], "robot_shape": swept(1e-6)}),
-            "robot_shape.swept-links.spacing_m: it is 1e-6, ; 1000002 balls; at most 10000"
+            "robot_shape.swept_links.spacing_m: it is 1e-6, ; 1000002 balls; at most 10000"
                 .to_owned(),
         ),
         (
             json!({"sphere_obstacles": [sphere], "robot_shape": swept(1e-300)}),
-            "robot_shape.swept-links.spacing_m: it is 1e-300, ; at most 10000".to_owned(),
+            "robot_shape.swept_links.spacing_m: it is 1e-300, ; at most 10000".to_owned(),
         ),
         (
             json!({"sphere_obstacles": vec![sphere; 100], "robot_shape": swept(1e-3)}),

@@ -13,9 +13,9 @@ fn good() -> Value {
         "q_start": [-1.5, 0.25], "v_start": [0.0, 0.5], "q_goal": [1.5, 0.75], "v_goal": [1.0, 0.0],
         "sphere_obstacles": [{ "center_m": [0.0, 3.0, 0.5], "radius_m": 0.1 }],
         "half_spaces": [{ "normal": [0.0, 0.0, 0.5], "offset_m": -3.0 }],
-        "robot_shape": { "swept-links": { "radius_m": 0.1, "spacing_m": 0.2 } },
+        "robot_shape": { "swept_links": { "radius_m": 0.1, "spacing_m": 0.2 } },
         "enforced_limits": { "position": true, "velocity": false, "torque": false },
-        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state", "k_cons": 1e3, "c_cons": 4.0 },
+        "flow": { "degree": 7, "k": 1e5, "s_max": 10.0, "guess": "line_state", "k_cons": 1e3, "c_cons": 4.0 },
         "feedback": { "kp": 10.0, "kv": 5.0 }, "success_threshold": 0.125
     })
 }
@@ -280,7 +280,7 @@ fn bad_obstacles_are_refused() {
         )
     };
     let swept = |radius: f64, spacing: f64| {
-        let shape = json!({ "swept-links": { "radius_m": radius, "spacing_m": spacing } });
+        let shape = json!({ "swept_links": { "radius_m": radius, "spacing_m": spacing } });
         with("robot_shape", shape)
     };
     for good in [
@@ -288,7 +288,7 @@ fn bad_obstacles_are_refused() {
         sphere(json!([0.0, 0.0, 1.0]), 0.1),
         floor(json!([0.0, 0.0, 2.0])),
         swept(0.0, 0.1),
-        with("robot_shape", json!({ "swept-links": { "radius_m": 0.1 } })),
+        with("robot_shape", json!({ "swept_links": { "radius_m": 0.1 } })),
         with("enforced_limits", json!({ "position": true })),
     ] {
         load_text("bad", &good).expect("it is good");

@@ -199,8 +199,8 @@ fn lists_are_no_objects() {
         (json!({ "free_horizon": [1.0, 3.0, 0.0] }), "free_horizon: "),
         (json!({ "running_cost": [1.0] }), "running_cost: "),
         (
-            json!({ "robot_shape": { "swept-links": [0.1, 0.1] } }),
-            "robot_shape.swept-links: ",
+            json!({ "robot_shape": { "swept_links": [0.1, 0.1] } }),
+            "robot_shape.swept_links: ",
         ),
         (
             json!({ "sphere_obstacles": [
