@@ -67,13 +67,13 @@ fn a_robot_is_chosen_for_generated_scenarios_alone() {
 fn bad_options_exit_with_2() {
     let folder = empty_folder("bad_options");
     for (option, value, words) in [
-        ("--p", "0", "degree: it is 0; at least 2"),
-        ("--p", "1", "degree: it is 1; at least 2"),
-        ("--p", "x", "--degree; invalid value 'x'"),
+        ("--degree", "0", "degree: it is 0; at least 2"),
+        ("--degree", "1", "degree: it is 1; at least 2"),
+        ("--degree", "x", "--degree; invalid value 'x'"),
         ("--k", "0", "k: it is 0; positive"),
-        ("--k", "1e999", "k: it is inf; positive"),
-        ("--s-max", "nan", "s_max: it is NaN; positive"),
-        ("--s-max", "inf", "s_max: it is inf; positive"),
+        ("--k", "1e999", "--k; it is inf; finite"),
+        ("--s-max", "nan", "--s-max; it is NaN; finite"),
+        ("--s-max", "inf", "--s-max; it is inf; finite"),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
         ("--jacobian", "magic", "--jacobian; 'magic'; dual"),
         ("--guess", "circle", "--guess; 'circle'; line_state"),
@@ -98,18 +98,26 @@ fn bad_options_exit_with_2() {
     }
     for (option, value, words) in [
         ("--method", "magic", "--method; 'magic'; relax; flow"),
-        ("--p", "3", "degree: it is 3; at least 4"),
-        ("--starts", "0", "num_starts: it is 0; at least 1"),
-        ("--pieces", "0", "segments: it is 0; at least 1"),
-        ("--pieces", "17", "segments: it is 17; at most 16"),
-        ("--adaptive", "0", "degree_tolerance: it is 0; positive"),
-        ("--adaptive", "-1", "degree_tolerance: it is -1; positive"),
+        ("--degree", "3", "degree: it is 3; at least 4"),
+        ("--starts", "0", "starts: it is 0; at least 1"),
+        ("--segments", "0", "segments: it is 0; at least 1"),
+        ("--segments", "17", "segments: it is 17; at most 16"),
+        (
+            "--degree-tolerance",
+            "0",
+            "degree_tolerance: it is 0; positive",
+        ),
+        (
+            "--degree-tolerance",
+            "-1",
+            "degree_tolerance: it is -1; positive",
+        ),
         ("--tolerance", "0", "tolerance: it is 0; positive"),
-        ("--k", "1e5", "k: the method 'relax' has no such parameter"),
+        ("--k", "1e5", "options: k: unknown field `k`; `degree`"),
         (
             "--integrator",
             "esdirk34",
-            "integrator: the method 'relax' has no such parameter",
+            "options: integrator: unknown field; `degree`",
         ),
     ] {
         assert_bad_input(
@@ -118,7 +126,7 @@ fn bad_options_exit_with_2() {
             words,
         );
     }
-    for (option, value) in [("--pieces", "2"), ("--adaptive", "0.1")] {
+    for (option, value) in [("--segments", "2"), ("--degree-tolerance", "0.1")] {
         let arguments = [
             "solve",
             "pendulum_1_swingup",
@@ -129,7 +137,7 @@ fn bad_options_exit_with_2() {
         assert_bad_input(
             &folder,
             &arguments,
-            "the method 'flow' has no such parameter",
+            "options: ; unknown field; `integrator`",
         );
     }
     assert!(files(&folder).is_empty(), "nothing is written");
@@ -168,7 +176,7 @@ fn absurd_degrees_exit_with_2() {
     for p in ["18446744073709551615", "9000000000000000000", "4294967296"] {
         assert_bad_input(
             &folder,
-            &["solve", "pendulum_1_swingup", "--p", p],
+            &["solve", "pendulum_1_swingup", "--degree", p],
             &format!("degree: it is {p}"),
         );
     }

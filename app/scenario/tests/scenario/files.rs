@@ -2,7 +2,7 @@
 
 use crate::written::{folder, load_text, with};
 use aghf::urdf::{UrdfOptions, load_robot_with};
-use aghf_scenario::{EnforcedLimits, RobotShape, SolveOptions};
+use aghf_scenario::{EnforcedLimits, FlowOptions, RobotShape};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -48,21 +48,32 @@ fn what_a_file_says_is_what_is_solved() {
         serde_json::to_value(&scenario.file).expect("numbers"),
         good()
     );
-    let settings = SolveOptions::default().flow_settings(&scenario);
+    let settings = FlowOptions::default().settings(&scenario);
+    let settings = settings.expect("it is good");
     assert_eq!(
-        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (
+            settings.degree,
+            settings.k,
+            settings.s_max,
+            settings.tolerance
+        ),
         (7, 1e5, 10.0, 1e-4)
     );
-    let options = SolveOptions {
+    let options = FlowOptions {
         degree: Some(4),
         k: Some(3.0),
         s_max: Some(2.0),
         tolerance: Some(1e-3),
         ..Default::default()
     };
-    let settings = options.flow_settings(&scenario);
+    let settings = options.settings(&scenario).expect("it is good");
     assert_eq!(
-        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (
+            settings.degree,
+            settings.k,
+            settings.s_max,
+            settings.tolerance
+        ),
         (4, 3.0, 2.0, 1e-3)
     );
 }
@@ -83,7 +94,10 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let file = load_text("bad", &short.to_string())
         .expect("it is good")
         .file;
-    assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
+    assert_eq!(
+        (file.flow.degree, file.flow.k, file.flow.s_max),
+        (9, 1e9, 0.1)
+    );
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
@@ -203,10 +217,10 @@ fn numbers_out_of_their_range() {
 
 #[test]
 fn degrees_that_are_too_small() {
-    let degree = |p: usize| good_but("/flow/p", json!(p)).to_string();
+    let degree = |p: usize| good_but("/flow/degree", json!(p)).to_string();
     assert_refused([
-        (degree(1), "flow.p: it is 1"),
-        (degree(0), "flow.p: it is 0"),
+        (degree(1), "flow.degree: it is 1"),
+        (degree(0), "flow.degree: it is 0"),
     ]);
 }
 
@@ -218,8 +232,8 @@ fn values_of_the_wrong_kind() {
         ("/horizon_s", json!(null), "horizon_s; null"),
         ("/q_goal", json!([1.0, "up"]), "q_goal; up"),
         ("/v_goal", json!(1.0), "v_goal"),
-        ("/flow/p", json!(7.5), "flow.p; 7.5"),
-        ("/flow/p", json!(-7), "flow.p; -7"),
+        ("/flow/degree", json!(7.5), "flow.degree; 7.5"),
+        ("/flow/degree", json!(-7), "flow.degree; -7"),
         ("/flow/guess", json!("circle"), "flow.guess; circle"),
         ("/feedback", json!(10.0), "feedback"),
         ("/robot", json!(3), "robot"),

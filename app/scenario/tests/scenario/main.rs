@@ -17,6 +17,7 @@ mod passive;
 mod preflight;
 mod published_flow;
 mod relaxation;
+mod schema;
 mod self_collision;
 mod solve;
 mod surroundings;
