@@ -9,8 +9,8 @@ const NEAR: f64 = 1.5;
 const DIGITS: f64 = 1e-5;
 
 fn known() -> Value {
-    let text = std::fs::read_to_string("robots/best_known.json").expect("it is there");
-    serde_json::from_str(&text).expect("it is JSON")
+    let text = include_str!("../../../../robots/best_known.json");
+    serde_json::from_str(text).expect("it is JSON")
 }
 
 /// The defaults on scenarios without limits and obstacles find nothing that costs much more, nor anything that costs less.
