@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Solves generated scenarios close to the limits, one after the other, and prints a table: how many are solved, and in what time.
+"""Solves generated scenarios close to the limits, one after the other, and prints success rates and times.
 
     cargo build --release
     python3 benches/limits.py                              # Kinova, seeds 1 to 20, without and with obstacle
     python3 benches/limits.py --seeds 1-100 kinova_gen3 ROBOT.urdf ...
-    python3 benches/limits.py --family limits -- --degree 12   # what follows goes to `aghf solve`
+    python3 benches/limits.py --family limits -- --degree 12   # arguments after -- are passed to `aghf solve`
 
-Times are the `solve_seconds` of the summaries: the search alone, neither start of the process nor generation. Mimic joints move by
-themselves. Exit code 1 if a scenario is not solved. Needs Python 3.9 and nothing else.
+Times are the `solve_seconds` of the summaries: the search alone, without the start of the process and the generation.
+Mimic joints move independently. Exit code 1 if a scenario is not solved. Needs Python 3.9 and nothing else.
 """
 
 import argparse
@@ -31,12 +31,12 @@ def seeds(text: str) -> range:
 
 
 def percentile(ascending: list, share: float) -> float:
-    """The smallest value that at least `share` of all do not exceed."""
+    """The smallest value not exceeded by at least `share` of all."""
     return ascending[max(math.ceil(share * len(ascending)) - 1, 0)]
 
 
 def solve(aghf: Path, name: str, robot: str, extra: list, folder: str) -> tuple:
-    """The seconds of the search, if there was one, and why it failed, if it did."""
+    """The duration of the search in seconds, if there was one, and the reason of a failure, if it failed."""
     command = [aghf, "solve", name, "--robot", robot, "--mimic", "independent", "--json", "--out", folder, "--force", *extra]
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode not in (0, 3):

@@ -11,7 +11,7 @@ The searches are those of `aghf sweep`, are resumed after an interruption, and c
 `--shard`. Then every scenario is solved with the best sets, one after the other on one core, and
 `cargo bench --bench flow` times the right-hand side of the flow and its Jacobian on robots of 2 to 22 joints, as in
 Figures 4 and 5. The folder gets report.md, results.json with the summaries of all solves, and the figures as SVG.
-benches/RESULTS.md says how to read the tables.
+benches/RESULTS.md explains the tables.
 """
 
 import argparse
@@ -44,7 +44,7 @@ TABLES = "table_09_pendulums table_10_kinova table_11_digit table_12_kinova_obst
 PENDULUMS = [f"pendulum_{n}_swingup" for n in range(1, 6)]
 FREE = {"Kinova": numbered("kinova_free", 5), "Digit": ["digit_free_stretch", "digit_free_step"]}
 OBSTACLES = {"Kinova, obstacles": numbered("kinova_obstacles", 5)}
-# The straight line hits something.
+# The straight line collides.
 HARDER = {
     "Kinova, cross": numbered("kinova_cross", 10),
     "Kinova, gap": numbered("kinova_gap", 10),
@@ -98,14 +98,14 @@ QUANTITIES = [
 
 
 def figures(x: float, count: int) -> str:
-    """`x` with this many significant figures, in the shorter of the usual notations."""
+    """`x` with this number of significant digits, in the shorter of the usual notations."""
     mantissa, exponent = f"{x:.{count - 1}e}".split("e")
     e = int(exponent)
     return f"{x:.{max(count - 1 - e, 0)}f}" if -3 <= e <= 6 else f"{mantissa}e{e}"
 
 
 def scientific(x: float) -> str:
-    """`x` such as 1e5, with no more digits than it has."""
+    """`x` such as 1e5, without trailing zeros."""
     mantissa, exponent = f"{x:.12e}".split("e")
     return f"{float(mantissa):g}e{int(exponent)}"
 
@@ -255,7 +255,7 @@ def fit(quantity: Quantity, times: list[dict]) -> tuple[Polynomial, float, float
 def polynomial_in_words(coefficients: np.ndarray) -> str:
     powers = ["", " N", *(f" N^{i}" for i in range(2, len(coefficients)))]
     terms = [f"{'-' if c < 0 else '+'} {figures(abs(c), 3)}{power}" for c, power in zip(coefficients, powers)]
-    return " ".join(terms).removeprefix("+ ")
+    return terms[0].replace("- ", "-").removeprefix("+ ") + "".join(f" {term}" for term in terms[1:])
 
 
 def times_tables(times: dict[str, list[dict]]) -> str:
@@ -370,7 +370,7 @@ def main() -> None:
     if grids and not arguments.variants:
         found, text = search(chosen, grids)
         parts.append(text)
-    # The solves that are timed have one core.
+    # Timed solves use one core.
     os.environ["RAYON_NUM_THREADS"] = "1"
     if arguments.variants:
         families = {title: names[:2] if arguments.quick else names for title, names in chosen.items()}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the pictures of the guide again, into src/guide/pictures: all of them, or those that are named.
+"""Redraws the pictures of the guide in src/guide/pictures: all of them, or the named ones.
 
     cargo build --release
     pip install matplotlib
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
 PICTURES = ROOT / "src" / "guide" / "pictures"
 
-#: Text stays text, names in the file do not change from run to run, and the page is white in dark themes too.
+#: Text stays text, names in the file are reproducible, and the background is white in dark themes, too.
 STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "aghf",
@@ -107,8 +107,9 @@ def methods():
 
 def obstacles():
     """Paths of the third joint of the pendulum with and without a sphere."""
-    sphere = {"center_m": [-1.35, 0.0, 0.3], "radius_m": 0.15}
-    clear = {**SWING, "sphere_obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
+    centre, radius = [-1.35, 0.0, 0.3], 0.15
+    sphere = {"shape": {"sphere": {"radius_m": radius}}, "pose": {"position_m": centre}}
+    clear = {**SWING, "obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
     figure, ax = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
     for scenario, colour, label in [(SWING, BLUE, "free"), (clear, ORANGE, "clear of the sphere")]:
         motion, summary = solved(scenario)
@@ -117,7 +118,7 @@ def obstacles():
         # Links point along -x and turn about y.
         x, z = -np.cos(first) - np.cos(second), np.sin(first) + np.sin(second)
         ax.plot(x, z, color=colour, label=f"{label}: effort {summary['control_effort']:.0f}")
-    ax.add_patch(plt.Circle((sphere["center_m"][0], sphere["center_m"][2]), sphere["radius_m"], color=GREY))
+    ax.add_patch(plt.Circle((centre[0], centre[2]), radius, color=GREY))
     ax.set(xlabel="x, m", ylabel="z, m", aspect="equal")
     ax.legend(fontsize=8)
     return figure
@@ -139,7 +140,7 @@ def degree():
 
 
 def written(name, figure):
-    """Writes an SVG that stands in a page of rustdoc: no declaration, no metadata, no empty line."""
+    """Writes an SVG for inclusion in a page of rustdoc: no declaration, no metadata, no empty line."""
     path = PICTURES / f"{name}.svg"
     figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
     plt.close(figure)
@@ -154,7 +155,7 @@ def written(name, figure):
 
 
 def svg_head(found):
-    """The head of a picture that shrinks with its page."""
+    """The head of a picture that scales with its page."""
     return found[0].replace(f'width="{found[1]}pt" height="{found[2]}pt"', f'width="{float(found[1]):.0f}"')
 
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Makes tables of benches/RESULTS.md again, each in its place: all of them, or those that are named.
+"""Updates the tables in benches/RESULTS.md: all of them, or the named ones.
 
     cargo build --release
     benches/results.py                     # scenarios, families, degrees, paper, variants: some 25 minutes
     benches/results.py scenarios families
 
-Tables stand between `<!-- NAME -->` and `<!-- end of NAME -->`. The first line of the file says where and of which commit the last run was. The
-tables of `benches/limits.py`, of MotionBenchMaker, whose problems are downloaded, and of builds have their commands beside them.
-`paper` and `variants` are those of `benches/paper.py` and need what it needs; the others need Python 3.9 alone.
+Tables are between `<!-- NAME -->` and `<!-- end of NAME -->`. The first line of the file names the processor and the
+commit of the last run. The commands of the tables of `benches/limits.py`, of MotionBenchMaker, whose problems are
+downloaded, and of builds are next to them. `paper` and `variants` come from `benches/paper.py` and have its
+requirements; the others need only Python 3.9.
 """
 
 import json
@@ -30,7 +31,7 @@ SIZES = [(1, 9), (1, 16), (1, 24), (1, 32), (2, 7), (2, 9), (4, 7), (4, 9), (8, 
 
 
 def aghf(*arguments: str, folder: str) -> str:
-    """The output of `aghf` on one thread; 3 is a solve that failed, which is a result."""
+    """The output of `aghf` on one thread; exit code 3 is a failed solve, which is a result."""
     environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
     run = subprocess.run([AGHF, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
     if run.returncode not in (0, 3):
@@ -107,7 +108,7 @@ def degrees(folder: str) -> str:
     for segments, degree in SIZES:
         options = ("--segments", str(segments), "--degree", str(degree))
         summaries = [solved(name, folder, *options) for name in DEGREES]
-        # Segments share position and velocity where they meet, and the ends have theirs from the scenario.
+        # Segments share position and velocity at breakpoints, and those of the ends are given by the scenario.
         row = [f"{segments} x {degree}", str(segments * (degree - 1) - 2)]
         for s in summaries:
             row += [f"{s['control_effort']:.4g}", f"{1e3 * s['solve_seconds']:.0f}"]
@@ -159,7 +160,7 @@ def main(chosen: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             made = SECTIONS[name](folder)
         text = pattern.sub(lambda found: found[1] + made + found[2], text)
-        # One after the other, so that nothing is lost when it is stopped.
+        # One after the other, so that an interruption loses nothing.
         RESULTS.write_text(re.sub(r"Last run of .*", machine(), text), encoding="utf-8")
         print(f"{name}: done", flush=True)
 

@@ -5,13 +5,13 @@
     VENV/bin/python benches/underactuated.py                     # all, into robots/underactuated_ipopt.json
     VENV/bin/python benches/underactuated.py acrobot_swingup --starts 50 --intervals 40
 
-The motion is collocated at the three Gauss points of each interval: unknown are the state at the beginning of the interval and the
-accelerations at these points; position and velocity at the points are their Runge-Kutta integrals, of order six over an
-interval. At the points the torques of the passive joints are zero, by equalities; minimised is the sum of the squares of all
-others with the weights of Gauss, by exact Hessians from CasADi. Pinocchio reads the URDF, and the inverse dynamics, written here
-as a CasADi expression, are compared with its own. Starts are the cubic between the ends, and the same with random bends, each
-solved again with twice the intervals from where it ended. The best of them whose effort four times the intervals leave as it is, to 1e-3,
-is told. Limits are not looked at.
+The motion is collocated at the three Gauss points of each interval. The unknowns are the state at the beginning of the
+interval and the accelerations at these points; position and velocity at the points are their Runge-Kutta integrals, of
+order six over an interval. Equalities require zero torques of the passive joints at the points; the objective is the
+Gauss quadrature of the squares of the other torques, with exact Hessians from CasADi. Pinocchio reads the URDF, and the
+inverse dynamics, a CasADi expression in this file, are compared with Pinocchio's. Starts are the cubic between the ends
+and the same with random bends, each solved again from its solution on twice the intervals. The result is the best
+effort that changes by at most 1e-3 with four times the intervals. Limits are ignored.
 """
 
 import argparse
@@ -26,12 +26,12 @@ import pinocchio as pin
 
 ROBOTS = Path(__file__).resolve().parents[1] / "robots"
 TABLE = ROBOTS / "underactuated_ipopt.json"
-# Gauss points on [0, 1] with the Runge-Kutta matrix and the weights that belong to them.
+# Gauss points on [0, 1] with their Runge-Kutta matrix and weights.
 NODES = (np.polynomial.legendre.leggauss(3)[0] + 1) / 2
 POWERS = np.vander(NODES, increasing=True)
 MATRIX = np.array([[c ** (j + 1) / (j + 1) for j in range(3)] for c in NODES]) @ np.linalg.inv(POWERS)
 WEIGHTS = np.array([1 / (j + 1) for j in range(3)]) @ np.linalg.inv(POWERS)
-# Efforts that differ by less, relative, are of one minimum.
+# The largest relative difference of efforts that count as one minimum.
 SAME = 1e-3
 
 
@@ -48,7 +48,7 @@ def inverse_dynamics(urdf):
     q, v, a = (ca.SX.sym(name, n) for name in "qva")
     axes, places, bodies, torques = [], [], [], [None] * n
     for i in range(n):
-        # The motion that the joint allows, in the axes of its body: a direction to slide along or to turn about.
+        # The motion subspace of the joint in the axes of its body: a direction of translation or rotation.
         allowed = pin.getJointJacobian(model, data, i + 1, pin.LOCAL)[:, model.joints[i + 1].idx_v].round(12)
         slide, turn = allowed[:3], allowed[3:]
         axes.append((slide, turn))
@@ -86,14 +86,14 @@ def inverse_dynamics(urdf):
 
 
 class Collocation:
-    """A scenario on equal intervals, as a nonlinear programme."""
+    """A scenario on equal intervals as a nonlinear program."""
 
     def __init__(self, scenario, dynamics, passive, intervals):
         self.scenario, self.intervals, n = scenario, intervals, len(scenario["q_start"])
         self.n, self.h = n, scenario["horizon_s"] / intervals
         driven = [i for i in range(n) if i not in passive]
         h = self.h
-        # One interval: from its unknowns to the state at its end, its effort and the torques that have to vanish.
+        # One interval: from its unknowns to the state at its end, its effort, and the torques that must vanish.
         q, v, a = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("a", n, 3)
         vs = ca.repmat(v, 1, 3) + h * (a @ MATRIX.T)
         qs = ca.repmat(q, 1, 3) + h * (vs @ MATRIX.T)
@@ -136,7 +136,7 @@ class Collocation:
         return np.vstack([q, v, a.transpose(2, 0, 1).reshape(-1, q.shape[1])]).ravel(order="F")
 
     def halved(self, x):
-        """The unknowns of half as long intervals on which the motion is the same."""
+        """The unknowns of the same motion on intervals of half the length."""
         n, x = self.n, np.array(x).reshape(-1, self.intervals, order="F")
         q, v = x[:n], x[n : 2 * n]
         a = x[2 * n :].reshape(3, n, -1).transpose(1, 2, 0)
@@ -168,7 +168,7 @@ def reference(name, starts, intervals, amplitude):
     for seed in range(starts):
         result, x = meshes[0].solve(meshes[0].guess(seed, amplitude))
         if result["success"]:
-            # On a coarse mesh a motion may pass between the points; what counts is what is left of it on a finer one.
+            # On a coarse mesh a motion may exploit the gaps between the points; only minima on a finer one count.
             result, x = meshes[1].solve(meshes[0].halved(x))
         if result["success"]:
             solved.append((result["effort"], seed, x))

@@ -45,13 +45,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let weights = PenaltyWeights { state: penalty, torque: penalty };
     let penalised = Penalised { constraints: kept, weights };
     let flowed = Flow::new(&problem, FlowSettings::new(9, 1e4, 1.0)).constraints(&penalised).run()?;
-    let kept = &penalised.constraints;
+    assert_eq!(flowed.failure, None);
     for (method, curve) in [("relaxation", &relaxed.curve), ("flow", &flowed.curve)] {
-        let mut rows = violations(model, curve, kept, 2000)?;
+        let mut rows = violations(model, curve, &penalised.constraints, 2000)?;
         rows.sort_by(|a, b| b.by.total_cmp(&a.by));
         println!("{method}: the rows with the least left");
         for row in &rows[..4] {
-            let label = kept.label(row.row, model);
+            let label = penalised.constraints.label(row.row, model);
             println!("{:10.1e} {:5} at {:.2} s  {}", -row.by, label.unit, row.at_s, label.name);
         }
     }

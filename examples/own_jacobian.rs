@@ -45,6 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let flow = || Flow::new(&problem, settings.clone());
     let (truth, found) = (flow().run()?, flow().jacobian(mine).run()?);
+    assert_eq!((&truth.failure, &found.failure), (&None, &None));
     println!("analytic:     {} steps", truth.statistics.steps);
     println!("fourth order: {} steps", found.statistics.steps);
     println!("largest difference of the curves: {:.1e}", (truth.curve.x() - found.curve.x()).amax());

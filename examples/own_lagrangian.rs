@@ -32,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let drawn = &Drawn { weight, rest };
         let flow = Flow::new(&problem, settings.clone()).lagrangian(drawn, ActuationMetric::default());
         let found = flow.run()?;
+        assert_eq!(found.failure, None);
         let samples = sample(&model, &found.curve, 100)?;
         let distances = samples.iter().map(|s| s.q[0].hypot(s.q[1]));
         let mean = distances.sum::<f64>() / samples.len() as f64;

@@ -22,7 +22,7 @@ pub fn read_text(path: &Path) -> Result<String> {
         let text = std::fs::File::open(path).and_then(read_whole);
         return text.map_err(|e| Error::io(path, e));
     }
-    // It can be read once only, but a robot from there may be asked for several times.
+    // The standard input can be read only once, but a robot from there may be loaded several times.
     static TEXT: OnceLock<String> = OnceLock::new();
     if let Some(text) = TEXT.get() {
         return Ok(text.clone());

@@ -104,7 +104,7 @@ def program():
 def problem(model, values, parameters, states, controls, sample, limit, repeats):
     """A problem as the words that `plan.cpp` reads."""
     start, goal = (np.r_[values[f"q_{end}"], values[f"v_{end}"]] for end in ("start", "goal"))
-    spheres = [[*sphere["center_m"], sphere["radius_m"]] for sphere in values["sphere_obstacles"]]
+    spheres = [[*o["pose"]["position_m"], o["shape"]["sphere"]["radius_m"]] for o in values["obstacles"]]
     p = parameters
     settings = [p.dt, p.w_u, p.w_x, p.w_xf, p.tolerance, p.mu, p.nonlinear, p.regularisation]
     settings += [ITERATIONS, limit, repeats]

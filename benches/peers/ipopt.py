@@ -52,7 +52,7 @@ def solve(table, family, names, kind, repeats):
             continue
         values = scenario(name)
         limits = tuple(key for key, enforced in values["enforced_limits"].items() if enforced)
-        spheres = len(values.get("sphere_obstacles", []))
+        spheres = sum("sphere" in obstacle["shape"] for obstacle in values.get("obstacles", []))
         key = (values["robot"], limits, spheres)
         if key not in built:
             model = robot(values["robot"])

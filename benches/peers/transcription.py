@@ -165,19 +165,21 @@ class Transcription:
 
     def solve(self, scenario):
         """Solves a scenario from the cubic between its ends: IPOPT's statistics, seconds and the unknowns."""
+        spheres = [obstacle for obstacle in scenario.get("obstacles", []) if "sphere" in obstacle["shape"]]
         low, high = [], []
         for name in self.rows:
             if name == "joined":
                 value = self.joined_values(scenario)
                 low.append(value), high.append(value)
             elif name == "gaps":
-                radii = np.repeat([ball["radius_m"] + self.clear for ball in scenario["sphere_obstacles"]], self.n) ** 2
+                radii = [o["shape"]["sphere"]["radius_m"] + self.clear for o in spheres]
+                radii = np.repeat(radii, self.n) ** 2
                 low.append(np.tile(radii, self.points)), high.append(np.full(radii.size * self.points, np.inf))
             else:
                 some = [np.isfinite(a) or np.isfinite(b) or name == "torque" for a, b in zip(*self.bounds_of(name))]
                 lower, upper = (bound[some] for bound in self.bounds_of(name))
                 low.append(np.tile(lower, self.points)), high.append(np.tile(upper, self.points))
-        centres = [c for ball in scenario.get("sphere_obstacles", [])[: self.spheres] for c in ball["center_m"]]
+        centres = [c for sphere in spheres[: self.spheres] for c in sphere["pose"]["position_m"]]
         parameters = [scenario["horizon_s"], *centres]
         guess = self.guess(scenario)
         began = time.perf_counter()

@@ -87,18 +87,19 @@ def imported(family, number, panda):
 def words(name, values, box_family):
     """A problem as the words that `plan.cc` reads. Cylinders become capsules, in the family `box` cuboids, as VAMP's
     own script does."""
-    turned = lambda solid: Rotation.from_quat(solid.get("orientation_xyzw", [0, 0, 0, 1]))
-    boxes = [(b["center_m"], turned(b), np.divide(b["size_m"], 2)) for b in values.get("box_obstacles", [])]
-    capsules = []
-    for solid in values.get("cylinder_obstacles", []):
+    boxes, capsules = [], []
+    for obstacle in values.get("obstacles", []):
+        shape, pose = obstacle["shape"], obstacle["pose"]
+        center, turn = pose["position_m"], Rotation.from_quat(pose.get("orientation_xyzw", [0, 0, 0, 1]))
+        if "box" in shape:
+            boxes.append((center, turn, np.divide(shape["box"]["size_m"], 2)))
+            continue
+        radius, half_length = shape["cylinder"]["radius_m"], shape["cylinder"]["length_m"] / 2
         if box_family:
-            radius = solid["radius_m"]
-            boxes.append((solid["center_m"], turned(solid), [radius, radius, solid["length_m"] / 2]))
+            boxes.append((center, turn, [radius, radius, half_length]))
         else:
-            axis = turned(solid).apply([0, 0, solid["length_m"] / 2])
-            capsules.append(
-                [*np.subtract(solid["center_m"], axis), *np.add(solid["center_m"], axis), solid["radius_m"]]
-            )
+            axis = turn.apply([0, 0, half_length])
+            capsules.append([*np.subtract(center, axis), *np.add(center, axis), radius])
     told = [name, *values["q_start"], *values["q_goal"], len(boxes)]
     for center, rotation, half in boxes:
         told += [*center, *rotation.as_euler("xyz"), *half]

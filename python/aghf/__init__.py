@@ -1,7 +1,7 @@
 """Trajectory optimisation with the Affine Geometric Heat Flow, and rigid-body dynamics with exact derivatives.
 
-Arrays are of float64. Functions of states take one state, shape ``(N,)``, or a batch, shape ``(B, N)``, and their results have the same
-leading dimension; large batches use all cores. Units: m, rad, s, kg, N, N m.
+Arrays are of float64. Functions of states take one state, shape ``(N,)``, or a batch, shape ``(B, N)``, and their
+results have the same leading dimension; large batches use all cores. Units: m, rad, s, kg, N, N m.
 """
 
 from ._dynamics import (

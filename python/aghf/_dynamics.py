@@ -29,7 +29,7 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 class InverseDynamicsSecondDerivatives(NamedTuple):
-    """Second derivatives of torques: the first index is the torque, the others are as in the name."""
+    """Second derivatives of torques: the first index is the torque, the others are in the order of the name."""
 
     dqdq: np.ndarray
     dvdv: np.ndarray
@@ -38,7 +38,7 @@ class InverseDynamicsSecondDerivatives(NamedTuple):
 
 
 class ForwardDynamicsSecondDerivatives(NamedTuple):
-    """Second derivatives of accelerations at torques that stay: the first index is the acceleration."""
+    """Second derivatives of accelerations at constant torques: the first index is the acceleration."""
 
     dqdq: np.ndarray
     dvdv: np.ndarray
@@ -98,7 +98,7 @@ def aba(model: Model, q, v, tau) -> np.ndarray:
 
 
 def crba(model: Model, q) -> np.ndarray:
-    """The mass matrix, whole and symmetric, shape (N, N) or (B, N, N)."""
+    """The mass matrix, both triangles, shape (N, N) or (B, N, N)."""
     return _aghf.crba(model._own, array(q, "q"))[0]
 
 
@@ -108,18 +108,21 @@ def mass_matrix_and_rate(model: Model, q, v) -> tuple[np.ndarray, np.ndarray]:
 
 
 def energy(model: Model, q, v) -> Energy:
-    """The kinetic and the potential energy, each a number or (B,); the latter is zero where all is at the origin of the base."""
+    """The kinetic and potential energies, each a number or (B,).
+
+    The potential energy is zero with all centres of mass at the height of the base.
+    """
     return Energy(*_aghf.energy(model._own, array(q, "q"), array(v, "v")))
 
 
 def rnea_derivatives(model: Model, q, v, a) -> InverseDynamicsDerivatives:
-    """Inverse dynamics with its first derivatives, each (N, N) or (B, N, N); that in ``a`` is the mass matrix."""
+    """Inverse dynamics and first derivatives, each (N, N) or (B, N, N); the derivative in ``a`` is the mass matrix."""
     found = _aghf.rnea_derivatives(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
     return InverseDynamicsDerivatives(*found)
 
 
 def aba_derivatives(model: Model, q, v, tau) -> ForwardDynamicsDerivatives:
-    """Forward dynamics with its first derivatives; that in ``tau`` is the inverse of the mass matrix."""
+    """Forward dynamics with its first derivatives; the derivative in ``tau`` is the inverse of the mass matrix."""
     found = _aghf.aba_derivatives(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
     return ForwardDynamicsDerivatives(*found)
 
@@ -160,7 +163,7 @@ def frame_placement(model: Model, q, frame: str) -> np.ndarray:
 
 def frame_jacobian(model: Model, q, frame: str) -> np.ndarray:
     """The Jacobian of a frame, shape (6, N) or (B, 6, N): its angular velocity, then that of its
-    origin, along the axes of the base. It is the ``LOCAL_WORLD_ALIGNED`` of Pinocchio, whose rows are the linear ones first."""
+    origin, along the axes of the base. It is Pinocchio's ``LOCAL_WORLD_ALIGNED``, which has the linear rows first."""
     return _aghf.frame_jacobian(model._own, array(q, "q"), frame)[0]
 
 
@@ -170,6 +173,6 @@ def omega(model: Model, x, xdot, xddot, k: float) -> np.ndarray:
 
 
 def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control-form") -> OmegaJacobian:
-    """Its derivatives by the implementation of a name that `jacobians` lists, each (2 N, 2 N) or (B, 2 N, 2 N)."""
+    """The Jacobian of `omega` by an implementation named in `jacobians`, each (2 N, 2 N) or (B, 2 N, 2 N)."""
     arguments = array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot")
     return OmegaJacobian(*_aghf.omega_jacobian(model._own, *arguments, k, jacobian))

@@ -19,15 +19,15 @@ class Model:
     dof : int
         The number of joints, ``N``.
     mass : float
-        The mass of everything that moves, kg.
+        The moving mass, kg.
     joint_names, joint_kinds, frame_names : list of str
     parents : numpy.ndarray, shape (N,)
-        The joint that carries each joint, -1 for the base.
+        The parent of each joint, -1 for the base.
     lower, upper, velocity_limits, effort_limits : numpy.ndarray, shape (N,)
-        The limits of each joint; infinite where there is none.
+        The limits of each joint; infinite without a limit.
     gravity : numpy.ndarray, shape (3,)
     notes : list of str
-        Remarks of the reader on what it left out or changed.
+        Notes on omitted or changed elements of the file.
     """
 
     def __init__(self, own: _aghf.Model) -> None:
@@ -41,12 +41,12 @@ class Model:
         ----------
         path_or_text : str or os.PathLike
         mimic : {"refuse", "independent"}
-            What to do with mimic joints.
+            The treatment of mimic joints.
 
         Raises
         ------
         InputError
-            Names the file, the element and what is wrong with it.
+            Names the file, the element and the fault.
         """
         text = os.fspath(path_or_text)
         if text.lstrip().startswith("<"):
@@ -55,20 +55,20 @@ class Model:
 
     @classmethod
     def builtin(cls, name: str) -> Model:
-        """The robot that is built in under a name; `builtin_robots` lists them."""
+        """The built-in robot of this name; `builtin_robots` lists them."""
         return cls(_aghf.Model.builtin(name))
 
     @classmethod
     def from_pinocchio(cls, model) -> Model:
         """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
 
-        Torques at random states are compared before it is returned. `aghf.pinocchio_configuration` has the ``q`` of Pinocchio, in
-        which an unbounded revolute joint has a cosine and a sine.
+        Torques of both models are compared at random states. `aghf.pinocchio_configuration` returns Pinocchio's ``q``,
+        in which an unbounded revolute joint has a cosine and a sine.
 
         Parameters
         ----------
         model : pinocchio.Model
-            Of revolute and prismatic joints about and along any axes, on a fixed base.
+            A model of revolute and prismatic joints with any axes, on a fixed base.
 
         Returns
         -------
@@ -77,8 +77,8 @@ class Model:
         Raises
         ------
         InputError
-            The joint, and what it has that is not known here: more than one degree of freedom, a mimic joint or an armature; or a
-            body without inertia.
+            Names the joint and its unsupported feature: more than one degree of freedom, mimic, or an armature; or
+            a body without inertia.
         ImportError
             Pinocchio is not installed.
         """
@@ -100,7 +100,7 @@ class Model:
 
 
 def array(x, name: str) -> np.ndarray:
-    """An argument as a contiguous array of float64, which one that is so stays."""
+    """An argument as a contiguous array of float64, without a copy if it is one."""
     try:
         return np.asarray(x, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:

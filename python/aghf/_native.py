@@ -1,6 +1,7 @@
-"""The compiled part: that for processors with AVX2, or the baseline where there is none.
+"""The compiled part: the build for processors with AVX2 if possible, otherwise the baseline.
 
-A wheel has both; `pip install` of the sources builds the first alone. ``AGHF_BASELINE=1`` in the environment takes the baseline.
+A wheel has both; `pip install` of the sources builds only the first. The environment variable ``AGHF_BASELINE=1``
+selects the baseline.
 """
 
 import importlib.util

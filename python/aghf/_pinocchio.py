@@ -8,7 +8,7 @@ from ._dynamics import rnea
 from ._model import Model
 from ._native import _aghf
 
-#: The largest relative difference of the torques of a model and of what was made of it.
+#: The largest relative difference between the torques of a model and of its conversion.
 _AGREEMENT = 1e-9
 
 
@@ -19,7 +19,7 @@ def from_pinocchio(model) -> Model:
     joints = [_joint(model, i) for i in range(1, model.njoints)]
     frames, names = [], set(list(model.names)[1:])
     for frame in model.frames:
-        # A joint has a frame of its name here as there.
+        # In both libraries each joint has a frame of the same name.
         if frame.name in names or frame.type == pinocchio.FrameType.JOINT or frame.name == "universe":
             continue
         names.add(frame.name)
@@ -54,7 +54,7 @@ def _placement(placement) -> list[float]:
 
 
 def _limit(model, new: str, old: str, i: int) -> float:
-    """A limit by the name that it has in this version; infinite where it is zero, as in a URDF."""
+    """A limit by its name in this version of Pinocchio; zero becomes infinite, as in a URDF."""
     values = getattr(model, new) if hasattr(model, new) else getattr(model, old)
     return float(values[i]) or float("inf")
 
@@ -96,7 +96,7 @@ def _joint(model, i: int) -> tuple:
 
 
 def _compare(pinocchio, model, ours: Model) -> None:
-    """Refuses what does not have the torques of the model."""
+    """Refuses a conversion with other torques than the model."""
     data = model.createData()
     q, v, a = np.random.default_rng(0).normal(size=(3, 3, ours.dof))
     torques = rnea(ours, q, v, a)

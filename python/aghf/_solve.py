@@ -36,11 +36,11 @@ class Solution:
     horizon : float
         The duration of the motion, s.
     summary : dict
-        All that `aghf solve` writes into summary.json.
+        The contents of summary.json as written by `aghf solve`.
     scenario : dict
-        The scenario that was solved.
+        The solved scenario.
     minima : list of dict
-        The costs of the minima that the starts found, with the number of starts of each; of the relaxation.
+        For the relaxation: the costs of the minima, with the number of starts that led to each.
     """
 
     def __init__(self, own: _aghf.Solution) -> None:
@@ -76,7 +76,7 @@ class Solution:
         return Samples(times, *self._own.evaluate(times))
 
     def sample(self, count: int = 201) -> Samples:
-        """The motion at so many times at equal distances, both ends included."""
+        """The motion at this number of equidistant times, both ends included."""
         return self.evaluate(np.linspace(0.0, self.horizon, count))
 
     def save(self, folder: str | os.PathLike, *, replace: bool = False) -> list[str]:
@@ -84,7 +84,7 @@ class Solution:
         return self._own.save(os.fspath(folder), replace)
 
     def report_html(self) -> str:
-        """The page that shows the motion: HTML that needs no network and no other file."""
+        """The page of the motion: HTML that needs no network and no other file."""
         return self._own.report_html()
 
     def _repr_html_(self) -> str:
@@ -98,7 +98,7 @@ class Solution:
 
 
 def _named(scenario) -> tuple[str, str | None]:
-    """The name and the text of a scenario, which has none if it is built in or in a file."""
+    """The name and the text of a scenario; a built-in one or one in a file has no text."""
     if isinstance(scenario, Mapping):
         return "scenario", json.dumps(scenario, default=_plain)
     return os.fspath(scenario), None
@@ -130,19 +130,19 @@ def solve(
     scenario : str, os.PathLike or Mapping
         A built-in or generated scenario by its name, the path of a file, or the keys of a scenario.
     running_cost : RunningCost, optional
-        Is minimised in place of the scenario's; see `check_cost`. Only the relaxation can.
+        Replaces the running cost of the scenario; see `check_cost`. Only for the relaxation.
     constraints : iterable of Constraint, optional
-        Are kept beside those of the scenario, and judged with them; see `check_constraint`.
+        Enforced in addition to those of the scenario, also for success; see `check_constraint`.
     on_iteration : callable, optional
-        Is called with a dict of each iteration; what it raises ends the search.
+        Called with a dict of each iteration; an exception ends the search.
     **options
-        Those of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``, ``planned_starts``, ``threads``,
-        ``time_limit_s`` and so on.
+        The options of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``,
+        ``planned_starts``, ``threads``, ``time_limit_s`` and so on.
 
     Raises
     ------
     InputError
-        Names the file, the key and what is wrong with it.
+        Names the file, the key and the fault.
     """
     name, text = _named(scenario)
     return Solution(_aghf.solve(name, text, _options(options), running_cost, list(constraints), on_iteration))
@@ -151,22 +151,25 @@ def solve(
 def solve_many(
     scenarios: Iterable[str | os.PathLike | Mapping], *, threads: int | None = None, **options
 ) -> list[Solution]:
-    """Solves scenarios side by side, one per core or on so many threads; the results are in their order, and do not depend on that number."""
+    """Solves scenarios in parallel, one per core or on this number of threads.
+
+    The results are in the order of the scenarios and do not depend on the number of threads.
+    """
     named = [_named(scenario) for scenario in scenarios]
     return [Solution(own) for own in _aghf.solve_many(named, _options(options), threads)]
 
 
 def sweep(name: str | os.PathLike, *, threads: int | None = None) -> Table:
-    """Solves scenarios with every combination of parameters of a grid, on all cores or so many threads.
+    """Solves scenarios with every combination of parameters of a grid, on all cores or this number of threads.
 
     Parameters
     ----------
     name : str or os.PathLike
-        A sweep that is built in, a TOML file, or a folder of scenarios. `aghf sweep` on the command line also goes on where it was stopped.
+        A built-in sweep, a TOML file, or a folder of scenarios. Only `aghf sweep` on the command line can resume.
 
     Returns
     -------
     Table
-        A row per solve: the scenario, its parameters, the outcome, and what was measured.
+        A row per solve: the scenario, its parameters, the outcome, and the measurements.
     """
     return Table.from_rows(json.loads(_aghf.sweep(os.fspath(name), threads)))

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 
 
 class Table(dict):
-    """A table as a dict of columns, lists of the same length, which ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` take."""
+    """A table as a dict of columns, lists of the same length, for ``pandas.DataFrame`` or ``polars.DataFrame``."""
 
     @classmethod
     def from_rows(cls, rows: Iterable[Mapping]) -> Table:
-        """The table of these rows; what one lacks is None."""
+        """The table of these rows, with None for missing values."""
         rows = list(rows)
         names = dict.fromkeys(name for row in rows for name in row)
         return cls({name: [row.get(name) for row in rows] for name in names})

@@ -22,7 +22,10 @@ _BOUND = {"complex step": 1e-9, "central difference": 1e-5}
 
 
 class RunningCost(Protocol):
-    """A running cost ``l(t, q, v, a, u)`` with ``u = rnea(q, v, a)``: any object with these methods, which threads call, one at a time."""
+    """A running cost ``l(t, q, v, a, u)`` with ``u = rnea(q, v, a)``: any object with these methods.
+
+    Threads call them, one at a time.
+    """
 
     def value(self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, u: np.ndarray) -> float:
         """``l``."""
@@ -30,13 +33,13 @@ class RunningCost(Protocol):
     def derivatives(
         self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, u: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Its gradient, shape (4 N,), and Hessian, shape (4 N, 4 N), in ``[q; v; a; u]``, with ``u`` for a variable of its own."""
+        """Its gradient, (4 N,), and Hessian, (4 N, 4 N), in ``[q; v; a; u]``, with ``u`` as an independent variable."""
 
 
 class Constraint(Protocol):
-    """A constraint ``g(q, v) <= 0``: any object with these.
+    """A constraint ``g(q, v) <= 0``: any object with these members.
 
-    ``scales``, shape (rows,), may say how fast each row grows with what it bounds, and ``names`` what they are called.
+    Optional are ``scales``, shape (rows,), the growth of each row with its bounded quantity, and ``names`` of the rows.
     """
 
     rows: int
@@ -54,8 +57,8 @@ def check(model: Model, *, samples: int = 100, seed: int = 0) -> Table:
     Returns
     -------
     Table
-        A row per quantity: ``quantity``, ``k`` (the penalty, where it matters), ``error`` (the worst, relative), ``bound``, ``passes``, and
-        the ``entry`` and the number of the ``sample`` where it was.
+        One row per quantity: ``quantity``, ``k`` (the penalty, if the quantity depends on it), ``error`` (the largest,
+        relative), ``bound``, ``passes``, and the ``entry`` and the number of the ``sample`` with this error.
     """
     findings = json.loads(_aghf.check(model._own, samples, seed))
     columns = ("quantity", "k", "error", "bound")
@@ -73,13 +76,13 @@ def check(model: Model, *, samples: int = 100, seed: int = 0) -> Table:
 def check_cost(model: Model, cost: RunningCost, *, samples: int = 10, seed: int = 0) -> Table:
     """Compares the derivatives of a running cost in Python with its values.
 
-    Values and gradients are differentiated by complex steps, to rounding, where the functions take complex arrays, and by central
-    differences where they do not.
+    Values and gradients are differentiated by complex steps, exact up to rounding, if the functions accept complex
+    arrays, otherwise by central differences.
 
     Returns
     -------
     Table
-        A row per quantity: ``quantity``, ``witness``, ``error`` (the worst, relative), ``bound`` and ``passes``.
+        One row per quantity: ``quantity``, ``witness``, ``error`` (the largest, relative), ``bound`` and ``passes``.
     """
 
     def states(random):
@@ -138,10 +141,10 @@ def _compare(states, value, first, second, names, samples: int, seed: int) -> Ta
 
 
 def _derivative(of: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> tuple[np.ndarray, str]:
-    """The derivative of a function with its last index that of ``x``, and how it was found."""
+    """The derivative of a function, with the index of ``x`` last, and its method."""
     try:
         with warnings.catch_warnings():
-            # Where a function writes complex numbers into real arrays.
+            # Raised by functions that write complex numbers into real arrays.
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
             return _by_columns(lambda e: np.imag(of(x + 1j * _COMPLEX * e)) / _COMPLEX, x, of), "complex step"
     except (TypeError, ValueError, np.exceptions.ComplexWarning, _NotComplex):

@@ -1,8 +1,8 @@
-//! Functions of states over batches of them.
+//! Functions of states, evaluated over batches.
 //!
-//! An argument has the shape `(N,)` for one state or `(batch, N)` for several, in which case all have; results have the same leading
-//! dimension. Nothing is copied but what goes into lanes: rows of contiguous arrays are read where they are, and numpy takes over the
-//! vectors that were filled.
+//! An argument has the shape `(N,)` for one state or `(batch, N)` for several, the same for all arguments; results have
+//! the same leading dimension. Only values that enter SIMD lanes are copied: rows of contiguous arrays are read in
+//! place, and numpy takes ownership of the result vectors.
 
 use crate::error::raised;
 use aghf::Result;
@@ -21,16 +21,16 @@ pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 /// An array for Python.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 
-/// The number of states that go through the arithmetic side by side.
+/// The number of states evaluated together in SIMD lanes.
 const LANES: usize = 4;
 
 /// Several states.
 type Wide = Lanes<f64, LANES>;
 
-/// The number of states from which on a batch is spread over threads.
+/// The smallest batch that is spread over threads.
 const LEAST_PARALLEL: usize = 64;
 
-/// The least number of states that a thread takes at once.
+/// The smallest number of states that a thread takes at once.
 const CHUNK: usize = 16;
 
 /// The scalars of the dynamics and of the flow.
@@ -39,7 +39,7 @@ impl<S: AlgebraOver<f64> + Tanh> Number for S {}
 
 /// A function of states of a robot, with `I` arguments and `O` results, over any scalar.
 pub trait FunctionOfStates<const I: usize, const O: usize>: Sync {
-    /// The part that is made once per thread.
+    /// The scratch space, one per thread.
     type Scratch<'m, S: Number>;
 
     /// The names of the arguments.
@@ -51,7 +51,7 @@ pub trait FunctionOfStates<const I: usize, const O: usize>: Sync {
     /// The shape of each result.
     fn shapes(&self, n: usize) -> [Vec<usize>; O];
 
-    /// The scratch.
+    /// Allocates the scratch space.
     fn scratch<'m, S: Number>(&self, model: &'m Model) -> Self::Scratch<'m, S>;
 
     /// Fills the results, each row by row.
@@ -64,7 +64,7 @@ pub trait FunctionOfStates<const I: usize, const O: usize>: Sync {
     ) -> Result<()>;
 }
 
-/// Evaluates a function at one state or at all of a batch, with the states of a batch in lanes. Python runs on meanwhile.
+/// Evaluates a function at one state or at all states of a batch in SIMD lanes, with the GIL released.
 pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usize>(
     py: Python<'py>,
     model: &Model,
@@ -90,7 +90,7 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
         scratch,
         |(scratch, inputs, outputs), group, rows| {
             for lane in 0..LANES {
-                // The lanes that are left repeat the last state.
+                // Unused lanes repeat the last state.
                 let own = states.row((group.start + lane).min(group.end - 1));
                 for (to, from) in inputs.iter_mut().zip(own) {
                     to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
@@ -120,7 +120,7 @@ pub struct States<'a, const I: usize> {
 }
 
 impl<'a, const I: usize> States<'a, I> {
-    /// Checks the shapes of arguments with so many entries per state.
+    /// Checks the shapes of arguments with these numbers of entries per state.
     pub fn read(
         names: [&str; I],
         arguments: [&'a Numbers<'_>; I],
@@ -148,8 +148,8 @@ impl<'a, const I: usize> States<'a, I> {
         std::array::from_fn(|i| &self.arguments[i][state * self.widths[i]..][..self.widths[i]])
     }
 
-    /// Fills arrays of these shapes per state. `work` gets a group of at most `size` states, room for the results of all of them and
-    /// something of `scratch`, which is made once per thread.
+    /// Fills arrays of these shapes per state. `work` gets a group of at most `size` states, slices for all of their
+    /// results, and a value of `scratch`, which is made once per thread.
     pub fn evaluate<'py, T, const O: usize>(
         &self,
         py: Python<'py>,
@@ -186,7 +186,7 @@ impl<'a, const I: usize> States<'a, I> {
             let shape: Vec<usize> = self.batch.into_iter().chain(shape).collect();
             arrays.push(PyArray1::from_vec(py, values).reshape(shape)?);
         }
-        // There are as many as there are shapes.
+        // There is one array per shape.
         arrays
             .try_into()
             .map_err(|_| PyValueError::new_err("results were lost"))
@@ -198,7 +198,7 @@ fn size_of(shape: &[usize]) -> usize {
     shape.iter().product()
 }
 
-/// The parts, of these sizes, of each array that belong to each group.
+/// The slices of each array, of these sizes, that belong to each group.
 fn groups<const O: usize>(
     filled: &mut [Vec<f64>; O],
     sizes: [usize; O],
@@ -217,7 +217,7 @@ fn groups<const O: usize>(
     (0..count).map(next).collect()
 }
 
-/// The number of states of all arguments; `None` of one without a leading dimension.
+/// The number of states, which all arguments share; `None` for one without a leading dimension.
 fn batch_of(
     names: &[&str],
     arguments: &[&Numbers<'_>],

@@ -165,7 +165,7 @@ function_of_states! {
     }
 }
 
-/// Writes a placement as a homogeneous matrix of four by four.
+/// Writes a placement as a homogeneous 4 by 4 matrix.
 fn homogeneous<S: Scalar>(placement: &Placement<S>, out: &mut [S]) {
     for i in 0..3 {
         for j in 0..3 {

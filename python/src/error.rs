@@ -11,7 +11,7 @@ pyo3::create_exception!(
     "Bad input, with the attributes `file`, `element` and `condition`."
 );
 
-/// The exception that says what an error says.
+/// The Python exception for an error.
 pub fn raised(error: Error) -> PyErr {
     let message = error.to_string();
     match error {

@@ -3,8 +3,8 @@
 use crate::error::raised;
 use crate::model::PyModel;
 use crate::signals::until_signalled;
-use aghf::experiments::sweep::{Row, Sweep, run};
 use aghf::verify::{CheckOptions, check_all};
+use aghf_cli::sweep::{Row, Sweep, run};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};

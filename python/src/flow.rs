@@ -121,7 +121,7 @@ fn omega_jacobian<'py>(
     if kind == JacobianKind::ControlForm {
         return over_states(py, model, &InControlForm { k }, arguments);
     }
-    // The others are for one node at a time.
+    // The other methods evaluate one node at a time.
     let n = model.dof();
     let states = States::read(NAMES, arguments, [2 * n; 3])?;
     let scratch = || (kind.build(model), NodeBlocks::new(n));

@@ -1,4 +1,5 @@
-//! The Python module `aghf._aghf`: what `aghf` has, with numpy arrays in and out. The package `aghf` gives it names and documentation.
+//! The Python module `aghf._aghf`: the functions of `aghf` on numpy arrays. The package `aghf` adds names and
+//! documentation.
 
 mod batch;
 mod dynamics;

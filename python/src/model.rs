@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Of a joint: name, kind, index of the parent or -1, placement in that (a rotation by rows, then a translation), axis, mass with its
-/// centre and the inertia about it by rows, and the limits: lower, upper, velocity, effort.
+/// A joint: name, kind, index of the parent or -1, placement in the parent (rotation by rows, then translation), axis,
+/// mass with its centre and the inertia about it by rows, and the limits: lower, upper, velocity, effort.
 type JointParts = (
     String,
     String,
@@ -23,7 +23,7 @@ type JointParts = (
     [f64; 4],
 );
 
-/// A placement of a rotation by rows and a translation.
+/// The placement with a rotation by rows and a translation.
 fn placement_of(numbers: &[f64; 12]) -> Placement<f64> {
     let (rotation, translation) = numbers.split_at(9);
     Placement::new(
@@ -36,13 +36,13 @@ fn placement_of(numbers: &[f64; 12]) -> Placement<f64> {
 #[pyclass(name = "Model", module = "aghf", frozen)]
 pub struct PyModel {
     pub model: Arc<Model>,
-    /// Remarks of the reader.
+    /// The notes on loading the robot.
     notes: Vec<String>,
 }
 
 #[pymethods]
 impl PyModel {
-    /// The robot that is built in under a name.
+    /// The built-in robot of this name.
     #[staticmethod]
     fn builtin(name: &str) -> PyResult<Self> {
         let model = builtin_robot(name).map_err(raised)?;
@@ -58,7 +58,7 @@ impl PyModel {
         Ok(Self::new(model, &notes))
     }
 
-    /// The robot that a URDF text describes; `name` stands for it in errors.
+    /// The robot in a URDF text; `name` stands for the file in errors.
     #[staticmethod]
     fn parse(text: &str, name: &str, mimic: &str) -> PyResult<Self> {
         let mimic: Mimic = mimic.parse().map_err(raised)?;
@@ -66,7 +66,8 @@ impl PyModel {
         Ok(Self::new(model, &notes))
     }
 
-    /// The robot with these joints, in which parents come before children, and frames. Placements and inertias are rows of numbers.
+    /// The robot with these joints, parents before children, and these frames. Placements and inertias are rows of
+    /// numbers.
     #[staticmethod]
     fn from_parts(
         name: &str,
@@ -156,7 +157,7 @@ impl PyModel {
         kinds.map(JointKind::name).collect()
     }
 
-    /// The index of the joint that carries each joint; -1 for the base.
+    /// The index of the parent of each joint; -1 for the base.
     #[getter]
     fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let parents = self.model.joints().iter().map(|joint| joint.parent());
@@ -178,7 +179,7 @@ impl PyModel {
         self.model.gravity().as_slice().to_pyarray(py)
     }
 
-    /// The limits of positions, velocities and torques, without one infinity.
+    /// The limits of positions, velocities and torques, infinite without a limit.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.limits(py, |limits| limits.lower)

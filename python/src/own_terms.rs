@@ -13,10 +13,10 @@ use pyo3::types::PyTuple;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The lanes that constraints are evaluated over.
+/// The SIMD lanes of constraints.
 type Wide = Lanes<f64, 4>;
 
-/// The first exception that a function in Python raised, which an error of the library cannot carry.
+/// The first exception raised by a Python function, which an error of the library cannot carry.
 #[derive(Clone, Debug, Default)]
 pub struct Raised(Arc<Mutex<Option<PyErr>>>);
 
@@ -26,7 +26,7 @@ impl Raised {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Keeps the exception of a result and gives an error that stands for it.
+    /// Keeps the exception of a result and returns an error in its place.
     fn keep<T>(&self, result: PyResult<T>, what: &str) -> Result<T> {
         result.map_err(|error| {
             let stand_in = Error::input("Python", what, error.to_string());
@@ -37,7 +37,7 @@ impl Raised {
     }
 }
 
-/// An array that Python returned, with the shape that it has to have.
+/// An array returned by Python, which must have this shape.
 fn array<'py>(
     of: &Bound<'py, PyAny>,
     name: &str,
@@ -52,8 +52,8 @@ fn array<'py>(
     Ok(array)
 }
 
-/// A running cost: an object with `value(t, q, v, a, u)` and `derivatives(t, q, v, a, u)`, which returns gradient and Hessian in
-/// `[q; v; a; u]`.
+/// A running cost: an object with `value(t, q, v, a, u)` and `derivatives(t, q, v, a, u)`, which returns gradient and
+/// Hessian in `[q; v; a; u]`.
 pub struct PyRunningCost {
     pub object: Py<PyAny>,
     pub raised: Raised,
@@ -90,7 +90,7 @@ impl PyRunningCost {
             for (to, x) in out.gradient.iter_mut().zip(gradient.as_array()) {
                 *to = *x;
             }
-            // It is symmetric.
+            // The order of the indices does not matter: the Hessian is symmetric.
             for (to, x) in out.hessian.iter_mut().zip(hessian.as_array()) {
                 *to = *x;
             }
@@ -115,8 +115,8 @@ impl RunningCost for PyRunningCost {
     }
 }
 
-/// A constraint: an object with `value(q, v)`, which returns the rows, and `derivatives(q, v)`, which returns the Jacobian and the
-/// Hessian of each row in `[q; v]`.
+/// A constraint: an object with `value(q, v)`, which returns the rows, and `derivatives(q, v)`, which returns the
+/// Jacobian and the Hessian of each row in `[q; v]`.
 #[derive(Clone, Debug)]
 pub struct PyConstraint {
     object: Arc<Py<PyAny>>,
@@ -127,7 +127,7 @@ pub struct PyConstraint {
 }
 
 impl PyConstraint {
-    /// A constraint with its number of rows, which also has `scales` and `names` if it likes.
+    /// A constraint with its number of rows; `scales` and `names` are optional attributes.
     pub fn new(object: &Bound<'_, PyAny>, raised: Raised) -> PyResult<Self> {
         let rows = object.getattr("rows")?.extract()?;
         let scales = match object.getattr_opt("scales")? {
@@ -167,7 +167,8 @@ impl PyConstraint {
         })
     }
 
-    /// The gradient with weights `w`, and the Hessian with these and those of the products of gradients, `c`.
+    /// The gradient with weights `w`, and the Hessian with these weights and the weights `c` of the products of
+    /// gradients.
     fn contraction(
         &self,
         x: &[f64],
@@ -195,14 +196,14 @@ impl PyConstraint {
         })
     }
 
-    /// Tells that a constraint in Python has no numbers of this kind.
+    /// The error for a scalar type that Python cannot evaluate.
     fn refused<S>() -> Error {
         let condition = "a constraint in Python is evaluated over float64 alone: methods that differentiate its values by dual numbers cannot take it";
         Error::input("Python", std::any::type_name::<S>(), condition)
     }
 }
 
-/// The number of lanes of a scalar that is known here.
+/// The number of lanes of a supported scalar.
 fn lanes_of<S: Scalar>() -> Result<usize> {
     let zero = S::zero();
     let zero = &zero as &dyn Any;

@@ -1,13 +1,14 @@
-//! Work that Ctrl-C stops.
+//! Work that Ctrl-C interrupts.
 
 use pyo3::prelude::*;
 use std::thread;
 use std::time::Duration;
 
-/// The time after which the thread of Python looks for signals, such as Ctrl-C.
+/// The interval at which the Python thread checks for signals such as Ctrl-C.
 pub const LOOK: Duration = Duration::from_millis(50);
 
-/// Works on another thread while Python runs on. After a signal it calls `stop`, waits for the work to end, and returns the exception.
+/// Works on another thread with the GIL released. After a signal it calls `stop`, waits for the work to end, and
+/// returns the exception.
 pub fn until_signalled<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send,

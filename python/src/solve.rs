@@ -7,9 +7,9 @@ use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::signals::{LOOK, until_signalled};
 use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
-use aghf::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
-use aghf::report::{Motion, page};
-use aghf::scenario::{Record, Scenario, SolveOptions, SolveReport, solve as solve_scenario};
+use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
+use aghf_cli::report::{Motion, page};
+use aghf_scenario::{Record, Scenario, SolveOptions, SolveReport, solve as solve_scenario};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -26,7 +26,7 @@ pub struct PySolution {
     report: SolveReport,
 }
 
-/// Solves a scenario. `text` is a scenario in JSON, or else `name` that of one that is built in or of a file.
+/// Solves a scenario: the JSON `text`, or else the built-in scenario or the file called `name`.
 #[pyfunction]
 fn solve<'py>(
     py: Python<'py>,
@@ -52,7 +52,7 @@ fn solve<'py>(
     let (of, with) = (&scenario, &options);
     let report = std::thread::scope(|scope| {
         let search = scope.spawn(move || {
-            // Nobody listens any more once the search is to stop.
+            // The receiver is gone once the search has to stop.
             solve_scenario(of, with, &mut |record| {
                 let _ = sender.send(*record);
             })
@@ -101,7 +101,7 @@ fn read(name: &str, text: Option<&str>, options: &str) -> PyResult<(Scenario, So
     Ok((scenario.map_err(raised)?, options))
 }
 
-/// Calls a function with a record as keywords of a dictionary.
+/// Calls a function with a record as keyword arguments.
 fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResult<()> {
     let told = PyDict::new(py);
     match record {
@@ -126,7 +126,7 @@ fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResul
     callback.call1((told,)).map(drop)
 }
 
-/// Solves scenarios side by side on all cores, or `threads`, in their order; each is a scenario in JSON with its name.
+/// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name.
 #[pyfunction]
 #[pyo3(signature = (scenarios, options, threads = None))]
 fn solve_many(
@@ -138,7 +138,7 @@ fn solve_many(
     let mut read_all = Vec::new();
     for (name, text) in &scenarios {
         let (scenario, mut own) = read(name, text.as_deref(), options)?;
-        // They share the cores.
+        // The solves share the cores.
         own.threads = Some(1);
         read_all.push((scenario, own));
     }
@@ -232,7 +232,7 @@ impl PySolution {
             .map_err(|_| PyValueError::new_err("results were lost"))
     }
 
-    /// The page that shows the motion, HTML that needs nothing else.
+    /// The self-contained HTML page of the motion.
     fn report_html(&self) -> PyResult<String> {
         page(&[Motion::of_report(&self.scenario, &self.report)]).map_err(raised)
     }

@@ -4,7 +4,7 @@ use super::clearance::clearance;
 use super::label::name_of;
 use super::{CollisionSphere, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::Result;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::Solid;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::outer;
@@ -31,12 +31,7 @@ impl<C: Scalar> SolidClearance<C> {
         if let Some(name) = self.names.get(solid) {
             return format!("'{name}'");
         }
-        let shape = match self.solids[solid].shape {
-            Shape::Sphere { .. } => "sphere",
-            Shape::Cuboid { .. } => "box",
-            Shape::Cylinder { .. } => "cylinder",
-            Shape::Capsule { .. } => "capsule",
-        };
+        let shape = self.solids[solid].shape.name();
         format!("{shape} {solid}")
     }
 }

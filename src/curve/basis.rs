@@ -8,10 +8,10 @@ use std::ops::Range;
 /// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous
 /// value and slope.
 ///
-/// Each breakpoint, both ends included, has two functions: slope one there and value one there, the Hermite cubics on
-/// both sides. Each segment also has `degree - 3` bubbles, which vanish with their slope at both of its ends:
-/// $(1 - s^2)^2 P_n^{(2, 2)}(s)$
-/// on `s` in `[-1, 1]`, scaled. By Rodrigues' formula their second derivatives are Legendre polynomials,
+/// Each breakpoint, both ends included, has two functions, one with unit slope and one with unit value there: the
+/// Hermite cubics on both sides. Each segment also has `degree - 3` bubbles, which vanish with their slope at both of
+/// its ends: $(1 - s^2)^2 P_n^{(2, 2)}(s)$ on `s` in `[-1, 1]`, scaled. By Rodrigues' formula their second derivatives
+/// are Legendre polynomials,
 ///
 /// $$ \frac{d^2}{ds^2} (1 - s^2)^2 P_n^{(2,2)}(s) = 4 (n + 1) (n + 2) P_{n+2}(s), $$
 ///
@@ -31,7 +31,8 @@ pub struct Basis {
 pub(crate) type Local = [DVector<f64>; 3];
 
 impl Basis {
-    /// The number of segments that is reached before the degree grows, and the degree that is reached afterwards.
+    /// The number of segments from which on [`finer`](Self::finer) raises the degree, and the degree up to which it
+    /// does.
     const MANY: usize = 16;
     /// The smallest degree with an unknown on a single segment.
     pub(crate) const SMALLEST_DEGREE: usize = 4;

@@ -98,7 +98,8 @@ impl Chebyshev {
     /// per polynomial, one column per node and per degree. Cost O(p^2) per row.
     pub(crate) fn coefficients(&self, values: &DMatrix<f64>) -> DMatrix<f64> {
         let p = self.degree();
-        // The discrete orthogonality of the polynomials at the nodes s_i = -cos(pi i / p), at whose ends values count half.
+        // Discrete orthogonality of the polynomials at the nodes s_i = -cos(pi i / p), with weight one half at both
+        // ends.
         let half = |i: usize| if i == 0 || i == p { 0.5 } else { 1.0 };
         let transform = DMatrix::from_fn(p + 1, p + 1, |i, k| {
             let angle = PI * ((i * k) % (2 * p)) as f64 / p as f64;

@@ -26,9 +26,9 @@ pub fn gauss_legendre(m: usize) -> (Vec<f64>, Vec<f64>) {
     let zero = |i| (PI * (i as f64 + 0.75) / (m as f64 + 0.5)).cos();
     let mut x: Vec<f64> = (0..half).map(zero).collect();
     let mut slopes = vec![1.0; half];
-    // Quadratic convergence: from two digits to all of them in four steps; one more does no harm.
+    // Quadratic convergence: four steps from two correct digits to all of them, and one in reserve.
     for _ in 0..5 {
-        // P_{k - 1} and P_k, at all nodes at once: a division for each k is what takes long.
+        // P_{k - 1} and P_k, at all nodes at once, because the division for each k dominates the time.
         let (mut below, mut here) = (vec![1.0; half], x.clone());
         for k in 2..=m {
             let share = 1.0 - 1.0 / k as f64;

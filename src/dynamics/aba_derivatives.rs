@@ -21,7 +21,7 @@ pub struct ForwardDynamicsDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> ForwardDynamicsDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -79,7 +79,7 @@ pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     for (column, tiles) in columns.zip(data.h_inverse.columns()) {
         column.copy_from_slice(&tiles.as_flattened()[..n]);
     }
-    // Placements, velocities and accelerations are those that inverse dynamics at a would find.
+    // Placements, velocities and accelerations are already those of inverse dynamics at `a`.
     data.differentiate_bodies(model);
     data.fill_derivatives(model, id);
     data.minus_h_inverse_times(model, [&id.dq, &id.dv], [&mut out.dq, &mut out.dv]);

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::linalg::Tensor3;
 use crate::scalar::Scalar;
 
-/// The second derivatives of forward dynamics in the state, at a force that does not change.
+/// The second derivatives of forward dynamics in the state, at constant force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForwardDynamicsSecondDerivatives<S: Scalar> {
     /// $\partial^2 FD_i / (\partial q_j\\, \partial q_k)$.
@@ -17,7 +17,7 @@ pub struct ForwardDynamicsSecondDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -32,7 +32,8 @@ impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
 ///
 /// Differentiating $ID(q, v, FD(q, v, \tau)) = \tau$ twice, with $\partial ID / \partial a = H$, gives
 ///
-/// $$ -H FD_{qq,jk} = ID_{qq,jk} + \frac{\partial H}{\partial q_j} FD_{q,k} + \frac{\partial H}{\partial q_k} FD_{q,j}, \quad
+/// $$ -H FD_{qq,jk} = ID_{qq,jk} +
+///    \frac{\partial H}{\partial q_j} FD_{q,k} + \frac{\partial H}{\partial q_k} FD_{q,j}, \quad
 ///    -H FD_{qv,jk} = ID_{qv,jk} + \frac{\partial H}{\partial q_j} FD_{v,k}, \quad -H FD_{vv} = ID_{vv}. $$
 ///
 /// * `fd`: first derivatives of forward dynamics at $(q, v, \tau)$

@@ -15,7 +15,7 @@ pub struct BiasRateDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> BiasRateDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -28,9 +28,11 @@ impl<S: Scalar> BiasRateDerivatives<S> {
 /// Computes the derivatives in `q` and `v` of $\dot C = \frac{\partial C}{\partial q} \dot q + \frac{\partial
 /// C}{\partial v} \dot v$ (B72), at constant rates $\dot q$ and $\dot v$:
 ///
-/// $$ \frac{\partial \dot C_i}{\partial q_k} = \sum_j \left( \frac{\partial^2 C_i}{\partial q_j \partial q_k} \dot q_j +
+/// $$ \frac{\partial \dot C_i}{\partial q_k} = \sum_j
+///    \left( \frac{\partial^2 C_i}{\partial q_j \partial q_k} \dot q_j +
 ///    \frac{\partial^2 C_i}{\partial q_k \partial v_j} \dot v_j \right), \qquad
-///    \frac{\partial \dot C_i}{\partial v_k} = \sum_j \left( \frac{\partial^2 C_i}{\partial q_j \partial v_k} \dot q_j +
+///    \frac{\partial \dot C_i}{\partial v_k} = \sum_j
+///    \left( \frac{\partial^2 C_i}{\partial q_j \partial v_k} \dot q_j +
 ///    \frac{\partial^2 C_i}{\partial v_j \partial v_k} \dot v_j \right). $$
 ///
 /// * `d2c`: second derivatives of inverse dynamics at zero acceleration

@@ -22,7 +22,7 @@ pub struct MassMatrixDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> MassMatrixDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -79,7 +79,7 @@ pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
             axes: &data.axes,
             inertia: &composite,
         };
-        // Every set of joints on one path whose last is `last`: it is `i`, or the last to differentiate with.
+        // All sets of joints on one path whose last joint is `last`: either `i`, or the last joint of the derivatives.
         for j in path_to_base(model, last) {
             products.entry(last, j, out);
             for k in path_to_base(model, last).skip(1) {

@@ -16,7 +16,7 @@ pub struct Data<S: Scalar = f64> {
     pub(super) axes: Vec<Motion<S>>,
     /// Body velocities.
     pub(super) velocities: Vec<Motion<S>>,
-    /// Body accelerations, gravity taken in.
+    /// Body accelerations, including gravity.
     pub(super) accelerations: Vec<Motion<S>>,
     /// $\ddot\Psi$ of the joints, see [`rnea_derivatives`](super::rnea_derivatives()).
     pub(super) psi_ddot: Vec<Motion<S>>,
@@ -28,7 +28,7 @@ pub struct Data<S: Scalar = f64> {
     pub(super) forces: Vec<Force<S>>,
     /// Rates of the axes.
     pub(super) axis_rates: Vec<Motion<S>>,
-    /// Virtual velocities of the bodies: those that the weights of a contraction make as joint velocities.
+    /// Virtual velocities of the bodies, at joint velocities equal to the weights of a contraction.
     pub(super) virtual_velocities: Vec<Motion<S>>,
     /// Momenta of the bodies at the virtual velocities, then those of subtrees.
     pub(super) virtual_momenta: Vec<Force<S>>,
@@ -46,11 +46,11 @@ pub struct Data<S: Scalar = f64> {
     pub(super) scalar_scratch: Vec<S>,
     /// The inverse of the mass matrix.
     pub(super) h_inverse: Tiled<S>,
-    /// The joints that are on one path to the base with some joint.
+    /// The joints on one path to the base with a given joint.
     pub(super) related: Vec<usize>,
-    /// Numbers that belong to those.
+    /// Factors of these joints.
     pub(super) factors: [Vec<S>; 2],
-    /// The last joint after each joint.
+    /// For each joint, the largest index of a joint in its subtree.
     pub(super) last_after: Vec<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! The velocity of a frame per joint velocity.
+//! The geometric Jacobian of a frame.
 
 use super::{Data, forward_kinematics, frame_placement, path_to_base};
 use crate::error::{Result, check_length};

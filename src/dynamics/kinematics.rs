@@ -90,7 +90,8 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// Accelerations of the bodies, the base accelerating against gravity, after [`add_velocities`](Self::add_velocities).
+    /// Accelerations of the bodies, the base accelerating against gravity, after
+    /// [`add_velocities`](Self::add_velocities).
     pub(super) fn add_accelerations<C: Scalar>(
         &mut self,
         model: &Model<C>,
@@ -110,7 +111,7 @@ impl<S: Scalar> Data<S> {
     }
 }
 
-/// The acceleration of the base that stands for gravity: $-a_g$.
+/// The acceleration of the base that is equivalent to gravity: $-a_g$.
 pub(super) fn base_acceleration<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>) -> Motion<S> {
     Motion {
         linear: model.gravity().map(|g| -S::lift(g)),

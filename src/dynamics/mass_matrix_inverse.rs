@@ -7,12 +7,13 @@ use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::DMatrix;
 
 impl<S: Scalar> Data<S> {
-    /// $H^{-1}$, both halves, into `h_inverse`, after [`accelerate`](Self::accelerate). Cost O(N^2 d) with d the depth of the tree.
+    /// $H^{-1}$, both halves, into `h_inverse`, after [`accelerate`](Self::accelerate). Cost O(N^2 d) with d the depth
+    /// of the tree.
     ///
-    /// The articulated bodies hold the factors of $H = L^T D L$ (6.5 in Featherstone's book): eliminating joints from the tips to the
-    /// base leaves $S_j^T I^A_i S_i$ in row `i`, so that $L_{ij} = S_j \cdot U_i / D_i$ for `j` before `i`. From
-    /// $L H^{-1} = D^{-1} L^{-T}$, which is upper triangular with the diagonal $D^{-1}$, row `i` follows from the rows of the joints
-    /// before `i` on its path.
+    /// The articulated bodies hold the factors of $H = L^T D L$ (6.5 in Featherstone's book): eliminating joints from
+    /// the tips to the base leaves $S_j^T I^A_i S_i$ in row `i`, so that $L_{ij} = S_j \cdot U_i / D_i$ for `j` before
+    /// `i`. From $L H^{-1} = D^{-1} L^{-T}$, which is upper triangular with the diagonal $D^{-1}$, row `i` follows from
+    /// the rows of the joints before `i` on its path.
     pub(super) fn invert_mass_matrix<C: Scalar>(&mut self, model: &Model<C>)
     where
         S: AlgebraOver<C>,
@@ -22,7 +23,7 @@ impl<S: Scalar> Data<S> {
             let ratio = S::one() / self.scalar_scratch[i];
             let scaled = self.articulated_axes[i] * ratio;
             self.related.clear();
-            // A loop as `extend` would keep the state of the iterator in memory.
+            // A loop, because `extend` would keep the state of the iterator in memory.
             for j in path_to_base(model, i).skip(1) {
                 self.related.push(j);
             }
@@ -44,9 +45,9 @@ impl<S: Scalar> Data<S> {
         }
     }
 
-    /// $-H^{-1} A$ for two matrices `A` whose entries vanish but for joints on one path to the base, after
-    /// [`invert_mass_matrix`](Self::invert_mass_matrix); all `N` by `N`. Cost O(N^2 d) where joints are numbered depth first; other
-    /// numbers add products with zeros.
+    /// $-H^{-1} A$ for two matrices `A` whose entries vanish unless both joints are on one path to the base, after
+    /// [`invert_mass_matrix`](Self::invert_mass_matrix); all `N` by `N`. Cost O(N^2 d) where joints are numbered depth
+    /// first; other numberings add products with zeros.
     pub(super) fn minus_h_inverse_times<C: Scalar>(
         &mut self,
         model: &Model<C>,

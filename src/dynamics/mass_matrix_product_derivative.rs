@@ -66,7 +66,7 @@ impl<S: Scalar> Data<S> {
                 Some(parent) => self.virtual_velocities[parent] + own,
                 None => own,
             };
-            // The own part is along the axis and drops out of the product.
+            // The joint's own virtual velocity is parallel to its axis and drops out of the product.
             self.virtual_axis_rates[i] = self.virtual_velocities[i].cross(&self.axes[i]);
             self.virtual_momenta[i] = self.inertias[i].apply(&self.virtual_velocities[i]);
         }

@@ -6,7 +6,8 @@ use crate::scalar::Scalar;
 
 /// Computes the derivative of $\dot H = \sum_l \partial H / \partial q_l\\, \dot q_l$ in `q`,
 ///
-/// $$ \frac{\partial \dot H_{ij}}{\partial q_k} = \sum_l \frac{\partial^2 H_{ij}}{\partial q_k\\, \partial q_l} \dot q_l . $$
+/// $$ \frac{\partial \dot H_{ij}}{\partial q_k} =
+///    \sum_l \frac{\partial^2 H_{ij}}{\partial q_k\\, \partial q_l} \dot q_l . $$
 ///
 /// * `d2h`: $\partial^2 H / \partial q^2$, `N` by `N` by `N` by `N`
 /// * `qdot`: `N` entries, per s

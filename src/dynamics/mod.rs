@@ -1,11 +1,11 @@
 //! Rigid-body dynamics, one algorithm per file, written once for every [`Scalar`].
 //!
-//! All spatial vectors are in the coordinates of the base frame: a motion or a force keeps its coordinates from body to body,
-//! so the recursions add and subtract, where those of the book transform between link coordinates. Gravity enters as an acceleration of the base
-//! (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
+//! All spatial vectors are in the coordinates of the base frame: a motion or a force keeps its coordinates from body to
+//! body, so the recursions only add and subtract where the book transforms between link coordinates. Gravity enters as
+//! an acceleration of the base (Featherstone, *Rigid Body Dynamics Algorithms*, 5.3).
 //!
-//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. The scratch carries no state from
-//! one call to the next. Functions allocate only where their documentation says so.
+//! Every function takes the model, a [`Data`] for scratch, its arguments and its results. The scratch carries no state
+//! from one call to the next. Functions allocate only where their documentation says so.
 //!
 //! Second derivatives come as explicit tensors, whose index convention [`Tensor3`](crate::linalg::Tensor3) and
 //! [`Tensor4`](crate::linalg::Tensor4) share: a derivative index comes last.
@@ -63,7 +63,7 @@ pub(crate) fn check_square<S>(what: &'static str, n: usize, matrix: &DMatrix<S>)
 /// Sets a result to zero, after a check that it is an `n` by `n` matrix.
 fn clear_square<S: Scalar>(what: &'static str, n: usize, matrix: &mut DMatrix<S>) -> Result<()> {
     check_square(what, n, matrix)?;
-    // `DMatrix::fill` goes entry by entry.
+    // `DMatrix::fill` is slower: it visits the entries one by one.
     matrix.as_mut_slice().fill(S::zero());
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! Analytic first derivatives of inverse dynamics (RNEA_D in the supplement).
 //!
 //! The formulas are those of Singh, Russell and Wensing, "Efficient analytical derivatives of rigid-body dynamics using
-//! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the paper's
-//! $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
+//! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the
+//! paper's $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
 
 use super::{Data, clear_square, kinematics, path_to_base};
 use crate::error::Result;
@@ -25,7 +25,7 @@ pub struct InverseDynamicsDerivatives<S: Scalar = f64> {
 }
 
 impl<S: Scalar> InverseDynamicsDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -95,7 +95,7 @@ impl<S: Scalar> SubtreeForceDerivatives<S> {
         out: &mut InverseDynamicsDerivatives<S>,
     ) {
         let two = S::from_f64(2.0);
-        // How joint i feels the joints before it.
+        // The derivatives of the torque of joint i in the coordinates of the joints before it.
         let eta = data.coriolis[i].apply_transpose(&data.axes[i]) * two;
         for j in path_to_base(model, i) {
             let (axis_j, rate_j) = (&data.axes[j], &data.axis_rates[j]);
@@ -111,8 +111,8 @@ impl<S: Scalar> SubtreeForceDerivatives<S> {
 
 impl<S: Scalar> Data<S> {
     /// The terms of the derivatives of inverse dynamics: the axes $S$ and their rates, the inertias, Coriolis matrices
-    /// and forces of the bodies, and in `psi_ddot` $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot
-    /// \Psi_i$ for each joint.
+    /// and forces of the bodies, and in `psi_ddot`
+    /// $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot \Psi_i$ for each joint.
     pub(super) fn prepare_derivatives<C: Scalar>(
         &mut self,
         model: &Model<C>,
@@ -130,7 +130,7 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// The same for bodies whose placements, velocities and accelerations are known.
+    /// Performs [`prepare_derivatives`](Self::prepare_derivatives) for known placements, velocities and accelerations.
     pub(super) fn differentiate_bodies<C: Scalar>(&mut self, model: &Model<C>)
     where
         S: AlgebraOver<C>,
@@ -152,7 +152,8 @@ impl<S: Scalar> Data<S> {
         }
     }
 
-    /// Inverse dynamics and its derivatives, after [`prepare_derivatives`](Self::prepare_derivatives), into matrices that are zero.
+    /// Inverse dynamics and its derivatives, after [`prepare_derivatives`](Self::prepare_derivatives), into matrices
+    /// that are zero.
     pub(super) fn fill_derivatives<C: Scalar>(
         &mut self,
         model: &Model<C>,

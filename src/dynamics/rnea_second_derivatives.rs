@@ -1,31 +1,35 @@
 //! Analytic second derivatives of inverse dynamics (RNEA_2D in the supplement).
 //!
-//! The tensors are those of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics" (2022). The
-//! formulas here come from the Hessian in [`rnea_weighted_hessian`](super::rnea_weighted_hessian) for weights that choose one
-//! joint `i`: its virtual velocities are $S_i$ after that joint and zero before it. Entries vanish unless the three joints are on
-//! one path to the base. Let `k` be the last of them, with $I, B, F$ those of its subtree. A rate of $v_k$ changes `B` by $B_v$
-//! and a rate of $q_k$ by $B_q$, and the latter changes `I` by $\dot I$:
+//! The tensors are those of Singh, Russell and Wensing, "On the second-order derivatives of rigid-body dynamics"
+//! (2022). The formulas here come from the Hessian in [`rnea_weighted_hessian`](super::rnea_weighted_hessian) for
+//! weights that choose one joint `i`: its virtual velocities are $S_i$ after that joint and zero before it. Entries
+//! vanish unless the three joints are on one path to the base. Let `k` be the last of them, with $I, B, F$ those of its
+//! subtree. A rate of $v_k$ changes `B` by $B_v$ and a rate of $q_k$ by $B_q$, and the latter changes `I` by $\dot I$:
 //!
 //! $$ B_v = B(I, S_k), \quad B_q = S_k \times^* B - B\\, S_k \times + B(I, \dot\Psi_k), \quad \dot I = B_v + B_v^T. $$
 //!
 //! With $F_q, F_v, F_a$ the derivatives of `F` in the coordinates of joint `k`, as in
 //! [`rnea_derivatives`](super::rnea_derivatives()), and with joints `i` and `j` that are not after `k`,
 //!
-//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial q_k} = S_i \cdot (2 B_q \dot\Psi_j + \dot I \ddot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_q), $$
-//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial v_k} = S_i \cdot (2 B_v \dot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_v), \quad
+//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial q_k} =
+//!    S_i \cdot (2 B_q \dot\Psi_j + \dot I \ddot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_q), $$
+//! $$ \frac{\partial^2 ID_i}{\partial q_j \partial v_k} =
+//!    S_i \cdot (2 B_v \dot\Psi_j + \lbrack i < j \rbrack\\, S_j \times^* F_v), \quad
 //!    \frac{\partial^2 ID_i}{\partial q_k \partial v_j} = S_i \cdot (2 B_q S_j + 2 \dot I \dot\Psi_j), $$
 //! $$ \frac{\partial^2 ID_i}{\partial v_j \partial v_k} = S_i \cdot 2 B_v S_j, \quad
 //!    \frac{\partial^2 ID_i}{\partial a_j \partial q_k} = S_i \cdot \dot I S_j, \quad
 //!    \frac{\partial^2 ID_i}{\partial a_k \partial q_j} = \lbrack i < j \rbrack\\, S_i \cdot (S_j \times^* F_a), $$
 //!
-//! where `i < j` says that `i` is nearer to the base. What joint `k` itself feels of joints `i` and `j` before it needs the couples
-//! $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$. For `i` not after `j`
+//! where `i < j` means that `i` is nearer to the base. The derivatives of $ID_k$ itself in the coordinates of joints
+//! `i` and `j` before it need the couples $P = 2 B^T S_k$ and $P_j = S_j \times^* P - 2 B_v^T \dot\Psi_j$. For `i` not
+//! after `j`
 //!
-//! $$ \frac{\partial^2 ID_k}{\partial q_i \partial q_j} = \dot\Psi_i \cdot P_j + \ddot\Psi_i \cdot (S_j \times^* F_a), \quad
+//! $$ \frac{\partial^2 ID_k}{\partial q_i \partial q_j} =
+//!    \dot\Psi_i \cdot P_j + \ddot\Psi_i \cdot (S_j \times^* F_a), \quad
 //!    \frac{\partial^2 ID_k}{\partial v_i \partial q_j} = S_i \cdot P_j + 2 \dot\Psi_i \cdot (S_j \times^* F_a), $$
 //!
-//! and the others are there already, by the symmetry of `H` and because $S_i \cdot B_v S_j$ is what velocities at `i` and `j` do to
-//! `k`, with the opposite sign:
+//! and the others follow from the symmetry of `H`, and because velocities at `i` and `j` act on `k` with the opposite
+//! of $S_i \cdot B_v S_j$:
 //!
 //! $$ \frac{\partial^2 ID_k}{\partial a_i \partial q_j} = \frac{\partial^2 ID_i}{\partial a_k \partial q_j}, \quad
 //!    \frac{\partial^2 ID_k}{\partial v_i \partial v_j} = -\frac{\partial^2 ID_j}{\partial v_i \partial v_k}, \quad
@@ -55,7 +59,7 @@ pub struct InverseDynamicsSecondDerivatives<S: Scalar> {
 }
 
 impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -65,6 +69,13 @@ impl<S: Scalar> InverseDynamicsSecondDerivatives<S> {
             dadq: Tensor3::new(n),
             tree: Vec::new(),
         }
+    }
+
+    /// The same with other derivatives by `q` twice and by `v` twice; for tests of wrong formulas.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with(self, dqdq: Tensor3<S>, dvdv: Tensor3<S>) -> Self {
+        Self { dqdq, dvdv, ..self }
     }
 
     /// $\partial^2 ID_i / (\partial q_j\\, \partial q_k)$.
@@ -159,7 +170,7 @@ struct Last<S: Scalar> {
 }
 
 impl<S: Scalar> Last<S> {
-    /// Of joint `k`, with the sums over its subtree in `data`.
+    /// The quantities of joint `k`, from the sums over its subtree in `data`.
     fn new(k: usize, data: &Data<S>) -> Self {
         let (axis, rate) = (&data.axes[k], &data.axis_rates[k]);
         let (inertia, coriolis) = (&data.inertias[k], &data.coriolis[k]);
@@ -212,7 +223,7 @@ impl<S: Scalar> Last<S> {
                 out.dqdv[(k, j, i)] = -by_qv;
             }
         }
-        // Joints before j, which feel what joint j carries.
+        // Joints before j: moving j also moves its load relative to them.
         let qq = qq + axis.cross_force(&self.force.by_q);
         let qv = qv + axis.cross_force(&self.force.by_v);
         let qa = axis.cross_force(&self.force.by_a);

@@ -1,8 +1,10 @@
-//! Derivatives of inverse dynamics contracted with a vector: of the scalar $\varphi = w^T ID(q, v, a)$ for fixed weights `w`.
+//! Derivatives of inverse dynamics contracted with a vector: of the scalar $\varphi = w^T ID(q, v, a)$ for fixed
+//! weights `w`.
 //!
 //! The weights act like joint velocities: with $\mu_b = \sum_{i \preceq b} S_i w_i$ the virtual velocity of body `b`,
-//! $\varphi = \sum_b \mu_b \cdot (I_b a_b + v_b \times^* I_b v_b)$ is the power of the forces on it. No third-order tensor
-//! appears. With $\dot\Psi_k = v_{\lambda(k)} \times S_k$, $\ddot\Psi_k = a_{\lambda(k)} \times S_k + v_{\lambda(k)} \times \dot\Psi_k$,
+//! $\varphi = \sum_b \mu_b \cdot (I_b a_b + v_b \times^* I_b v_b)$ is the power of the forces on it. No third-order
+//! tensor appears. With $\dot\Psi_k = v_{\lambda(k)} \times S_k$,
+//! $\ddot\Psi_k = a_{\lambda(k)} \times S_k + v_{\lambda(k)} \times \dot\Psi_k$,
 //! $\eta_k = \mu_{\lambda(k)} \times S_k$, and sums over the subtree of `k`
 //!
 //! $$ F_k = \sum f_b, \quad L_k = \sum I_b \mu_b, \quad P_k = \sum 2 B(I_b, v_b)^T \mu_b, $$
@@ -13,9 +15,9 @@
 //!    \partial \varphi / \partial v_k = P_k \cdot S_k + 2 L_k \cdot \dot\Psi_k, \quad
 //!    \partial \varphi / \partial a_k = L_k \cdot S_k. $$
 //!
-//! Moving a joint `k` at or beyond `j` changes only the sums in the gradient at `j`. It carries the subtree along and adds
-//! $\dot\Psi_k$, $\ddot\Psi_k - v_b \times \dot\Psi_k$ and $\eta_k$ to the velocities, accelerations and virtual velocities there.
-//! As $B(I, m)^T \mu = -B(I, \mu)^T m$, the changes of the sums are sums of the same kind, with
+//! Moving a joint `k` at or beyond `j` changes only the sums in the gradient at `j`. It carries the subtree along and
+//! adds $\dot\Psi_k$, $\ddot\Psi_k - v_b \times \dot\Psi_k$ and $\eta_k$ to the velocities, accelerations and virtual
+//! velocities there. As $B(I, m)^T \mu = -B(I, \mu)^T m$, the changes of the sums are sums of the same kind, with
 //! $D_k = \sum B(I_b, \mu_b)$:
 //!
 //! $$ \partial_{q_k} F = S_k \times^* F_k + 2 B_k \dot\Psi_k + I_k \ddot\Psi_k, \quad
@@ -45,7 +47,7 @@ pub struct RneaVjp<S: Scalar> {
 }
 
 impl<S: Scalar> RneaVjp<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -56,7 +58,7 @@ impl<S: Scalar> RneaVjp<S> {
     }
 }
 
-/// The blocks of the Hessian of $w^T ID(q, v, a)$, `N` by `N` each; that in `a` twice and that in `v` and `a` are zero.
+/// The blocks of the Hessian of $w^T ID(q, v, a)$, `N` by `N` each; those in `(a, a)` and in `(v, a)` are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RneaWeightedHessian<S: Scalar> {
     /// $\partial^2 (w^T ID) / \partial q_i \partial q_j$.
@@ -70,7 +72,7 @@ pub struct RneaWeightedHessian<S: Scalar> {
 }
 
 impl<S: Scalar> RneaWeightedHessian<S> {
-    /// Room for a model with `n` joints.
+    /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = || DMatrix::zeros(n, n);
@@ -205,7 +207,8 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// The initial values of contractions besides [`prepare_derivatives`](Self::prepare_derivatives): virtual quantities of the bodies.
+    /// Computes the virtual quantities of the bodies for a contraction, after
+    /// [`prepare_derivatives`](Self::prepare_derivatives).
     fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S]) -> Result<()> {
         self.add_virtual_velocities(model, w)?;
         let two = S::from_f64(2.0);
@@ -230,7 +233,7 @@ impl<S: Scalar> Data<S> {
         }
         let two = S::from_f64(2.0);
         for (k, joint) in model.joints().iter().enumerate().rev() {
-            // A push on the subtree of k is what moving joint k changes of F.
+            // The derivatives of the force F on the subtree of k in the coordinates of joint k.
             let f = self.push(k);
             if let Some(first) = first.as_deref_mut() {
                 f.fill_row_and_column(model, self, k, first);

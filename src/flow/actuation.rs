@@ -3,8 +3,8 @@
 use crate::error::{Error, Result, check_length};
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// The diagonal of `W` in the control effort $u^T W u$: one for a motor, or its own price, and a large number for a
-/// passive joint, whose torque should vanish. The default is the paper's $W = I$.
+/// The diagonal of `W` in the control effort $u^T W u$: one or another weight for an actuated joint, and a large number
+/// for a passive joint, whose torque should vanish. The default is the paper's $W = I$.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActuationWeights<C: Scalar = f64>(Option<Vec<C>>);
 

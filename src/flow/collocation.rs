@@ -129,7 +129,8 @@ fn differentiate<C: Scalar, S: AlgebraOver<C>>(
 /// * `out`: overwritten
 ///
 /// # Errors
-/// `out` does not have [`unknowns`](Collocation::unknowns) rows and columns, or `jacobian` has another number of joints.
+/// `out` does not have [`unknowns`](Collocation::unknowns) rows and columns, or `jacobian` has another number of
+/// joints.
 pub fn assemble_jacobian<C: Scalar, S: AlgebraOver<C>>(
     collocation: &Collocation<C, S>,
     jacobian: &mut (impl NodeJacobian<C, S> + ?Sized),

@@ -135,7 +135,8 @@ where
 ///
 /// The derivative in `x` contains
 ///
-/// $$ \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} + b^{\prime\prime}(g_j)
+/// $$ \frac{\partial \gamma}{\partial x} = \sum_j b^{\prime}(g_j) \frac{\partial^2 g_j}{\partial x^2} +
+///    b^{\prime\prime}(g_j)
 ///    \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T . $$
 ///
 /// Cost: that of the constraints, and O(N^3) for the factors of `H`.

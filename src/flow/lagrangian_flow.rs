@@ -8,7 +8,8 @@ use crate::scalar::{AlgebraOver, Jet, Scalar, Tanh};
 
 /// The heat flow (7) of any [`Lagrangian`] in any [`Metric`], by default the paper's (11):
 ///
-/// $$ \Omega = G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial x} \right), \quad
+/// $$ \Omega =
+///    G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} - \frac{\partial L}{\partial x} \right), \quad
 ///    \frac{d}{dt} = \frac{\partial}{\partial t} + \dot x^T \frac{\partial}{\partial x} +
 ///    \ddot x^T \frac{\partial}{\partial \dot x} . $$
 ///

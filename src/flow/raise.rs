@@ -90,7 +90,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
         let (one, zero, per_k) = (S::one(), S::zero(), C::one() / k);
         let mut upper = dx.rows_mut(0, n);
         upper.apply(|entry| *entry = entry.scale(per_k));
-        // Products with the inverse are several times faster than as many solves.
+        // Products with the inverse are several times faster than the same number of solves.
         self.h_inverse.fill_with_identity();
         self.ldlt.solve_columns(&mut self.h_inverse);
         let mut lower = dx.rows_mut(n, n);

@@ -57,21 +57,9 @@ impl Shape<f64> {
     /// The number of balls is of the order of the volume over $h^3$.
     ///
     /// # Errors
-    /// `spacing` or a length of the shape is not positive and finite, or more than 1e5 balls are needed.
+    /// `spacing` or a length of the shape is not positive and finite (a half-space has none), or more than 1e5 balls are needed.
     pub fn cover(&self, spacing: f64) -> Result<Cover> {
-        let lengths = match *self {
-            Self::Sphere { radius } => [radius; 3],
-            Self::Cuboid { half_extents } => half_extents.into(),
-            Self::Cylinder {
-                radius,
-                half_length,
-            }
-            | Self::Capsule {
-                radius,
-                half_length,
-            } => [radius, radius, half_length],
-        };
-        check(spacing, &lengths)?;
+        check(spacing, self.half_lengths().as_slice())?;
         let mut cover = Cover {
             balls: Vec::new(),
             excess: 0.0,
@@ -121,6 +109,8 @@ impl Shape<f64> {
                     }
                 }
             }
+            // It has no length and is refused above.
+            Self::HalfSpace => {}
         }
         Ok(cover)
     }

@@ -20,11 +20,9 @@
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
 mod cover;
-mod distance;
 mod mesh;
 mod shape;
 
 pub use cover::{Ball, Cover};
-pub use distance::{Distance, FLAT};
 pub use mesh::{Triangle, cover_triangles};
-pub use shape::{Shape, Solid};
+pub use shape::{Distance, FLAT, Shape, Solid};

@@ -1,8 +1,8 @@
-//! Convex shapes and their placements.
+//! Convex shapes, their placements, and the signed distances of points from them.
 
-use crate::scalar::Scalar;
-use crate::spatial::Placement;
-use nalgebra::Vector3;
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::{Placement, apply_constant, apply_constant_transpose, matrix};
+use nalgebra::{Matrix3, Vector3};
 
 /// A shape about the origin of its own frame, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub enum Shape<C: Scalar = f64> {
         /// Half of the length of the segment, without the caps.
         half_length: C,
     },
+    /// All points with $z \le 0$, such as the ground below a floor.
+    HalfSpace,
 }
 
 /// A shape with a placement.
@@ -40,4 +42,302 @@ pub struct Solid<C: Scalar = f64> {
     pub placement: Placement<C>,
     /// The shape.
     pub shape: Shape<C>,
+}
+
+impl Shape<f64> {
+    /// Converts the lengths to another type.
+    #[must_use]
+    pub fn cast<C: Scalar>(&self) -> Shape<C> {
+        let of = C::from_f64;
+        match *self {
+            Self::Sphere { radius } => Shape::Sphere { radius: of(radius) },
+            Self::Cuboid { half_extents } => Shape::Cuboid {
+                half_extents: half_extents.map(of),
+            },
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => Shape::Cylinder {
+                radius: of(radius),
+                half_length: of(half_length),
+            },
+            Self::Capsule {
+                radius,
+                half_length,
+            } => Shape::Capsule {
+                radius: of(radius),
+                half_length: of(half_length),
+            },
+            Self::HalfSpace => Shape::HalfSpace,
+        }
+    }
+}
+
+/// The length in m below which a distance is replaced by that from a plane: far below any relevant size, and far above
+/// the size at which $1 / d^3$ overflows.
+pub const FLAT: f64 = 1e-12;
+
+/// The signed distance of a point from a surface, with its derivatives in the point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance<S: Scalar> {
+    /// The distance in m, negative inside.
+    pub value: S,
+    /// The gradient: the unit normal of the surface, away from the shape.
+    pub normal: Vector3<S>,
+    /// The Hessian in 1/m: the curvature of the surface at that distance.
+    pub curvature: Matrix3<S>,
+}
+
+impl<C: Scalar> Shape<C> {
+    /// The name of the shape.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere { .. } => "sphere",
+            Self::Cuboid { .. } => "box",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Capsule { .. } => "capsule",
+            Self::HalfSpace => "half-space",
+        }
+    }
+
+    /// Half of the lengths of the shape along its axes, in m: that of a capsule along `z` without the caps; zero for a
+    /// half-space, which has no end.
+    #[must_use]
+    pub fn half_lengths(&self) -> Vector3<C> {
+        match *self {
+            Self::Sphere { radius } => Vector3::repeat(radius),
+            Self::Cuboid { half_extents } => half_extents,
+            Self::Cylinder {
+                radius,
+                half_length,
+            }
+            | Self::Capsule {
+                radius,
+                half_length,
+            } => Vector3::new(radius, radius, half_length),
+            Self::HalfSpace => Vector3::zeros(),
+        }
+    }
+
+    /// Computes the signed distance of the point `p`, in the frame of the shape, from its surface, in m, negative
+    /// inside.
+    #[inline]
+    #[must_use]
+    pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
+        match self {
+            Self::Sphere { radius } => length([p.x, p.y, p.z]) - S::lift(*radius),
+            Self::Cuboid { half_extents: h } => {
+                corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
+            }
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let off = length([p.x, p.y]) - S::lift(*radius);
+                corner([off, beyond(p.z, *half_length)])
+            }
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let along = excess(beyond(p.z, *half_length));
+                length([p.x, p.y, along]) - S::lift(*radius)
+            }
+            Self::HalfSpace => p.z,
+        }
+    }
+
+    /// Computes [`distance`](Self::distance) with its gradient and its Hessian in `p`.
+    #[inline]
+    #[must_use]
+    pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
+        let (one, zero) = (S::one(), S::zero());
+        let sign = p.map(|x| x.if_negative(-one, one));
+        match self {
+            Self::Sphere { radius } => Bent::length([p.x, p.y, p.z], [one; 3])
+                .distance(S::lift(*radius), &sign.map(|_| one)),
+            Self::Cuboid { half_extents: h } => {
+                Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
+                    .distance(zero, &sign)
+            }
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let off = Bent::length([p.x, p.y], [one; 2]);
+                let q = [off.value - S::lift(*radius), beyond(p.z, *half_length)];
+                let outer = Bent::corner(q);
+                let n = [off.gradient[0], off.gradient[1], sign.z];
+                let part = |i: usize| usize::from(i == 2);
+                Distance {
+                    value: outer.value,
+                    normal: Vector3::from_fn(|i, _| outer.gradient[part(i)] * n[i]),
+                    curvature: matrix(|i, j| {
+                        let bent = outer.hessian[part(i)][part(j)] * n[i] * n[j];
+                        if i < 2 && j < 2 {
+                            bent + outer.gradient[0] * off.hessian[i][j]
+                        } else {
+                            bent
+                        }
+                    }),
+                }
+            }
+            Self::Capsule {
+                radius,
+                half_length,
+            } => {
+                let along = beyond(p.z, *half_length);
+                let moves = [one, one, along.if_negative(zero, one)];
+                let sign = Vector3::new(one, one, sign.z);
+                Bent::length([p.x, p.y, excess(along)], moves).distance(S::lift(*radius), &sign)
+            }
+            Self::HalfSpace => Distance {
+                value: p.z,
+                normal: Vector3::new(zero, zero, one),
+                curvature: Matrix3::from_element(zero),
+            },
+        }
+    }
+}
+
+impl<C: Scalar> Solid<C> {
+    /// Computes the signed distance of the point `p` from the surface, in m, negative inside.
+    #[inline]
+    #[must_use]
+    pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
+        self.shape.distance(&self.in_shape(p))
+    }
+
+    /// Computes [`distance`](Self::distance) with its gradient and its Hessian in `p`.
+    #[inline]
+    #[must_use]
+    pub fn distance_derivatives<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Distance<S> {
+        let local = self.shape.distance_derivatives(&self.in_shape(p));
+        let rotation = &self.placement.rotation;
+        // R H R^T, where H is symmetric: R times the rows of R H.
+        let turned = |m: &Matrix3<S>| {
+            let column = |j| apply_constant(rotation, &m.column(j).into_owned());
+            let columns = [column(0), column(1), column(2)];
+            matrix(|i, j| columns[i][j])
+        };
+        Distance {
+            value: local.value,
+            normal: apply_constant(rotation, &local.normal),
+            curvature: turned(&turned(&local.curvature)),
+        }
+    }
+
+    /// The point `p` in the frame of the shape.
+    #[inline]
+    fn in_shape<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Vector3<S> {
+        let from = p - self.placement.translation.map(S::lift);
+        apply_constant_transpose(&self.placement.rotation, &from)
+    }
+}
+
+/// Computes $|x| - h$.
+#[inline]
+fn beyond<C: Scalar, S: AlgebraOver<C>>(x: S, half: C) -> S {
+    x.if_negative(-x, x) - S::lift(half)
+}
+
+/// The positive part of a number.
+#[inline]
+fn excess<S: Scalar>(q: S) -> S {
+    q.if_negative(S::zero(), q)
+}
+
+#[inline]
+fn sum_of_squares<S: Scalar, const K: usize>(v: &[S; K]) -> S {
+    v.iter().fold(S::zero(), |sum, v| sum + *v * *v)
+}
+
+/// A number that is negative if the length with this square is below [`FLAT`].
+#[inline]
+fn short<S: Scalar>(square: S) -> S {
+    square - S::from_f64(FLAT * FLAT)
+}
+
+/// Computes $|v|$, or the first entry if the length is below [`FLAT`].
+#[inline]
+fn length<S: Scalar, const K: usize>(v: [S; K]) -> S {
+    let square = sum_of_squares(&v);
+    short(square).if_negative(v[0], square.sqrt())
+}
+
+/// The distance from the corner $q \le 0$: inside, from the nearest of the sides; outside, from all sides that `q` is
+/// beyond.
+#[inline]
+fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
+    let mut most = q[0];
+    for q in &q[1..] {
+        most = (most - *q).if_negative(*q, most);
+    }
+    let outside = sum_of_squares(&q.map(excess)).sqrt();
+    (most - S::from_f64(FLAT)).if_negative(most, outside)
+}
+
+/// A function of `K` numbers that is linear in one region and a length in another, with its derivatives.
+struct Bent<S: Scalar, const K: usize> {
+    value: S,
+    gradient: [S; K],
+    hessian: [[S; K]; K],
+}
+
+impl<S: Scalar, const K: usize> Bent<S, K> {
+    /// Computes $|v|$ for numbers `v` whose derivatives are `moves`, one or zero; the linear function with the given
+    /// value and gradient if `flat` is negative.
+    #[inline]
+    fn new(v: [S; K], moves: [S; K], flat: S, (value, gradient): (S, [S; K])) -> Self {
+        let length = sum_of_squares(&v).sqrt();
+        let inverse = S::one() / length;
+        let n = v.map(|v| v * inverse);
+        let hessian = |i: usize, j: usize| {
+            let own = if i == j { moves[i] } else { S::zero() };
+            flat.if_negative(S::zero(), (own - n[i] * n[j]) * inverse)
+        };
+        Self {
+            value: flat.if_negative(value, length),
+            gradient: std::array::from_fn(|i| flat.if_negative(gradient[i], n[i])),
+            hessian: std::array::from_fn(|i| std::array::from_fn(|j| hessian(i, j))),
+        }
+    }
+
+    /// Computes [`length`] of numbers whose derivatives are `moves`.
+    #[inline]
+    fn length(v: [S; K], moves: [S; K]) -> Self {
+        let first = std::array::from_fn(|i| if i == 0 { S::one() } else { S::zero() });
+        Self::new(v, moves, short(sum_of_squares(&v)), (v[0], first))
+    }
+
+    /// Computes [`corner`].
+    #[inline]
+    fn corner(q: [S; K]) -> Self {
+        let (zero, one) = (S::zero(), S::one());
+        let mut most = q[0];
+        let mut nearest = std::array::from_fn(|i| if i == 0 { one } else { zero });
+        for i in 1..K {
+            let less = most - q[i];
+            most = less.if_negative(q[i], most);
+            for (j, side) in nearest.iter_mut().enumerate() {
+                *side = less.if_negative(if i == j { one } else { zero }, *side);
+            }
+        }
+        let moves = q.map(|q| q.if_negative(zero, one));
+        let inside = most - S::from_f64(FLAT);
+        Self::new(q.map(excess), moves, inside, (most, nearest))
+    }
+}
+
+impl<S: Scalar> Bent<S, 3> {
+    /// Converts to the distance from a surface at `radius`, in coordinates that differ by the signs `sign`.
+    #[inline]
+    fn distance(self, radius: S, sign: &Vector3<S>) -> Distance<S> {
+        Distance {
+            value: self.value - radius,
+            normal: Vector3::from_fn(|i, _| self.gradient[i] * sign[i]),
+            curvature: matrix(|i, j| self.hessian[i][j] * sign[i] * sign[j]),
+        }
+    }
 }

@@ -44,7 +44,7 @@ impl<S: Scalar> BlockTridiagonal<S> {
         self.diagonal.iter_mut().chain(&mut self.coupling)
     }
 
-    /// Sets it to `a + factor b`.
+    /// Sets the matrix to `a + factor b`.
     pub fn set_sum(&mut self, a: &Self, factor: S, b: &Self) {
         for ((to, a), b) in self.blocks_mut().zip(a.blocks()).zip(b.blocks()) {
             to.zip_zip_apply(a, b, |to, a, b| *to = a + factor * b);
@@ -112,7 +112,7 @@ impl BlockTridiagonal<f64> {
                 continue;
             };
             let (head, rest) = self.diagonal.split_at_mut(e + 1);
-            // The columns of the block below vanish but for the last, and so do those of its factor.
+            // Only the last columns of the block below, and of its factor, are nonzero.
             let shared = coupling.ncols();
             let tail = head[e].nrows() - shared;
             let corner = head[e].view((tail, tail), (shared, shared)).into_owned();
@@ -163,7 +163,7 @@ fn cholesky(a: &mut DMatrix<f64>) -> bool {
         MemStack::new(&mut MemBuffer::new(scratch)),
         Default::default(),
     );
-    // An infinite pivot leaves numbers that are not finite.
+    // An infinite pivot is not reported as an error.
     factored.is_ok() && a.diagonal().iter().all(|pivot| pivot.is_finite())
 }
 

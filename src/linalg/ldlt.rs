@@ -31,7 +31,7 @@ impl<S: Scalar> Ldlt<S> {
                 self.factors[(i, j)] = h[(i, j)];
             }
         }
-        // Column by column, each taken off those to its right, so that memory is walked in order.
+        // Each column is subtracted from those to its right, so that memory is accessed in order.
         for j in 0..n {
             let (done, right) = self.factors.as_mut_slice().split_at_mut((j + 1) * n);
             let column = &mut done[j * n + j..];

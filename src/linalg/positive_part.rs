@@ -8,7 +8,7 @@ pub(crate) fn positive_part(from: &DMatrix<f64>, to: &mut DMatrix<f64>) -> bool 
     /// The relative rounding error of an eigenvalue that is zero.
     const ROUNDING: f64 = 1e-12;
     to.copy_from(from);
-    // Most costs do not depend on everything.
+    // Most costs depend on a few variables only: zero rows and columns are left out.
     let own: Vec<usize> = (0..from.nrows())
         .filter(|i| from.column(*i).iter().any(|x| *x != 0.0))
         .collect();

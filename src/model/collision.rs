@@ -111,36 +111,12 @@ impl Collision<f64> {
                 vector(&self.placement.translation),
             ),
             shape: match &self.shape {
-                CollisionShape::Solid(shape) => CollisionShape::Solid(cast_shape(shape)),
+                CollisionShape::Solid(shape) => CollisionShape::Solid(shape.cast()),
                 CollisionShape::Mesh { file, scale } => CollisionShape::Mesh {
                     file: file.clone(),
                     scale: vector(scale),
                 },
             },
         }
-    }
-}
-
-fn cast_shape<D: Scalar>(shape: &Shape<f64>) -> Shape<D> {
-    let of = D::from_f64;
-    match *shape {
-        Shape::Sphere { radius } => Shape::Sphere { radius: of(radius) },
-        Shape::Cuboid { half_extents } => Shape::Cuboid {
-            half_extents: half_extents.map(of),
-        },
-        Shape::Cylinder {
-            radius,
-            half_length,
-        } => Shape::Cylinder {
-            radius: of(radius),
-            half_length: of(half_length),
-        },
-        Shape::Capsule {
-            radius,
-            half_length,
-        } => Shape::Capsule {
-            radius: of(radius),
-            half_length: of(half_length),
-        },
     }
 }

@@ -4,7 +4,7 @@ use super::{Collision, Frame, JointSpec, Model};
 use crate::error::{Error, Result, plain};
 use crate::spatial::Placement;
 
-/// A model some of whose joints are locked.
+/// A model with some of its joints locked.
 pub struct Reduced {
     /// The model of the remaining joints.
     pub model: Model,

@@ -32,7 +32,7 @@ fn axis(rng: &mut ChaCha8Rng) -> Vector3<f64> {
 /// # Errors
 /// `n` is zero.
 pub fn random_tree(n: usize, seed: u64) -> Result<Model> {
-    // Now and then a second joint on the base, else any earlier body, most often a recent one.
+    // Sometimes the base, otherwise any earlier body, most often a recent one.
     let parent = |i: usize, rng: &mut ChaCha8Rng| {
         (i > 0 && rng.random_bool(0.9)).then(|| rng.random_range(i.saturating_sub(4)..i.max(1)))
     };
@@ -66,7 +66,7 @@ fn random_robot(
         let parent = parent(i, rng);
         let rotation = Rotation3::new(vector(rng) * 3.0).into_inner();
         let mass = rng.random_range(0.2..3.0);
-        // Moments of inertia from positive second moments are those of a body: the triangle inequality holds.
+        // Moments of inertia from positive second moments satisfy the triangle inequality.
         let frame = Rotation3::new(vector(rng) * 3.0).into_inner();
         let second = Vector3::from_fn(|_, _| rng.random_range(0.01..0.3));
         let moments = Vector3::from_element(second.sum()) - second;

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The relative sizes of the bends of the starts, in turn.
+/// The relative sizes of the random bends of successive starts.
 const SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 
 /// A curve in a basis.
@@ -47,7 +47,7 @@ impl Path {
         }
     }
 
-    /// The start of this number: this curve, or this curve with bends, of several sizes in turn.
+    /// The start with this number: the curve itself for zero, otherwise the curve with random bends of varying size.
     pub fn start(&self, amplitude: f64, seed: u64, number: u64) -> Self {
         if number == 0 {
             return self.clone();
@@ -112,7 +112,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
     for e in 0..segments {
         for (node, time) in chebyshev.times().iter().enumerate() {
-            // Where two segments meet this is the same number for both, and so is the state.
+            // The same number, and so the same state, for both segments at a shared breakpoint.
             let time = (e as f64 + time) / segments as f64;
             let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
             let column = e * (p + 1) + node;
@@ -123,7 +123,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     }
     let last = x.ncols() - 1;
     x.column_mut(0).copy_from_slice(problem.start());
-    // The velocity at the end may be free, and is then the slope that was found.
+    // A free final velocity is the slope of the path.
     let given = if path.basis.free_final_velocity() {
         n
     } else {

@@ -77,7 +77,7 @@ pub fn simulate_with(
     let goal = x.column(x.ncols() - 1);
     let mut state = x.column(0).as_slice().to_vec();
     let mut statistics = Statistics::default();
-    // The control may jump where two segments meet, so no step goes across.
+    // The control may jump at a breakpoint, so no step crosses one.
     for (segment, ends) in curve.breakpoints().windows(2).enumerate() {
         robot.segment = segment;
         let start = state.clone();
@@ -216,7 +216,7 @@ impl<'a> ControlledRobot<'a> {
         Ok(())
     }
 
-    /// Computes the control as if every joint had a motor.
+    /// Computes the control as if every joint were actuated.
     fn control_of_all(&mut self, t: f64, y: &[f64]) -> Result<()> {
         let n = self.model.dof();
         if let Some(nodes) = &self.nodes {
@@ -254,7 +254,7 @@ impl<'a> ControlledRobot<'a> {
         self.control(t, y)?;
         let fd = &mut self.derivatives;
         aba_derivatives(self.model, &mut self.data, &y[..n], &y[n..], &self.u, fd)?;
-        // Where there is no feedback nothing depends on its gains.
+        // Passive joints have no feedback.
         for i in self.passive {
             fd.h_inverse.column_mut(*i).fill(0.0);
         }

@@ -9,9 +9,9 @@ use crate::model::Model;
 use crate::scalar::Lanes;
 use nalgebra::{DMatrix, DVector};
 
-/// The number of times that go through the dynamics side by side.
+/// The number of times evaluated together in SIMD lanes.
 const LANES: usize = 4;
-/// The values of a number at these times.
+/// The values of a quantity at these times.
 type Wide = Lanes<f64, LANES>;
 
 /// The largest value over time of one row of constraints.
@@ -191,7 +191,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             for ((g, scale), values) in all.zip(self.values.chunks_exact_mut(self.stride)) {
                 for (value, g) in values[first..first + LANES].iter_mut().zip(g.0) {
                     let scaled = g / scale;
-                    // A comparison would pass over it.
+                    // Comparisons would ignore a NaN.
                     *value = if scaled.is_nan() {
                         f64::INFINITY
                     } else {

@@ -23,7 +23,7 @@ pub const STEP_LIMIT: usize = 100_000;
 const NEWTON_FAILURE_LIMIT: usize = 80;
 /// The number of error test failures after which a step is given up (each at least halves it).
 const ERROR_FAILURE_LIMIT: usize = 80;
-/// The largest growth factor of a step. With diffsol's 2 the way from 1e-17 to 0.1 would be needlessly long.
+/// The largest growth factor of a step. With diffsol's 2 the steps from 1e-17 to 0.1 would be needlessly many.
 const STEP_GROWTH: f64 = 10.0;
 /// The smallest step, relative to the whole interval.
 const SMALLEST_STEP: f64 = 1e-30;
@@ -154,7 +154,7 @@ fn advance<M: Method>(
         if let Some(reason) = core.borrow_mut().system.stop() {
             return Err(reason.into());
         }
-        // diffsol counts Newton failures over the whole run, and its smallest step is a constant
+        // diffsol counts Newton failures over the whole run, and its smallest step is constant: both are updated here.
         let before = solver.state().t;
         let failures = solver.get_statistics().number_of_nonlinear_solver_fails;
         let config = solver.config_mut();

@@ -5,9 +5,9 @@ use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::Lanes;
 
-/// The number of configurations that are checked side by side.
+/// The number of configurations checked together in SIMD lanes.
 const LANES: usize = 4;
-/// The values of a number for these configurations.
+/// The values of a quantity at these configurations.
 type Wide = Lanes<f64, LANES>;
 
 /// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`.
@@ -111,7 +111,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
                 .unwrap_or(0)
         };
         let order = (0..1 << bits).map(reversed).filter(|k| *k < steps);
-        // The end comes first: it is what most often is not free.
+        // The end first, because it is most often not free.
         let mut shares = order.map(|k| (steps - k) as f64 / steps as f64).peekable();
         while shares.peek().is_some() {
             let mut count = 0;
@@ -174,7 +174,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
 
     fn all_kept(&self) -> bool {
         let mut rows = self.g.iter().zip(&self.bounds);
-        // What is not a number is not kept.
+        // False for NaN.
         rows.all(|(g, bound)| g.0.iter().all(|g| g <= bound))
     }
 }

@@ -32,7 +32,7 @@ pub fn curve_along<K: Constraint + ?Sized>(
     curve_of(problem, &along(problem, constraint, path, basis, settings)?)
 }
 
-/// The coefficients of that curve.
+/// Computes the coefficients of the curve of [`curve_along`].
 pub(crate) fn along<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,

@@ -6,9 +6,9 @@
 //!
 //! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown
 //!    towards random configurations and then towards the other.
-//! 2. `shorten.rs`: unnecessary waypoints are removed, random shortcuts are taken, then corners are rounded.
-//!    Shortcuts rarely lead to the other side of an obstacle, so a long path is planned again with other random numbers,
-//!    and the shortest one is kept.
+//! 2. `shorten.rs`: unnecessary waypoints are removed, random shortcuts are taken, then corners are rounded. Shortcuts
+//!    rarely lead to the other side of an obstacle, so a long path is planned again with other random numbers, and the
+//!    shortest one is kept.
 //! 3. `fit.rs`: the path as a curve of cubics, as smooth as the obstacles permit.
 //!
 //! All random numbers come from the seed, and the budget is a number of configurations: the same problem has the same
@@ -46,8 +46,8 @@ pub struct PlanSettings {
     pub seed: u64,
     /// The number of the path: each number gives a different one.
     pub number: u64,
-    /// The largest number of paths, of which the shortest is the result. The last one is that at most a quarter longer
-    /// than the straight line from start to goal.
+    /// The largest number of paths, of which the shortest is the result. Planning stops at a path at most a quarter
+    /// longer than the straight line from start to goal.
     pub paths: usize,
     /// The distance that rows keep from their bounds if start and goal have it too, in the unit of the row, m for a
     /// clearance.

@@ -82,7 +82,7 @@ pub(super) fn connect<K: Constraint + ?Sized>(
         for (q, [least, most]) in sample.iter_mut().zip(ranges) {
             *q = least + (most - least) * rng.random::<f64>();
         }
-        // The smaller one grows, so that neither is left behind.
+        // The smaller tree grows, so that both keep about the same size.
         let own = usize::from(trees[1].len() < trees[0].len());
         let (near, square) = trees[own].nearest(&sample);
         let from = trees[own].node(near);
@@ -97,7 +97,7 @@ pub(super) fn connect<K: Constraint + ?Sized>(
                 _ => [trees[0].to_root(met), trees[1].to_root(new)],
             };
             path.reverse();
-            // The node where they meet is in both.
+            // Both paths contain the node where the trees meet.
             path.extend(rest.into_iter().skip(1));
             return Ok(Plan::Found(path));
         }

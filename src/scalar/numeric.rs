@@ -84,8 +84,8 @@ impl<D: DualNum + Copy> Scalar for D {
 impl<D: DualNum + Copy> Tanh for D {
     #[inline]
     fn tanh(self) -> Self {
-        // `num-dual` divides sinh by cosh, which is not a number once they overflow. Beyond this bound the hyperbolic tangent
-        // is one to the last bit, and its derivatives vanish beside that.
+        // `num-dual` divides sinh by cosh, which is not a number once they overflow. Beyond this bound the hyperbolic
+        // tangent is one to the last bit, and its derivatives vanish beside that.
         let re = self.re();
         if Float::abs(re) > primitive::<D::Primitive>(20.0) {
             D::from(Float::signum(re))

@@ -72,7 +72,8 @@ impl<S: Scalar> Coriolis<S> {
     #[inline(always)]
     #[must_use]
     pub fn carried(&self, m: &Motion<S>) -> Self {
-        // [w]x M - M [w]x from the turning, and (u . p) 1 - p u^T from the moment of p, which moves with the linear part u.
+        // [w]x M - M [w]x from the turning, and (u . p) 1 - p u^T from the moment of p, which moves with the linear
+        // part u.
         let (w, p, u) = (&m.angular, &self.momentum, &m.linear);
         let column = |j: usize| cross(w, &self.moment.column(j).into_owned());
         let turned = [column(0), column(1), column(2)];

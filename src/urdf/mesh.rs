@@ -28,7 +28,7 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
     let bytes = read_bytes(&path)?;
     let scene = match extension.as_str() {
         "stl" => stl::from_slice(&bytes),
-        // Materials have no shape.
+        // Materials do not matter here: an empty file stands for each.
         _ => obj::from_slice(&bytes, Some(&path), |_| -> io::Result<Vec<u8>> {
             Ok(Vec::new())
         }),

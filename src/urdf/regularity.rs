@@ -21,7 +21,7 @@ impl Model<f64> {
         let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
         let mut h = DMatrix::zeros(n, n);
         crba(self, &mut Data::new(self), &q, &mut h)?;
-        // Relative to all the inertia there is, so that rounding does not pass for inertia.
+        // Relative to the total inertia, so that rounding errors do not count as inertia.
         let totals = self.subtree_inertias(&q)?;
         let condition =
             "nothing that it moves has inertia about it, so the mass matrix is singular";

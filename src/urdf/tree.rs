@@ -76,7 +76,7 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
     while let Some(visit) = pending.pop() {
         let parent = visits.len();
         let below = children.get(visit.link.name.as_str());
-        // The last one pushed comes next, so the first by name goes last.
+        // The last one pushed is visited next, so the first by name is pushed last.
         for joint in below.into_iter().flatten().rev() {
             pending.push(Visit {
                 link: links[joint.child.link.as_str()],

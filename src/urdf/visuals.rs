@@ -20,8 +20,8 @@ pub struct Visual {
     pub color: Option<[f64; 3]>,
 }
 
-/// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of those left
-/// out in words: no motion depends on any.
+/// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of omitted ones
+/// in words: no motion depends on them.
 pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
     let Ok(document) = Document::parse(text) else {

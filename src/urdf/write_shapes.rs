@@ -47,6 +47,9 @@ fn write_shape(xml: &mut Xml, shape: &CollisionShape) -> io::Result<()> {
             radius,
             half_length,
         }) => empty(xml, "capsule", &round(radius, half_length)),
+        CollisionShape::Solid(Shape::HalfSpace) => {
+            Err(io::Error::other("a half-space has no element in a URDF"))
+        }
         CollisionShape::Mesh { file, scale } => {
             let attributes = [("filename", file.clone()), ("scale", numbers(scale))];
             empty(xml, "mesh", &attributes)

@@ -171,7 +171,7 @@ test("hostile names are text and nothing else", async () => {
   writeFileSync(join(folder, "robot.urdf"), urdf.replace(`<joint name="${joint}"`, `<joint name="${xml}"`));
   const scenario = JSON.parse(execFileSync(AGHF, ["scenarios", "pendulum_2_swingup"]).toString());
   scenario.robot = "robot.urdf";
-  scenario.sphere_obstacles = [{ center_m: [3, 3, 3], radius_m: 0.1, name: evil }];
+  scenario.obstacles = [{ name: evil, shape: { sphere: { radius_m: 0.1 } }, pose: { position_m: [3, 3, 3] } }];
   const stem = "</title><script>window.bad=1<".replace(/\//g, "∕");
   writeFileSync(join(folder, `${stem}.json`), JSON.stringify(scenario));
   const { page: at, complaints, close } = await open(browser, join(solve("hostile", join(folder, `${stem}.json`), "--starts", "1"), "report.html"));

@@ -22,7 +22,7 @@ fn beside() -> Box<dyn FailurePersistence> {
     Box::new(FileFailurePersistence::WithSource("regressions"))
 }
 
-/// The settings of a property test: seeded, and longer when `AGHF_CASES` says so.
+/// The settings of a property test: seeded, with `AGHF_CASES` cases if that is set.
 pub fn config(cases: u32) -> Config {
     let cases = std::env::var("AGHF_CASES")
         .map(|n| n.parse().expect("AGHF_CASES is a number of cases"))
@@ -37,7 +37,7 @@ pub fn config(cases: u32) -> Config {
     }
 }
 
-/// A robot that is built in.
+/// A built-in robot.
 pub fn robot(name: &str) -> Model {
     builtin_robot(name).expect("it is built in")
 }
@@ -75,12 +75,12 @@ pub fn point_mass(axes: &[Vector3<f64>]) -> Model {
     Model::from_joints("point mass", specs).expect("it is a tree")
 }
 
-/// All robots that are built in.
+/// All built-in robots.
 pub fn robots() -> Vec<Model> {
     builtin_robots().map(robot).collect()
 }
 
-/// A robot that is built in, or, more often, a random tree.
+/// A built-in robot or, more often, a random tree.
 pub fn any_model() -> impl Strategy<Value = Model> {
     prop_oneof![
         1 => (0..robots().len()).prop_map(|i| robots().swap_remove(i)),
@@ -88,13 +88,13 @@ pub fn any_model() -> impl Strategy<Value = Model> {
     ]
 }
 
-/// `count` numbers in [-3, 3], zeros among them now and then.
+/// `count` numbers in [-3, 3], sometimes zero.
 pub fn numbers(count: usize) -> impl Strategy<Value = Vec<f64>> {
     let number = prop_oneof![1 => Just(0.0), 7 => -3.0..3.0_f64];
     prop::collection::vec(number, count)
 }
 
-/// A model and three vectors with one entry a joint: `q, v, a`.
+/// A model and three vectors with one entry per joint: `q, v, a`.
 pub fn model_and_state() -> impl Strategy<Value = (Model, Vec<f64>, Vec<f64>, Vec<f64>)> {
     any_model().prop_flat_map(|model| {
         let n = model.dof();
@@ -102,7 +102,7 @@ pub fn model_and_state() -> impl Strategy<Value = (Model, Vec<f64>, Vec<f64>, Ve
     })
 }
 
-/// A model and `x, xdot, xddot`, each with two entries a joint.
+/// A model and `x, xdot, xddot`, each with two entries per joint.
 pub fn model_and_node() -> impl Strategy<Value = (Model, [Vec<f64>; 3])> {
     any_model().prop_flat_map(|model| {
         let n = 2 * model.dof();
@@ -111,7 +111,7 @@ pub fn model_and_node() -> impl Strategy<Value = (Model, [Vec<f64>; 3])> {
     })
 }
 
-/// The largest difference relative to the largest entry of `b`, or to one where that is smaller.
+/// The largest difference relative to the largest entry of `b`, or to one if that is larger.
 pub fn relative_error<'a>(
     a: impl IntoIterator<Item = &'a f64>,
     b: impl IntoIterator<Item = &'a f64>,
@@ -120,7 +120,7 @@ pub fn relative_error<'a>(
     assert_eq!(a.len(), b.len(), "different sizes");
     let largest = b.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
     let differences = a.iter().zip(b).map(|(a, b)| (*a - b).abs());
-    // A NaN must not hide: `max` would pass it over.
+    // `max` would ignore a NaN.
     differences.fold(0.0, |m: f64, d| if d <= m { m } else { d }) / largest
 }
 
@@ -177,7 +177,7 @@ pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
     }
 }
 
-/// Numbers that are neither zero nor alike: $\sin(f)$, $\sin(2 f)$, and so on.
+/// Distinct nonzero numbers: $\sin(f)$, $\sin(2 f)$, and so on.
 pub fn wave(count: usize, f: f64) -> Vec<f64> {
     (1..=count).map(|i| (f * i as f64).sin()).collect()
 }
@@ -202,7 +202,7 @@ pub fn state([x, xdot, xddot]: [Vec<f64>; 3]) -> State {
     }
 }
 
-/// Asserts that the checker compared something and found nothing wrong.
+/// Asserts that the checker compared something and found no error.
 pub fn assert_right(model: &Model, findings: aghf::Result<Vec<Finding>>) {
     let findings = findings.expect("sizes agree");
     assert!(!findings.is_empty(), "nothing was compared");
@@ -210,7 +210,7 @@ pub fn assert_right(model: &Model, findings: aghf::Result<Vec<Finding>>) {
     assert!(off.is_empty(), "{}: {off:#?}", model.name());
 }
 
-/// Asserts that bad input is refused, in these words among others.
+/// Asserts that invalid input is refused with these words in the message.
 pub fn assert_refused<T: std::fmt::Debug>(result: aghf::Result<T>, words: &str) {
     let error = result.expect_err(words).to_string();
     assert!(error.contains(words), "'{error}' does not say '{words}'");
@@ -225,8 +225,8 @@ pub fn condition(model: &Model, x: &[f64]) -> f64 {
     eigenvalues.max() / eigenvalues.min()
 }
 
-/// The relative error of two solves with `H`, beside `rounding`: errors grow linearly with its condition number, as
-/// measured for [`check_all`](aghf::verify::duals::check_all).
+/// The bound on the relative error of two solves with `H`, in addition to `rounding`: errors grow linearly with its
+/// condition number, as measured for [`check_all`](aghf::verify::duals::check_all).
 pub fn solve_bound(model: &Model, x: &[f64], rounding: f64) -> f64 {
     rounding + 1e-13 * condition(model, x)
 }

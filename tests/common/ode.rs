@@ -3,7 +3,7 @@
 use aghf::ode::{Bdf, Failure, Integrator, Ode, Statistics, Tolerance};
 use nalgebra::DMatrix;
 
-/// A system from two closures that remembers the largest s it was asked for and counts its calls.
+/// A system from two closures that records the largest s evaluated and counts its calls.
 pub struct System<F, J> {
     pub dim: usize,
     pub rhs: F,
@@ -97,7 +97,7 @@ pub fn solve_by(
     (result, seen)
 }
 
-/// Largest difference to the exact solution over all outputs.
+/// The largest difference from the exact solution over all outputs.
 pub fn error(seen: &Observed, exact: impl Fn(f64) -> Vec<f64>) -> f64 {
     let of = |(s, y): &(f64, Vec<f64>)| {
         let pairs = y.iter().zip(exact(*s));

@@ -20,13 +20,13 @@ pub fn size(segments: usize, p: usize) -> RelaxSettings {
     }
 }
 
-/// The relaxation of a problem that is valid.
+/// The relaxation of a valid problem.
 pub fn solved(problem: &Problem<'_>, settings: &RelaxSettings) -> RelaxSolution {
     let relaxation = Relaxation::new(problem).settings(settings.clone());
     relaxation.solve().unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The same within constraints.
+/// The relaxation of a valid problem with constraints.
 pub fn solved_within<K: Constraint + Sync>(
     problem: &Problem<'_>,
     settings: &RelaxSettings,

@@ -75,17 +75,17 @@ impl Scenario {
 
     /// The rows that keep the origins of the joint frames clear of the spheres.
     pub fn clearance(&self) -> Vec<AnyConstraint> {
-        let spheres = self.keys["sphere_obstacles"]
-            .as_array()
-            .expect("a list")
-            .iter();
-        let sphere = |keys: &Value| Sphere {
-            centre: Vector3::from_iterator(Self::numbers(&keys["center_m"])),
-            radius: keys["radius_m"].as_f64().expect("a number"),
+        let obstacles = self.keys["obstacles"].as_array().expect("a list");
+        let sphere = |keys: &Value| {
+            let radius = &keys["shape"]["sphere"]["radius_m"];
+            Sphere {
+                centre: Vector3::from_iterator(Self::numbers(&keys["pose"]["position_m"])),
+                radius: radius.as_f64().expect("a sphere"),
+            }
         };
         vec![AnyConstraint::Spheres(SphereClearance {
             balls: CollisionSphere::joint_frames(&self.model),
-            spheres: spheres.map(sphere).collect(),
+            spheres: obstacles.iter().map(sphere).collect(),
         })]
     }
 }

@@ -1,4 +1,4 @@
-//! Several constraints are one: whatever holds them, rows, names and derivatives are those of the parts.
+//! Composed constraints: rows, names and derivatives are those of the parts.
 
 use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
@@ -48,7 +48,7 @@ fn parts(model: &Model) -> Parts {
     )
 }
 
-/// Everything that a constraint says at a state.
+/// All results of a constraint at a state.
 #[derive(Clone, Debug, PartialEq)]
 struct Said {
     values: Vec<f64>,
@@ -59,7 +59,7 @@ struct Said {
     hessian: DMatrix<f64>,
 }
 
-/// Derivatives with weights that are those of rows from `first` on of a longer list.
+/// All results, with the weights of rows from `first` on of a longer list.
 fn said(model: &Model, constraint: &impl Constraint, first: usize) -> Said {
     let x = wave(2 * model.dof(), 0.9);
     let mut evaluator = Evaluator::new(model);
@@ -85,7 +85,7 @@ fn said(model: &Model, constraint: &impl Constraint, first: usize) -> Said {
     }
 }
 
-/// The parts one after the other.
+/// The results of the parts, concatenated.
 fn joined(parts: impl IntoIterator<Item = Said>) -> Said {
     let mut parts = parts.into_iter();
     let mut all = parts.next().expect("there is one");
@@ -100,7 +100,7 @@ fn joined(parts: impl IntoIterator<Item = Said>) -> Said {
     all
 }
 
-/// Sums of the same numbers in another order.
+/// Compares up to rounding, because sums have another order.
 fn assert_is(model: &Model, whole: &impl Constraint, parts: &Said) {
     let whole = said(model, whole, 0);
     assert_close!(&whole.gradient, &parts.gradient, 1e-13);
@@ -134,13 +134,13 @@ fn tuples_are_their_parts() {
     assert_is(model, &(a, b, c, d, e), &of(5));
     assert_is(model, &(a, b, c, d, e, f), &of(6));
     assert_is(model, &((a, (b, c)), (), (d, e), f), &of(6));
-    // Whatever is not there is no equality, and is named by its number.
+    // An index out of range is no equality, and is named by its number.
     let all = (a, b, c, d, e, f);
     assert!(!all.is_equality(all.dim()));
     assert_eq!(all.label(all.dim(), model).unit, "");
 }
 
-/// Lists of all kinds say what the tuple says, to the last bit.
+/// Lists of all kinds have the same results as the tuple, to the last bit.
 #[test]
 fn lists_are_tuples() {
     let model = &robot("kinova_gen3");

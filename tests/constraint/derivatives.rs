@@ -16,7 +16,7 @@ use aghf::verify::duals::{CheckOptions, check_constraints};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Every kind that is built in: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
+/// Every built-in kind: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
 /// on both halves of the state.
 fn every_kind(model: &Model) -> Vec<AnyConstraint> {
     let mut balls = CollisionSphere::joint_frames(model);
@@ -97,7 +97,7 @@ impl<K: Constraint> Constraint for ValueAlone<K> {
     }
 }
 
-/// Gradient and Hessian with some weights.
+/// Gradient and Hessian with given weights.
 pub fn contracted(
     model: &Model,
     constraint: &impl Constraint,
@@ -105,7 +105,7 @@ pub fn contracted(
     weights: Weights<'_, f64>,
 ) -> (DVector<f64>, DMatrix<f64>) {
     let mut evaluator = Evaluator::new(model);
-    // A workspace that was used elsewhere must not matter.
+    // Previous use of a workspace must not matter.
     let elsewhere: Vec<f64> = x.iter().map(|x| 0.5 - x).collect();
     let all = Weights {
         gauss_newton: Some(weights.first_order),
@@ -131,8 +131,8 @@ proptest! {
         assert_right(&model, check_constraints(&model, &options));
     }
 
-    /// The derivatives that stand in where a constraint has no analytic ones equal the analytic ones. Sums of some thousand
-    /// products: their rounding is far below the bound.
+    /// The default derivatives of a constraint equal the analytic ones. The rounding of sums of some thousand products
+    /// is far below the bound.
     #[test]
     fn derivatives_of_the_value_alone_are_the_same((model, x) in any_model().prop_flat_map(|model| {
         let n = 2 * model.dof();
@@ -223,7 +223,7 @@ fn limits_become_rows() {
     assert_close!(&g[..2], &[-2.0 * speed - 0.25, 0.25], 1e-14);
 }
 
-/// Points all over a capsule are in one of the balls, which stick out no further than they have to.
+/// All points of a capsule are in one of the balls, which protrude no further than necessary.
 #[test]
 fn balls_cover_a_capsule() {
     let capsule = Capsule {
@@ -295,7 +295,7 @@ fn the_whole_arm_is_swept() {
     );
 }
 
-/// The exact clearance is that of the nearest of many points, and balls never promise more.
+/// The exact clearance is that of the nearest of many points, and that of the balls is never larger.
 #[test]
 fn clearance_is_exact_and_balls_are_conservative() {
     let model = robot("kinova_gen3");

@@ -49,8 +49,8 @@ fn everything(model: &Model, constraint: &impl Constraint, x: &[f64]) -> Vec<f64
     g
 }
 
-/// Constraints behind pointers have the rows and derivatives that they have without, to the last bit, a list of them too; a scalar
-/// that is not among those of a boxed constraint is an error that names it.
+/// Boxed constraints, and lists of them, have the same rows and derivatives as unboxed ones, to the last bit; an
+/// unsupported scalar is an error that names it.
 #[test]
 fn a_boxed_constraint_is_the_same() {
     let model = random_tree(4, 3).expect("there are joints");
@@ -91,7 +91,7 @@ fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
     }
 }
 
-/// The flow, with every Jacobian, and the relaxation do with boxed constraints what they do without.
+/// The flow, with every Jacobian, and the relaxation give the same results for boxed constraints as for unboxed ones.
 #[test]
 fn flow_and_relaxation_take_boxed_constraints() {
     let scenario = Scenario::load("pendulum_1_swingup");

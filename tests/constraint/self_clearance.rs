@@ -24,8 +24,8 @@ fn carriers(model: &Model, body: Option<usize>) -> BTreeSet<usize> {
 proptest! {
     #![proptest_config(config(64))]
 
-    /// Two balls anywhere: joints that carry both have no part in it, to the last bit, and the others have that of dual
-    /// numbers.
+    /// Two balls on any bodies: joints that carry both have zero derivatives, to the last bit, and the others those of
+    /// dual numbers.
     #[test]
     fn common_joints_drop_out((model, x, bodies) in any_model().prop_flat_map(|model| {
         let n = model.dof();
@@ -50,7 +50,7 @@ proptest! {
     }
 }
 
-/// Balls on all pairs of bodies of a tree at once, one for another on branches beside each other, and each pair alone.
+/// Balls on all pairs of bodies of a tree at once, including pairs on different branches, and each pair alone.
 #[test]
 fn branches_beside_each_other() {
     let model = random_tree(8, 3).expect("eight joints");
@@ -93,7 +93,7 @@ fn a_pendulum_by_hand() {
         balls,
         pairs: vec![[0, 1]],
     };
-    // As for a sphere there: |p - c|^2 = 5 - 4 sin q.
+    // As for a sphere: |p - c|^2 = 5 - 4 sin q.
     let q = 0.3_f64;
     let mut g = [0.0];
     let mut evaluator = Evaluator::<f64>::new(&model);

@@ -48,6 +48,7 @@ fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
             let on_axis = Vector3::new(0.0, 0.0, p.z.clamp(-half_length, *half_length));
             (p - on_axis).norm() - radius
         }
+        Shape::HalfSpace => p.z,
     }
 }
 
@@ -72,8 +73,8 @@ fn point(reach: f64) -> impl Strategy<Value = Vector3<f64>> {
 proptest! {
     #![proptest_config(config(256))]
 
-    /// The nearest point is on the surface, and no other one is nearer: that is the distance, and its sign says on
-    /// which side.
+    /// The point at the distance along the gradient is on the surface, and no other surface point is nearer; the sign
+    /// tells the inside.
     #[test]
     fn distances_are_attained_and_least(
         size in prop::array::uniform4(0.1..1.0_f64),
@@ -89,7 +90,7 @@ proptest! {
             for direction in &directions {
                 prop_assert!((on_surface(&shape, direction) - p).norm() > value.abs() - 1e-12);
             }
-            // Along the normal the distance is a straight line.
+            // Along the normal the distance is linear.
             prop_assert!((curvature * normal).amax() < 1e-9 / value.abs());
             prop_assert!((curvature - curvature.transpose()).amax() < 1e-12 * (1.0 + curvature.amax()));
             prop_assert!(value < 0.0 || curvature.amax() < 1.01 / value);
@@ -129,8 +130,8 @@ fn by_duals(
     }
 }
 
-/// At centres, on axes, surfaces, edges and corners, and where several faces are equally near, there are numbers, and
-/// of all kinds of numbers; the gradient has the length one, so that a way leads out.
+/// At centres, on axes, surfaces, edges and corners, and where several faces are equally near, values and derivatives
+/// are finite over all scalars; the gradient has length one, so that it leads out.
 #[test]
 fn nothing_is_undefined() {
     let size = [0.3, 0.3, 0.3, 0.3];
@@ -164,7 +165,7 @@ fn nothing_is_undefined() {
     assert_eq!(single.distance(&Vector3::<f32>::zeros()), -0.25);
 }
 
-/// Ties go to the first axis on the positive side, and nothing jumps where the distance turns flat.
+/// Ties go to the first axis on the positive side, and the distance is continuous where a derivative vanishes.
 #[test]
 fn ties_and_the_flat_part() {
     let [cuboid, cylinder, capsule, ball] = sizes([0.3, 0.3, 0.3, 0.3]);
@@ -266,7 +267,7 @@ fn labels_name_the_body_and_the_obstacle() {
     assert_eq!((label.unit, label.kind), ("m", RowKind::Clearance));
 }
 
-/// Rows without weights are left out, but not those whose weights have derivatives alone.
+/// Rows are skipped only if both their weights and the weights of their products are zero.
 #[test]
 fn only_weights_that_vanish_are_left_out() {
     let model = robot("pendulum_3");
@@ -286,7 +287,7 @@ fn only_weights_that_vanish_are_left_out() {
         names: Vec::new(),
     };
     let x = [0.3, -0.8, 0.5, 0.0, 0.0, 0.0];
-    // The third ball is on a body that the robot does not have: it is not placed.
+    // The third ball is on a body that the robot does not have: without weights it is not placed.
     let mut w = [0.0; 12];
     w[6] = 1.5;
     let zero = [0.0; 12];

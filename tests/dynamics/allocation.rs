@@ -1,4 +1,4 @@
-//! The dynamics and the right-hand side of the flow allocate nothing once their workspace is there.
+//! The dynamics and the right-hand side of the flow do not allocate once their workspace exists.
 
 use crate::common::robot;
 use aghf::constraint::{
@@ -133,8 +133,8 @@ fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
     assert_eq!(of_constraints, 0, "constraints");
 }
 
-/// The Jacobians of the flow, but for that of Theorem B4, which says that it allocates. That of the control form has five products of
-/// large matrices, each of which `nalgebra` packs into a buffer of its own.
+/// The Jacobians of the flow, except that of Theorem B4, which is documented to allocate. The control form has five
+/// products of large matrices, each of which `nalgebra` packs into its own buffer.
 #[test]
 fn jacobians_allocate_nothing_of_their_own() {
     let model = robot("digit_v3_pinned");
@@ -168,7 +168,7 @@ fn nothing_is_allocated_over_duals() {
     nothing_is_allocated::<DualSVec64<8>>();
 }
 
-/// The counter does count.
+/// The counter counts allocations.
 #[test]
 fn an_allocation_shows() {
     let made = allocations(|| {

@@ -1,4 +1,5 @@
-//! The derivatives of the dynamics by the checker: first and second ones, weighted ones and tensors, against dual numbers.
+//! The derivatives of the dynamics by the checker: first and second ones, weighted ones and tensors, against dual
+//! numbers.
 
 use crate::common::{assert_right, config, model_and_node, robots, state, wave};
 use aghf::verify::duals::{State, check_dynamics_at};

@@ -70,7 +70,7 @@ proptest! {
     fn the_mass_matrix_is_symmetric_positive_definite((model, q, _, _) in model_and_state()) {
         let h = crba_of(&model, &q);
         prop_assert_eq!(&h, &h.transpose());
-        // Massless links and point masses can make it singular to rounding, but never negative.
+        // Massless links and point masses can make it singular up to rounding, but never indefinite.
         let eigenvalues = h.symmetric_eigenvalues();
         prop_assert!(eigenvalues.min() > -1e-14 * eigenvalues.max());
     }
@@ -82,7 +82,7 @@ proptest! {
         assert_close!(&id_derivatives(&model, &q, &v, &a).h, &by_duals, 1e-11);
     }
 
-    /// Without gravity and force the kinetic energy stays; in general its rate is the power, and that needs the
+    /// Without gravity and torques the kinetic energy is constant; in general its rate is the power, which requires the
     /// skew symmetry of `Hdot - 2 C`.
     #[test]
     fn power_is_the_rate_of_energy((model, q, v, a) in model_and_state()) {
@@ -116,7 +116,7 @@ proptest! {
         prop_assert!((kinetic - half).abs() <= 1e-11 * half.max(1.0));
     }
 
-    /// Derivatives come with the values that they are derivatives of.
+    /// The values returned with derivatives equal those of the plain functions.
     #[test]
     fn derivatives_have_the_values_beside_them((model, q, v, a) in model_and_state()) {
         let n = model.dof();
@@ -139,7 +139,7 @@ proptest! {
             placements
         };
         let moving: Vec<Dual64> = q.iter().zip(&v).map(|(q, v)| Dual64::new(*q, *v)).collect();
-        // The velocity of every body, summed up over the joints before it.
+        // The velocity of every body as a sum over the joints before it.
         let mut velocities = vec![aghf::spatial::Motion::zero(); n];
         for (i, placement) in place(&moving).iter().enumerate() {
             let rotation = placement.rotation.map(|r| r.re);
@@ -158,7 +158,8 @@ proptest! {
         }
     }
 
-    /// Of every link and of a frame of our own, by duals: the origin moves as the linear rows say, the axes as the angular ones.
+    /// For every link and a user-defined frame, by dual numbers: the origin moves by the linear rows, the axes by the
+    /// angular ones.
     #[test]
     fn frame_jacobians_are_derivatives_of_placements((model, q, _, _) in model_and_state()) {
         let n = model.dof();
@@ -181,7 +182,7 @@ proptest! {
         }
     }
 
-    /// A workspace that was used elsewhere gives the same bits as a fresh one.
+    /// A workspace that was used before gives the same bits as a new one.
     #[test]
     fn a_used_workspace_gives_the_same_bits((model, q, v, a) in model_and_state()) {
         let n = model.dof();
@@ -205,7 +206,8 @@ proptest! {
     }
 }
 
-/// The mass enters linearly, so the derivative of the torque in a mass is known: `model.cast` must give it.
+/// The mass enters linearly, so the derivative of the torque with respect to a mass is known: `model.cast` must give
+/// it.
 #[test]
 fn a_cast_model_differentiates_in_a_mass() {
     let model = crate::common::robot("pendulum_2");

@@ -1,4 +1,5 @@
-//! Weighted derivatives of inverse dynamics: how they go together, and what is refused. That they are right is in `derivatives`.
+//! Weighted derivatives of inverse dynamics: their consistency and invalid input. Their correctness is tested in
+//! `derivatives`.
 
 use crate::common::{assert_refused, config, model_and_state, robot};
 use aghf::dynamics::{

@@ -1,5 +1,5 @@
-//! The tensors of second derivatives: their symmetries, what is made of them, and cases by hand. That they are right is in
-//! `derivatives`.
+//! The tensors of second derivatives: their symmetries, the tensors derived from them, and cases by hand. Their
+//! correctness is tested in `derivatives`.
 
 use crate::common::{assert_refused, config, model_and_state, relative_error, robot};
 use aghf::dynamics::{
@@ -137,7 +137,7 @@ proptest! {
         }
     }
 
-    /// Results that were used elsewhere are overwritten entirely: nothing of another state or of another tree is left.
+    /// Results that were used before are overwritten entirely, also for another tree.
     #[test]
     fn used_results_give_the_same_bits((model, q, v, a) in model_and_state()) {
         let mut data = Data::new(&model);

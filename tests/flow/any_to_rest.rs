@@ -19,7 +19,7 @@ fn guess(problem: &Problem<'_>, segments: usize) -> Curve {
     rested(problem, &settings, 1e3, &FREE).curve
 }
 
-/// The same Lagrangian by dual numbers ends at the same curve, also without any knowledge of what is convex in it.
+/// The same Lagrangian by dual numbers ends at the same curve, also without its convex part.
 #[test]
 fn any_lagrangian_comes_to_rest() {
     let model = robot("pendulum_2");

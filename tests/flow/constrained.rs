@@ -16,8 +16,8 @@ use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-/// Several spheres, a slanted floor, bounds on both halves of the state, and limits on most torques, so close that about half
-/// of the rows are violated, with penalties of the size of the effort so that no term drowns.
+/// Several spheres, a slanted floor, bounds on both halves of the state, and limits on most torques, so close that
+/// about half of the rows are violated, with penalties of the size of the effort so that no term is negligible.
 fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstraint>, Bounds)> {
     let n = model.dof();
     let mut balls = CollisionSphere::joint_frames(model);
@@ -145,7 +145,7 @@ fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> Nod
 fn check_everything(model: &Model, parts: &[Vec<f64>; 3]) {
     let m = 2 * model.dof();
     let constraints = &penalised(model, parts);
-    // What rounding explains: as for the flow without constraints.
+    // Rounding errors, as for the flow without constraints.
     let bound = solve_bound(model, &parts[0], 1e-10);
     for k in [1.0, 1e7] {
         let omega = |rhs: &mut dyn RightHandSide<f64, f64>| {
@@ -157,7 +157,7 @@ fn check_everything(model: &Model, parts: &[Vec<f64>; 3]) {
         let truth = omega(&mut LagrangianFlow::new(model, &Wrapped(constraints)));
         let ours = omega(&mut constraints.right_hand_side(model));
         assert_halves("Omega", &ours, &truth, m, bound);
-        // The same terms on top of the paper's route.
+        // The same terms added to Theorem B4.
         let of_torque = ControlForm::of_cost(model, constraints.torque_penalty());
         let terms = Sum::new(of_torque, constraints.state_penalty(model));
         let b1 = omega(&mut Sum::new(AlgorithmB1::new(model), terms));
@@ -193,7 +193,7 @@ proptest! {
 
     #[test]
     fn right_hand_side_and_jacobians_are_right((model, parts) in model_and_node()) {
-        // Digit has a test of its own.
+        // Digit has its own test.
         prop_assume!(model.dof() < 12);
         check_everything(&model, &parts);
     }
@@ -205,7 +205,7 @@ fn digit_with_constraints() {
     check_everything(&model, &[0.7, 1.3, 2.1].map(|f| wave(44, f)));
 }
 
-/// Differences of the whole right-hand side come close where activations are not steep beside their steps.
+/// Central differences are accurate unless activations are steep relative to their steps.
 #[test]
 fn differences_come_close() {
     let model = robot("kinova_gen3");
@@ -235,7 +235,7 @@ fn differences_come_close() {
     );
 }
 
-/// A cost by its value alone has the derivatives that the analytic one has.
+/// The default derivatives of a cost equal the analytic ones.
 #[test]
 fn costs_by_their_values() {
     struct ValueAlone(TorquePenalty);
@@ -267,7 +267,7 @@ fn costs_by_their_values() {
         assert_close!(&ours[..1], &[slope], 1e-8);
         assert_close!(&torque.derivatives(0.0, 1, u), &[0.0; 3], 0.0);
     }
-    // A passive joint is charged the square.
+    // For a passive joint the penalty is quadratic.
     let passive = TorquePenalty {
         limits: TorqueLimits(vec![Some(0.0)]),
         penalty: torque.penalty,

@@ -1,4 +1,4 @@
-//! Flows with constraints from their first guess to their end.
+//! Flows with constraints from the initial guess to their end.
 
 use crate::common::assert_refused;
 use crate::common::scenario::Scenario;
@@ -7,8 +7,8 @@ use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::scalar::AlgebraOver;
 
-/// A limit on the speed keeps a pendulum slower, whichever Jacobian the flow uses; constraints that are far from active do
-/// nothing.
+/// A velocity limit slows a pendulum down with any Jacobian of the flow; constraints that are far from active have no
+/// effect.
 #[test]
 fn the_flow_heeds_constraints() {
     let scenario = Scenario::load("pendulum_1_swingup");
@@ -42,7 +42,9 @@ fn the_flow_heeds_constraints() {
         solution.curve
     };
     let free = Flow::new(&problem, settings.clone()).run();
-    let free = free.expect("good input").curve;
+    let free = free.expect("good input");
+    assert_eq!(free.failure, None);
+    let free = free.curve;
     let fastest = |curve: &aghf::curve::Curve| {
         let speeds = (0..=100).map(|i| curve.at(0.02 * f64::from(i)).0[1].abs());
         speeds.fold(0.0, f64::max)
@@ -65,7 +67,7 @@ fn the_flow_heeds_constraints() {
     }
 }
 
-/// A penalty is one-sided, so an equality would be half of one.
+/// A penalty is one-sided, so it would enforce only half of an equality.
 #[test]
 fn an_equality_in_the_state_is_refused() {
     #[derive(Clone, Debug)]

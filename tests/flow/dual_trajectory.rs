@@ -1,4 +1,4 @@
-//! Dual trajectories, and the cost of the control that they are.
+//! Dual trajectories, and the costs of the control that they define.
 
 use crate::common::assert_refused;
 use aghf::curve::Chebyshev;
@@ -6,7 +6,7 @@ use aghf::flow::{ControlCost, ControlDual, DualTrajectory};
 use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::DMatrix;
 
-/// The derivatives of a dual of the control by hand are those by duals of its value.
+/// The analytic derivatives of a dual of the control equal those by dual numbers of its value.
 #[test]
 fn a_dual_of_the_control_is_linear_in_it() {
     struct ValueAlone<'a>(&'a ControlDual);
@@ -63,7 +63,7 @@ fn a_dual_trajectory_goes_through_its_values() {
         assert_close!(&at_nodes(&lambda, 0), &(first + second * 0.3), 1e-14);
         assert_close!(&[lambda.value(3, 1.0)], &[0.0], 0.0);
     }
-    // The step may be of another degree.
+    // The step may have another degree.
     let (few, many) = [3, 9]
         .map(|p| Chebyshev::new(p, 2.5).expect("a degree"))
         .into();

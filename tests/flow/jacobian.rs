@@ -15,7 +15,7 @@ use aghf::model::random_tree;
 use aghf::verify::duals::{CheckOptions, State, check_jacobian, check_jacobian_at};
 use proptest::prelude::*;
 
-/// Penalties: one, where no term hides, and the paper's.
+/// Penalties: one, where no term is negligible, and the paper's.
 const PENALTIES: [f64; 4] = [1.0, 1e3, 1e7, 1e9];
 
 fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
@@ -36,7 +36,7 @@ proptest! {
         assert_right(&model, check_jacobian(&model, "control form", jacobian, &options));
     }
 
-    /// At states with zeros in them.
+    /// States with some zero entries.
     #[test]
     fn the_control_form_matches_duals_where_numbers_vanish((model, parts) in model_and_node()) {
         let (jacobian, states) = (&mut ControlFormJacobian::new(&model), [state(parts)]);
@@ -55,8 +55,9 @@ proptest! {
         }
     }
 
-    /// Differences of order four, relative to the largest entry of all blocks: they lose what is small beside it. Their error is the
-    /// fourth power of the step, 3e-13, times a fifth derivative, which on robots of this size is below 1e5 of the first.
+    /// Differences of order four, relative to the largest entry of all blocks: they lose entries that are small beside
+    /// it. Their error is the fourth power of the step, 3e-13, times a fifth derivative, which on robots of this size
+    /// is below 1e5 of the first.
     #[test]
     fn differences_come_close((model, parts) in model_and_node()) {
         let by_duals = blocks(&mut ForwardDual::new(&model), &parts, 10.0);
@@ -74,7 +75,7 @@ proptest! {
     }
 }
 
-/// States where terms vanish or coincide: a wrong factor of such a term shows elsewhere, a division by zero here.
+/// States where terms vanish or coincide: a division by zero would show here, a wrong factor in the other tests.
 #[test]
 fn special_states() {
     let models = robots()

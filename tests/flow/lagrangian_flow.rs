@@ -38,7 +38,7 @@ fn weights(of: &[f64]) -> ActuationWeights {
     ActuationWeights::diagonal(of.to_vec()).expect("none is zero")
 }
 
-/// A cost whose value vanishes, but which does not say so.
+/// A cost that vanishes but does not report it.
 #[derive(Clone)]
 struct Nothing;
 
@@ -48,8 +48,7 @@ impl ControlCost for Nothing {
     }
 }
 
-/// Weights of one, trajectories that vanish and a cost that vanishes, all spelt out, give the bits of the paper's flow, though not by
-/// its shorter way.
+/// Unit weights, zero trajectories and a zero cost give the bits of the paper's flow, though not by its shorter path.
 #[test]
 fn the_paper_is_a_special_case_bit_for_bit() {
     for model in robots() {
@@ -72,13 +71,13 @@ fn the_paper_is_a_special_case_bit_for_bit() {
         assert!(dual.is_zero());
         let with_dual = ControlForm::with_cost(&model, dual);
         assert_eq!(omega_of(with_dual, node(&parts)), paper);
-        // With a cost the factor of xddot is multiplied out.
+        // With a cost, the factor of xddot is multiplied explicitly.
         let with_cost = omega_of(ControlForm::with_cost(&model, Nothing), node(&parts));
         assert_eq!(with_cost, paper);
     }
 }
 
-/// By central differences of a right-hand side at some time, which know nothing of duals.
+/// By central differences of a right-hand side at some time, independent of dual numbers.
 #[test]
 fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
     struct Late;
@@ -163,7 +162,7 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
     );
 }
 
-/// The affine Lagrangian of the free dynamics in the metric with weights is the effort with weights, and so is its flow.
+/// The affine Lagrangian of the free dynamics in the weighted metric is the weighted effort, and has the same flow.
 #[test]
 fn the_affine_lagrangian_of_the_free_dynamics_is_the_effort() {
     let model = robot("pendulum_3");
@@ -188,7 +187,7 @@ fn the_affine_lagrangian_of_the_free_dynamics_is_the_effort() {
     }
 }
 
-/// A cost of the state, and constraints as penalties, in the metric with weights, against the definition and against duals.
+/// A state cost, and constraints as penalties, in the weighted metric, against the definition and against dual numbers.
 #[test]
 fn terms_of_the_state_in_the_metric_with_weights() {
     struct Place;
@@ -295,7 +294,7 @@ fn what_does_not_fit_is_refused() {
     assert_refused(matrix, "weights: expected 3 entries, found 2");
 }
 
-/// A metric of one's own needs its matrix alone.
+/// A user-defined metric needs only its matrix.
 #[test]
 fn a_metric_by_its_matrix_is_inverted() {
     struct Mass;

@@ -14,6 +14,7 @@ mod lagrangian_flow;
 mod omega;
 mod rest;
 mod rest_settings;
+mod row_terms;
 mod run;
 mod weak;
 

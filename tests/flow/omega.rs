@@ -1,4 +1,4 @@
-//! The right-hand side of the flow: four routes to one number, and its Jacobian.
+//! The right-hand side of the flow by four methods, and its Jacobian.
 
 use crate::common::{any_model, config, model_and_node, node, robot, robots, solve_bound};
 use aghf::dynamics::{Data, rnea};
@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
-/// Penalties: one, where no term hides, and the paper's.
+/// Penalties: one, where no term is negligible, and the paper's.
 const PENALTIES: [f64; 3] = [1.0, 1e3, 1e9];
 
 fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
@@ -24,13 +24,13 @@ fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64
     omega
 }
 
-/// Omega straight from (7), by nested dual numbers of the Lagrangian.
+/// Omega by its definition (7), by nested dual numbers of the Lagrangian.
 fn omega_by_definition(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
     let node = node(parts);
     reference::omega_by_definition(&At { model, node, k }).expect("lengths agree")
 }
 
-/// Theorem B3 with every quantity that it is written in taken from duals of the dynamics, none from a recursion.
+/// Theorem B3 with all of its quantities by dual numbers of the dynamics.
 fn omega_by_theorem_b3(model: &Model, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
     let node = node(parts);
     reference::omega_by_theorem_b3(&At { model, node, k }).expect("lengths agree")
@@ -90,7 +90,7 @@ proptest! {
             omega_of(ControlForm::new(&model), &split(&flat), k)
         };
         let difference = (shifted(1.0) - shifted(-1.0)) / (2.0 * step);
-        // Truncation and cancellation of the difference, worse where H is nearly singular.
+        // Truncation and cancellation of the difference, larger where H is nearly singular.
         let sane = 1e-5 + 1e3 * bound(&model, &parts[..m]);
         let size = blocks.dx.amax().max(1.0);
         prop_assert!((derivative - &difference).amax() <= sane * size.max(difference.amax()));
@@ -135,7 +135,7 @@ fn omega_on_digit_equals_the_definition_at_a_thousand_states() {
                 omega_of(ControlForm::new(&model), &parts, k),
                 omega_of(AlgorithmB1::new(&model), &parts, k),
             ] {
-                // Each half has its own size, so each is held to its own.
+                // Each half is compared relative to its own size.
                 for half in [0, model.dof()] {
                     let rows = half..half + model.dof();
                     let (a, b) = (
@@ -151,7 +151,7 @@ fn omega_on_digit_equals_the_definition_at_a_thousand_states() {
     assert!(worst <= 1e-9, "{worst:e}");
 }
 
-/// The Jacobian by duals of Algorithm B1 is that of the control form: another route to every entry.
+/// The Jacobian by dual numbers of Algorithm B1 is that of the control form.
 #[test]
 fn the_jacobian_does_not_depend_on_the_form() {
     for model in robots()
@@ -176,7 +176,7 @@ fn the_jacobian_does_not_depend_on_the_form() {
     }
 }
 
-/// A pendulum that rests where it takes torque to hold it: the flow moves it to where it takes less.
+/// A pendulum at rest where a torque must hold it: the flow moves it to where a smaller one suffices.
 #[test]
 fn omega_of_a_resting_pendulum_by_hand() {
     let model = robot("pendulum_1");

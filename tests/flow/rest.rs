@@ -1,4 +1,4 @@
-//! The flow to rest: that it ends where the relaxation does, keeps what it is asked to keep, and says so when it does not.
+//! The flow to rest: its end is that of the relaxation, satisfies the constraints, and is reported correctly.
 
 use crate::common::relax::solved;
 use crate::common::robot;
@@ -76,8 +76,8 @@ fn effort(model: &Model, curve: &Curve) -> f64 {
         .sum()
 }
 
-/// Curves of the flow at rest have no slip, so they are those that the relaxation looks among, and started there it comes to the same least
-/// effort by the same quadrature.
+/// Curves of the flow at rest have no slip, so they are feasible for the relaxation, which started there finds the same
+/// least effort by the same quadrature.
 #[test]
 fn it_rests_where_the_effort_is_least() {
     for (name, degree, segments) in [
@@ -115,7 +115,7 @@ fn it_rests_where_the_effort_is_least() {
                 ..RelaxSettings::default()
             },
         );
-        // The relaxation ends by one quadrature after the other, and the flow by one of these.
+        // One of the successive quadratures of the relaxation is that of the flow.
         let action = solution.action;
         let away = |cost: f64| (cost - action).abs() / action;
         let costs = relaxed.iterations.iter().map(|i| away(i.cost));
@@ -134,7 +134,7 @@ fn it_rests_where_the_effort_is_least() {
     }
 }
 
-/// Without duals the slip is what `k` leaves of it; with them it vanishes for any.
+/// Without duals the slip is of order 1 / k; with them it vanishes for any `k`.
 #[test]
 fn duals_take_the_place_of_a_large_penalty() {
     let model = robot("pendulum_2");
@@ -167,7 +167,7 @@ fn duals_take_the_place_of_a_large_penalty() {
     assert!((a - b).abs() < 1e-8 * b, "{a} {b}");
 }
 
-/// The metric bends the path only: in both the gradient of the action vanishes at its end.
+/// The metric changes only the path: with either the gradient of the action vanishes at its end.
 #[test]
 fn it_comes_to_rest_in_either_metric() {
     let model = robot("pendulum_2");
@@ -251,7 +251,7 @@ fn a_sphere_is_kept_out_of() {
     };
     let (t, radius) = (0.5 * problem.horizon(), 0.1);
     let (middle, near) = (place(&free.curve, t), place(&free.curve, t + 0.01));
-    // Beside the path, so that there is one way round.
+    // Off the path, so that only one way round is short.
     let along = (near - middle).normalize();
     let axis = model.joints()[0].axis();
     let centre = middle + 0.05 * along.cross(axis);
@@ -283,7 +283,7 @@ fn a_sphere_is_kept_out_of() {
     assert!((place(&free.curve, t) - centre).norm() < 0.06);
 }
 
-/// A joint without a motor has no torque at the Gauss points where that is asked for, one for each coefficient of a segment.
+/// The torque of a passive joint vanishes at the collocation points, one for each coefficient of a segment.
 #[test]
 fn a_passive_joint_has_no_torque_at_the_gauss_points() {
     let scenario = Scenario::load("cart_pole_swingup");

@@ -86,7 +86,7 @@ fn settings_that_make_no_sense_are_refused() {
     assert_refused(flow.constraints(&limits).run(), "entries");
 }
 
-/// It ends with the curve so far, and says why.
+/// A stopped flow returns its current curve and the reason.
 #[test]
 fn it_stops_when_asked_to() {
     let model = robot("pendulum_2");

@@ -53,7 +53,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     assert_eq!(seen.last().map(|r| r.s), Some(10.0));
     assert_eq!(seen.len(), 51);
     assert!(seen.windows(2).all(|w| w[0].s < w[1].s));
-    // Down from step to step, to the tolerance of the integrator.
+    // Decreasing from record to record, to the tolerance of the integrator.
     let falls = |w: &[FlowRecord]| w[1].action_at_nodes <= w[0].action_at_nodes * (1.0 + 1e-3);
     assert!(seen.windows(2).all(falls), "{seen:?}");
     assert!(
@@ -71,7 +71,7 @@ fn the_flow_lowers_the_action_and_keeps_the_ends() {
     assert_eq!(x.column(9).as_slice(), problem.goal());
 }
 
-/// Where the flow has come to rest, Omega vanishes at the interior nodes.
+/// At rest of the flow, Omega vanishes at the interior nodes.
 #[test]
 fn a_long_flow_comes_to_rest() {
     use aghf::flow::Collocation;
@@ -181,7 +181,7 @@ fn a_flow_that_is_not_finite_says_where() {
     assert_eq!(solution.curve.x().column(0).as_slice(), problem.start());
 }
 
-/// A penalty far too small for the length of the flow: it stops on the way and keeps what it had.
+/// A penalty far too small for the duration of the flow: it stops early and keeps its last curve.
 #[test]
 fn a_flow_that_stops_on_the_way_keeps_its_last_curve() {
     let model = robot("pendulum_5");
@@ -240,7 +240,7 @@ fn bad_problems_and_settings_are_errors() {
     );
 }
 
-/// Acceptance: the same solve with each Jacobian ends at the same curve, to the tolerance.
+/// Acceptance: the flow ends at the same curve with each Jacobian, to the tolerance.
 #[test]
 fn every_jacobian_gives_the_same_curve() {
     for name in ["kinova_free_01", "digit_free_stretch"] {
@@ -266,7 +266,7 @@ fn every_jacobian_gives_the_same_curve() {
     }
 }
 
-/// A limit that has passed before the first step, and one that never does.
+/// A time limit that has passed before the first step, and one that is never reached.
 #[test]
 fn a_flow_stops_at_its_time_limit_and_says_so() {
     use std::time::Duration;

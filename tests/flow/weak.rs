@@ -12,7 +12,7 @@ use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// A curve of some polynomials that meet continuously.
+/// A continuous curve of several polynomials.
 fn curve(n: usize, segments: usize, degree: usize) -> Curve {
     let mut x = DMatrix::from_fn(2 * n, segments * (degree + 1), |i, j| {
         (0.3 + 1.7 * i as f64 + 2.9 * j as f64).sin()
@@ -24,7 +24,7 @@ fn curve(n: usize, segments: usize, degree: usize) -> Curve {
     Curve::piecewise(1.3, segments, x).expect("they meet")
 }
 
-/// A curve of the basis is what comes back, also in one of more segments, and its ends are the first and the last coefficients.
+/// A curve in the basis is reproduced, also on more segments, and its ends are the first and the last coefficients.
 #[test]
 fn a_curve_of_the_basis_is_kept() {
     for (segments, degree) in [(1, 4), (1, 9), (3, 5)] {
@@ -55,7 +55,7 @@ fn a_curve_of_the_basis_is_kept() {
             }
         }
     }
-    // One of a higher degree is equal where the segments meet, and between has the nearest rate in the mean square.
+    // A curve of higher degree is interpolated at the breakpoints, with the best rate in the mean square between them.
     let curve = curve(1, 1, 9);
     let grid = StateGrid::new(2, 4, 7, 1.3);
     let near = grid.curve(&grid.fit(&curve), 1.3).expect("within range");
@@ -73,7 +73,7 @@ fn a_curve_of_the_basis_is_kept() {
     }
 }
 
-/// Points for equalities come last in each segment and are no part of the quadrature.
+/// Points for equalities come last in each segment and have no quadrature weight.
 #[test]
 fn collocated_points_are_apart() {
     let grid = StateGrid::collocated(2, 5, 8, 4, 3.0);
@@ -145,7 +145,7 @@ fn the_derivatives_of_the_action_are_those_of_differences() {
         let grid = StateGrid::new(segments, 5, 9, 1.3);
         agrees_with_differences(&grid, AnalyticLagrangian::new(&model, 2.0), 3);
         agrees_with_differences(&grid, DualLagrangian::new(&model, AghfLagrangian, 2.0), 3);
-        // With duals of the slip, and penalties of a passive joint, of a limit that is passed and of a sphere about the robot.
+        // With duals of the slip, and penalties of a passive joint, a violated limit and a sphere about the robot.
         let grid = StateGrid::collocated(segments, 5, 9, 4, 1.3);
         let points = CollisionSphere::joint_frames(&model);
         let sphere = Sphere {
@@ -170,7 +170,7 @@ fn the_derivatives_of_the_action_are_those_of_differences() {
     }
 }
 
-/// All that a Lagrangian gives at five points, so that one does not fill what goes through the dynamics side by side.
+/// All results of a Lagrangian at five points, which do not fill the SIMD lanes.
 fn found(
     lagrangian: &mut impl PointLagrangian<f64>,
     n: usize,
@@ -249,7 +249,8 @@ fn what_is_convex_has_no_negative_eigenvalues() {
     );
     assert_close!(&hessian(&mut cut, 2), &positive, 1e-14);
 
-    // That of the analytic Lagrangian is exact but for the curvature of the dynamics, so that it is the Hessian where that vanishes.
+    // The convex part of the analytic Lagrangian lacks only the curvature of the dynamics, so it is the Hessian where
+    // that curvature vanishes.
     let model = robot("pendulum_3");
     let mut analytic = AnalyticLagrangian::new(&model, 2.0);
     let (mut exact, mut convex) = (
@@ -260,7 +261,7 @@ fn what_is_convex_has_no_negative_eigenvalues() {
         let (exact, convex) = (hessian(&mut exact, g), hessian(&mut convex, g));
         assert!(convex.clone().symmetric_eigenvalues().min() > -1e-9 * convex.amax());
         assert!((&exact - &convex).amax() > 1e-3 * convex.amax());
-        // Nothing is bent in the rate of the state.
+        // The dynamics have no curvature in the rate of the state.
         assert_close!(
             &exact.view((6, 6), (6, 6)).into_owned(),
             &convex.view((6, 6), (6, 6)).into_owned(),

@@ -1,4 +1,4 @@
-//! Formulas in pages that rustdoc wrote.
+//! Formulas in pages written by rustdoc.
 
 use crate::math::mathml;
 
@@ -13,15 +13,16 @@ pub struct Rendered {
     pub faults: Vec<String>,
 }
 
-/// Elements whose text is not prose.
+/// Elements with text that is not prose.
 const RAW: [&str; 6] = ["code", "pre", "script", "style", "title", "math"];
 
-/// Room for what rises above a line and sinks below it, which rustdoc's style would give a bar to scroll, and fonts with brackets that grow.
+/// Padding for parts above and below the line, which would get a scroll bar in rustdoc's style, and fonts with
+/// stretchable brackets.
 const STYLE: &str = "<style>math { font-family: \"Latin Modern Math\", \"STIX Two Math\", \"Cambria Math\", math; } \
     .docblock p:has(math), .docblock li:has(math), .item-table :has(math) { overflow-y: hidden; padding-block: 0.2em; } \
     math[display=block] { margin-block: 0.5em; padding-block: 0.3em; }</style>";
 
-/// A page with the formulas between dollars in its prose as MathML.
+/// Renders the formulas between dollars in the prose of a page as MathML.
 pub fn with_mathml(page: &str) -> Rendered {
     let mut out = Rendered::default();
     let mut rest = page;
@@ -53,7 +54,7 @@ pub fn with_mathml(page: &str) -> Rendered {
     out
 }
 
-/// Text without tags.
+/// Renders text without tags.
 fn prose(text: &str, out: &mut Rendered) {
     let mut rest = text;
     while let Some(begin) = rest.find('$') {

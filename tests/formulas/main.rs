@@ -1,10 +1,11 @@
 //! Renders the formulas of the documentation.
 //!
-//! `cargo doc --no-deps && cargo run -p formulas` replaces the formulas in `target/doc`, which `cargo doc` copies from the comments as they are, by
-//! MathML, and writes the pages of `proofs` to `target/doc/proofs`. No script and no network are needed to read them. On docs.rs, where
-//! nothing runs after `cargo doc`, the header `formulas.html` does the same in the reader's browser.
+//! `cargo doc --no-deps && cargo run -p formulas` replaces the formulas in `target/doc`, which `cargo doc` copies
+//! verbatim from the comments, by MathML, and writes the pages of `proofs` to `target/doc/proofs`, readable without
+//! scripts or a network. On docs.rs, where nothing runs after `cargo doc`, the header `formulas.html` does the same in
+//! the browser.
 //!
-//! The tests hold every formula in the sources to the parser.
+//! The tests pass every formula in the sources through the parser.
 
 mod html;
 mod math;
@@ -64,7 +65,7 @@ fn root() -> PathBuf {
     folder.ancestors().nth(2).unwrap_or(folder).to_owned()
 }
 
-/// The files below a folder whose names end so, in order.
+/// The files below a folder with this ending, sorted.
 fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let entries = std::fs::read_dir(folder).map_err(|error| {

@@ -3,10 +3,10 @@
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 
-/// A formula as MathML, in a line of text or in one of its own.
+/// Converts a formula to MathML, inline or displayed.
 ///
 /// # Errors
-/// The formula does not parse; names it and what is wrong.
+/// The formula does not parse; names it and its fault.
 pub fn mathml(latex: &str, display: bool) -> Result<String, String> {
     let storage = Storage::new();
     let events: Result<Vec<_>, _> = Parser::new(latex, &storage).collect();

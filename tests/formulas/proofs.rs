@@ -6,7 +6,7 @@ use crate::{files, read, write};
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, html::push_html};
 use std::path::Path;
 
-/// Writes each page of a folder as HTML into another one; the formulas and faults of all.
+/// Writes each page of a folder as HTML into another one; returns the formulas and faults of all.
 pub fn write_pages(from: &Path, to: &Path) -> Result<Rendered, String> {
     std::fs::create_dir_all(to).map_err(|error| format!("{}: {error}", to.display()))?;
     let mut all = Rendered::default();
@@ -77,7 +77,7 @@ fn target_of(link: &str) -> String {
     }
 }
 
-/// As little as makes it readable, in the dark too.
+/// A minimal readable style, light and dark.
 const STYLE: &str = "\
 :root { color-scheme: light dark; }
 body { max-width: 50rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 system-ui, sans-serif; }

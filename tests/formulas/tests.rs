@@ -1,11 +1,11 @@
-//! Every formula in the sources parses, and pages come out as they should.
+//! Every formula in the sources parses, and pages are rendered correctly.
 
 use crate::html::with_mathml;
 use crate::math::mathml;
 use crate::proofs::page;
 use crate::{files, read, root};
 
-/// The prose of a Rust file: its doc comments, with an empty line where there is code between.
+/// The prose of a Rust file: its doc comments, with an empty line in place of code.
 fn doc_comments(source: &str) -> String {
     let prose = source.lines().map(|line| {
         let line = line.trim_start();
@@ -17,7 +17,7 @@ fn doc_comments(source: &str) -> String {
     prose.collect::<Vec<_>>().join("\n")
 }
 
-/// The prose as rustdoc takes it to HTML: Markdown that knows nothing of formulas.
+/// The prose as HTML by Markdown without formulas, as in rustdoc.
 fn as_rustdoc_does(markdown: &str) -> String {
     let mut html = String::new();
     pulldown_cmark::html::push_html(&mut html, pulldown_cmark::Parser::new(markdown));
@@ -48,7 +48,7 @@ fn every_formula_of_the_documentation_parses() {
     assert!(formulas > 500, "{formulas} formulas");
 }
 
-/// Lines with a backslash before punctuation that Markdown takes away: it is written twice.
+/// Lines with a single backslash before punctuation, which Markdown removes.
 fn lost_backslashes(prose: &str) -> impl Iterator<Item = &str> {
     prose.lines().filter(|line| {
         let mut characters = line.chars().peekable();
@@ -57,7 +57,7 @@ fn lost_backslashes(prose: &str) -> impl Iterator<Item = &str> {
             match c {
                 '$' => in_formula = !in_formula,
                 '\\' if in_formula => match characters.peek() {
-                    // An escape of what Markdown would take for emphasis is to be lost.
+                    // An escape against emphasis in Markdown should be removed.
                     Some('\\' | '_' | '*') => {
                         characters.next();
                     }
@@ -71,7 +71,7 @@ fn lost_backslashes(prose: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Rows of tables that go on in the next line, where Markdown ends the table.
+/// Table rows that continue on the next line, where Markdown ends the table.
 fn broken_rows(prose: &str) -> impl Iterator<Item = &str> {
     let mut in_code = false;
     prose.lines().filter(move |line| {

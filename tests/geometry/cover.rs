@@ -9,9 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-/// A point of the inside of a shape, often on its surface.
+/// A point inside a shape, often on its surface.
 fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
-    // Ends of the range come up often.
+    // Both ends of the range are frequent.
     let mut unit = || (rng.random_range(-1.5..1.5_f64)).clamp(-1.0, 1.0);
     let (a, b, c) = (unit(), unit(), unit());
     let around = |radius: f64| {
@@ -32,6 +32,7 @@ fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
             let ball = Vector3::new(a, b, c).cap_magnitude(1.0) * radius;
             ball + Vector3::z() * (half_length * if c < 0.0 { -1.0 } else { b })
         }
+        Shape::HalfSpace => unreachable!("it has no cover"),
     }
 }
 
@@ -59,8 +60,8 @@ fn shapes() -> [Shape; 6] {
     ]
 }
 
-/// The largest distance of points of the balls from a shape: that of a point of a ball farthest from the centre of the
-/// shape is among them.
+/// The largest distance of points of the balls from a shape: the samples include the point of each ball farthest from
+/// the centre of the shape.
 fn sticks_out(cover: &Cover, shape: &Shape, rng: &mut ChaCha8Rng) -> f64 {
     let mut largest = 0.0_f64;
     for ball in &cover.balls {
@@ -100,6 +101,7 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
                 Shape::Cuboid { .. } => 0.5 * 3.0_f64.sqrt() * spacing,
                 Shape::Cylinder { .. } => 0.5 * 5.0_f64.sqrt() * spacing,
                 Shape::Capsule { radius, .. } => radius.hypot(0.5 * spacing) - radius,
+                Shape::HalfSpace => unreachable!("it has no cover"),
             };
             let found = sticks_out(&cover, &shape, rng);
             assert!(
@@ -163,7 +165,7 @@ fn senseless_spacings_and_shapes_are_refused() {
         .expect_err("senseless")
         .to_string();
     assert!(error.contains("not a finite number"), "{error}");
-    // Such an edge has no middle: halves of it would never end.
+    // Such an edge has no midpoint in floating point: halving it would never end.
     let far = Vector3::x() * 1e30;
     let next = Vector3::x() * 1e30_f64.next_up();
     let error = cover_triangles(&[[far, next, far]], 0.1).expect_err("senseless");
@@ -265,7 +267,7 @@ fn meshes_are_found_and_read_in_each_format() {
         let read = load_mesh(file, &urdf, &scale).expect(file);
         assert_eq!(read, expected, "{file}");
     }
-    // The package may be the folder above one with another name, too.
+    // The package may also be a parent folder with another name.
     assert!(load_mesh("package://meshes/a.obj", &root.join("hand"), &scale).is_ok());
 }
 

@@ -26,8 +26,8 @@ fn factors() -> impl Strategy<Value = [DMatrix<f64>; 2]> {
 proptest! {
     #![proptest_config(config(48))]
 
-    /// A sum of `k` products is off by at most `k` half units of rounding of the sum of their sizes, in whatever order, so two such sums
-    /// differ by at most twice that. What was in the result before has no part in it.
+    /// A sum of `k` products is off by at most `k` half units of rounding of the sum of their sizes, in whatever
+    /// order, so two such sums differ by at most twice that. What was in the result before has no part in it.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_products([a, b] in factors()) {
         let shape = (a.nrows(), b.ncols());

@@ -1,4 +1,4 @@
-//! A model with locked joints moves as the full one does while these joints are still.
+//! A model with locked joints moves like the full one while these joints are at rest.
 
 use crate::common::config;
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
@@ -31,7 +31,7 @@ fn frames(model: &Model, q: &[f64]) -> Vec<(String, Placement<f64>)> {
     model.frames().iter().map(placed).collect()
 }
 
-/// A tree, a state of it, and which of its joints are locked: not all.
+/// A tree, a state of it, and its locked joints: not all of them.
 fn tree_and_locks() -> impl Strategy<Value = (Model, [Vec<f64>; 3], Vec<bool>)> {
     (2..12_usize, 0..u64::MAX).prop_flat_map(|(n, seed)| {
         let numbers = || prop::collection::vec(-2.0..2.0_f64, n);
@@ -77,7 +77,7 @@ proptest! {
             assert_close!(&now.rotation, &full.rotation, 1e-12);
             assert_close!(&now.translation, &full.translation, 1e-11);
         }
-        // As a file it is the same again, with fixed joints.
+        // Written to a file and read back, it is the same model with fixed joints.
         let upright = reduced.with_gravity(Vector3::new(0.0, 0.0, -9.81));
         let text = upright.to_urdf().expect("a URDF can say it");
         let (read, _) = parse_urdf(&text, "reduced").expect("it is good");
@@ -86,7 +86,7 @@ proptest! {
     }
 }
 
-/// What cannot move does not count, and limits stay with their joints.
+/// Immovable mass is ignored, and limits stay with their joints.
 #[test]
 fn a_joint_locked_to_the_base_and_limits() {
     let spec = |name: &str, parent, upper| JointSpec {

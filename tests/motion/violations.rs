@@ -1,4 +1,4 @@
-//! Labels of rows, and the one function that says by how much they are violated.
+//! Labels of rows, and their violations along a motion.
 
 use crate::common::constraint::Held;
 use crate::common::{assert_refused, robot, slider, wave};
@@ -38,7 +38,7 @@ fn of_state<K>(state: K) -> Constraints<K> {
     }
 }
 
-/// A curve of one joint in 2 s with these positions and velocities over time; they need not agree.
+/// A curve of one joint in 2 s with these positions and velocities over time, which need not be consistent.
 fn curve(q: impl Fn(f64) -> f64, v: impl Fn(f64) -> f64) -> Curve {
     let chebyshev = Chebyshev::new(4, 2.0).expect("a good degree");
     let times = chebyshev.times().to_vec();
@@ -46,7 +46,7 @@ fn curve(q: impl Fn(f64) -> f64, v: impl Fn(f64) -> f64) -> Curve {
     Curve::new(chebyshev, x).expect("sizes agree")
 }
 
-/// The same at rest.
+/// A curve with these positions and zero velocity.
 fn at_rest(q: impl Fn(f64) -> f64) -> Curve {
     curve(q, |_| 0.0)
 }
@@ -62,8 +62,8 @@ fn first<K: Constraint>(
     all[0]
 }
 
-/// A parabola is its own, so even ten intervals show where it is largest: between two times, and next to the ends, where no time
-/// has a lower neighbour on either side.
+/// The interpolation is exact for a parabola, so ten intervals suffice for its maximum: between two times, and next to
+/// the ends, where no sample has a lower neighbour on either side.
 #[test]
 fn a_peak_between_two_times_is_found() {
     for top in [1.07, 0.03, 1.96] {
@@ -75,7 +75,7 @@ fn a_peak_between_two_times_is_found() {
         let found = first(&dent, &of_state(Bounds(vec![lower(0, -0.4)])), 10);
         assert_close_to(found.by, 0.1, 1e-12);
     }
-    // What is kept has a margin, and the worst of a slope is at an end.
+    // A satisfied row has a margin, and a linear row is largest at an end.
     let slope = at_rest(|t| 0.1 * t);
     let found = first(&slope, &of_state(Bounds(vec![upper(0, 0.5)])), 7);
     assert_close_to(found.by, -0.3, 1e-15);
@@ -94,11 +94,12 @@ fn an_equality_is_violated_by_its_absolute_value() {
     assert!(first(&at_rest(|_| 0.2), &held, 10).by.abs() < 1e-15);
 }
 
-/// The control jumps where two segments meet, and both sides count.
+/// The control jumps between segments, and both sides count.
 #[test]
 fn each_segment_has_both_its_ends() {
     let chebyshev = Chebyshev::new(2, 1.0).expect("a good degree");
-    // The speed rises as 1.5 t^2 and falls by 2 a second, so the force on 2 kg is 6 N just before 1 s and -4 N after that.
+    // The speed rises as 1.5 t^2 and falls by 2 a second, so the force on 2 kg is 6 N just before 1 s and -4 N after
+    // that.
     let speeds = chebyshev.times().iter().map(|t| 1.5 * t * t);
     let falling = chebyshev.times().iter().map(|t| 1.5 - 2.0 * t);
     let speeds: Vec<f64> = speeds.chain(falling).collect();
@@ -122,7 +123,7 @@ fn each_segment_has_both_its_ends() {
     assert_close_to(found[0].by, 6.0, 1e-12);
 }
 
-/// Every kind of row on an arm, so close that some are violated.
+/// Every kind of row on an arm, some of them violated.
 fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
     let model = robot("kinova_gen3");
     let n = model.dof();
@@ -150,7 +151,7 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
         AnyConstraint::Bounds(Bounds::velocities(&model)),
     ];
     let amplitudes = wave(2 * n * 9 * 2, 0.7);
-    // The state at the joint of two segments is that of both.
+    // Neighbouring segments share the state at their breakpoint.
     let x = DMatrix::from_fn(2 * n, 18, |i, k| {
         amplitudes[i * 18 + if k > 8 { k - 1 } else { k }]
     });
@@ -158,7 +159,7 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
     (model.clone(), curve, state, TorqueLimits::of(&model))
 }
 
-/// A row by itself, at many times and in plain numbers, finds the same.
+/// Evaluating one row at many times without SIMD lanes gives the same result.
 #[test]
 fn rows_of_an_arm_are_those_at_many_times() {
     let (model, curve, state, torque) = every_kind();
@@ -186,7 +187,7 @@ fn rows_of_an_arm_are_those_at_many_times() {
     assert!(worst.iter().any(|h| *h > 0.0) && worst.iter().any(|h| *h < 0.0));
     for (found, worst) in found.iter().zip(&worst) {
         let name = all.label(found.row, &model).name;
-        // 4000 times see a maximum to within some 1e-5 of what is there; where the control jumps they see one side.
+        // 4000 times find a maximum to within about 1e-5; at a jump of the control they contain one side only.
         let jump = if found.row >= states {
             f64::INFINITY
         } else {
@@ -203,7 +204,7 @@ fn rows_of_an_arm_are_those_at_many_times() {
     }
 }
 
-/// Not to the last bit does a row depend on where it stands.
+/// The result of a row is independent of its position, to the last bit.
 #[test]
 fn the_order_of_constraints_changes_nothing() {
     let (model, curve, state, torque) = every_kind();
@@ -323,7 +324,7 @@ fn what_is_wrong_is_refused() {
     let beyond = of_state(Bounds(vec![upper(2, 1.0)]));
     let beyond = violations(&model, &curve, &beyond, 10);
     assert_refused(beyond, "bounded numbers: expected 3 entries, found 2");
-    // What is no number is not kept.
+    // NaN counts as a violation.
     let found = first(&at_rest(|_| f64::NAN), &bounds, 10);
     assert_eq!(found.by, f64::INFINITY);
 }

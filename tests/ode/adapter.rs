@@ -1,4 +1,4 @@
-//! The integrator on problems whose solutions are known.
+//! The integrators on problems with known solutions.
 
 use crate::common::ode::{
     both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
@@ -109,7 +109,7 @@ fn a_state_without_fast_components_takes_next_to_no_steps() {
 
 #[test]
 fn a_wrong_jacobian_shows() {
-    // guards the two tests above: with a worse Jacobian they would not pass
+    // checks the two tests above: with a worse Jacobian they would not pass
     for fidelity in [0.0, 0.5] {
         let start = [1.0, 0.0, -1.0];
         let (result, _) = solve(&mut stiff(fidelity), 0.0, &start, &decades(), both(1e-6));
@@ -187,7 +187,7 @@ fn outputs_are_met_exactly_and_do_not_influence_the_steps() {
     assert!(error(&seen, |s| vec![(s - 0.3).cos(), -(s - 0.3).sin()]) < 1e-4);
     let statistics = result.unwrap();
     assert_eq!(statistics, reference.unwrap());
-    // the counts are those of the real calls, none of them beyond the end
+    // the counts are those of the actual calls, none of them beyond the end
     assert_eq!(statistics.rhs_evaluations, system.calls);
     assert_eq!(statistics.jacobian_evaluations, system.jacobians);
     assert_eq!(system.furthest, 1.7);
@@ -237,13 +237,13 @@ fn the_runge_kutta_method_solves_stiff_systems_too() {
         let statistics = result.unwrap();
         assert!(statistics.steps < bound, "{statistics:?}");
         assert!(statistics.factorisations > 0, "{statistics:?}");
-        // It is another method than the default.
+        // The method differs from the default.
         let by_bdf = solve(&mut stiff(1.0), 0.0, &start, &outputs, both(tolerance)).0;
         assert_ne!(by_bdf.unwrap(), statistics);
     }
 }
 
-/// The linearly implicit Euler method with so many steps from one output to the next.
+/// The linearly implicit Euler method with this number of steps between outputs.
 struct LinearlyImplicitEuler(usize);
 
 impl Integrator for LinearlyImplicitEuler {
@@ -296,7 +296,7 @@ fn an_integrator_of_ones_own_has_its_order() {
     assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
 }
 
-/// Where the flow comes to rest does not depend on what took it there, nor does the way at a tight tolerance.
+/// The flow comes to rest at the same curve with any integrator, and follows the same path at a tight tolerance.
 #[test]
 fn every_integrator_takes_the_flow_to_the_same_curve() {
     let scenario = Scenario::load("pendulum_1_swingup");
@@ -313,7 +313,7 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
     };
     let reference = run(flow());
     for (name, kind) in IntegratorKind::by_name() {
-        // The settings choose it by name, and the same one can be handed over.
+        // The integrator can be chosen by name in the settings, or passed as an object.
         let settings = FlowSettings {
             integrator: kind,
             ..settings.clone()
@@ -350,7 +350,9 @@ fn simulations_agree_between_integrators() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let (model, problem) = (&scenario.model, scenario.problem());
     let settings = FlowSettings::new(12, 1e6, 10.0);
-    let curve = Flow::new(&problem, settings).run().expect("sound").curve;
+    let solution = Flow::new(&problem, settings).run().expect("sound");
+    assert_eq!(solution.failure, None);
+    let curve = solution.curve;
     let feedback = Feedback { kp: 10.0, kv: 10.0 };
     let by_bdf = simulate(model, &curve, feedback, &[]).expect("sound");
     let other = simulate_with(model, &curve, feedback, &[], &mut Esdirk34).expect("sound");

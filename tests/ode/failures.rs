@@ -1,4 +1,4 @@
-//! The integrator where it cannot go on, or should not start.
+//! The integrators on problems that they cannot finish, and on invalid input.
 
 use crate::common::ode::{both, error, oscillate, oscillate_jacobian, oscillator, solve, system};
 use aghf::ode::{NonFinite, Statistics, Tolerance};
@@ -124,7 +124,7 @@ fn a_jacobian_that_is_not_finite_is_named() {
 
 #[test]
 fn a_solution_that_blows_up_ends_in_a_failure() {
-    // y = 1 / (1 - s), with a stumble on the way that has nothing to do with the end
+    // y = 1 / (1 - s), with one unrelated failure on the way
     let mut call = 0;
     let mut explosive = system(
         1,

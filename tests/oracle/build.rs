@@ -1,4 +1,4 @@
-//! Lets the test find libpython where the interpreter of its virtual environment has it.
+//! Sets the path at which the test finds libpython: that of the interpreter of its virtual environment.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! The dynamics of this library beside Pinocchio's, quantity by quantity.
+//! The dynamics of this library compared with Pinocchio's, quantity by quantity.
 
 use crate::python::{Oracle, Quantities};
 use aghf::dynamics::{
@@ -14,11 +14,11 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The error of a quantity: the largest difference over the largest entry.
+/// The largest error of a quantity: the largest difference over the largest entry.
 pub const BOUND: f64 = 1e-9;
 
-/// Where the largest entry is smaller than this, in SI units, it counts as this: gravity on an axis that points up is zero
-/// on both sides but for what rounding leaves of terms that cancel, of which there may be some hundreds of N m.
+/// The smallest reference magnitude, in SI units: with gravity along a vertical axis both sides are zero up to the
+/// rounding of terms that cancel, which may be some hundreds of N m.
 pub const FLOOR: f64 = 1e-3;
 
 /// The outcome of the comparison, quantity by quantity.
@@ -31,7 +31,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Takes note of an error.
+    /// Records an error.
     pub fn add(&mut self, name: &str, error: f64, bound: f64) {
         let worst = self.worst.entry(name.to_owned()).or_default();
         *worst = worst.max(error);
@@ -42,7 +42,7 @@ impl Comparison {
         }
     }
 
-    /// Takes note of all errors of another comparison.
+    /// Records all errors of another comparison.
     pub fn merge(&mut self, other: Self) {
         for (name, error) in &other.worst {
             self.add(name, *error, f64::INFINITY);
@@ -50,7 +50,7 @@ impl Comparison {
         self.off.extend(other.off);
     }
 
-    /// Takes note of the errors of quantities that have the same names on both sides, with a floor and a bound for each.
+    /// Records the errors of quantities that have the same names on both sides, with a floor and a bound for each.
     pub fn compare(
         &mut self,
         ours: &Quantities,
@@ -65,7 +65,7 @@ impl Comparison {
     }
 }
 
-/// One line a quantity.
+/// One line per quantity.
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         (self.worst.iter()).try_for_each(|(name, error)| writeln!(f, "{name}: {error:.1e}"))
@@ -121,10 +121,10 @@ pub fn assert_same_names(model: &Model, oracle: &Oracle) {
     }
 }
 
-/// Compares everything that Pinocchio has a function for.
+/// Compares all quantities for which Pinocchio has a function.
 ///
-/// Forward dynamics solve with `H`, on both sides by ways that leave the condition number of `H` times the rounding of one
-/// number.
+/// Forward dynamics solve with `H`, on both sides by methods with an error of the condition number of `H` times the
+/// rounding of one number.
 pub fn compare_dynamics(model: &Model, oracle: &Oracle, state: &State) -> Comparison {
     let [q, v, a, tau] = state;
     let theirs = oracle.call("dynamics", &[q, v, a, tau]);
@@ -138,7 +138,7 @@ pub fn compare_dynamics(model: &Model, oracle: &Oracle, state: &State) -> Compar
 
 /// Compares the second derivatives of inverse dynamics.
 ///
-/// Their rounding is relative to the first derivatives that they are differences of, so these are the floor.
+/// Their rounding is relative to the first derivatives in the differences, so these are the floor.
 pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State) -> Comparison {
     let ([q, v, a, _], n) = (state, model.dof());
     let mut data = Data::new(model);
@@ -163,7 +163,7 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     comparison
 }
 
-/// The values of this library, by the names that `Robot.dynamics` gives it.
+/// The values of this library under the names in `Robot.dynamics`.
 fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     let n = model.dof();
     let data = &mut Data::new(model);
@@ -228,7 +228,7 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     all.map(|(name, value)| (name.to_owned(), value)).into()
 }
 
-/// One row a placement: its rotation, row by row, and its translation.
+/// One row per placement: its rotation by rows, and its translation.
 fn rows(placements: impl Iterator<Item = Placement<f64>>) -> DMatrix<f64> {
     let numbers: Vec<f64> = placements
         .flat_map(|p| [p.rotation.transpose().as_slice(), p.translation.as_slice()].concat())

@@ -1,4 +1,4 @@
-//! Constraints on places of the robot, their gradients and Hessians.
+//! Constraints on positions of the robot, their gradients and Hessians.
 
 use crate::common::config;
 use crate::compare::{BOUND, Comparison, FLOOR, state};
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 
-/// The values of this library, by the names that `Robot.constraints` gives it.
+/// The values of this library under the names in `Robot.constraints`.
 fn constraints(model: &Model, q: &[f64]) -> Quantities {
     let n = model.dof();
     let at_link = |f: &aghf::model::Frame<f64>| CollisionSphere {

@@ -1,4 +1,5 @@
-//! Every URDF of two public collections and of this project: it agrees with Pinocchio, or is refused for a stated reason.
+//! Every URDF of two public collections and of this project: either it agrees with Pinocchio, or it is refused for a
+//! stated reason.
 
 use crate::common::config;
 use crate::compare::{
@@ -13,7 +14,7 @@ use proptest::test_runner::TestRunner;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The robots that are refused, and words of the reason.
+/// The refused robots, and words of the reason.
 const REFUSED: [(&str, &str); 5] = [
     (
         "hector_description/robots/quadrotor_base.urdf",
@@ -23,7 +24,7 @@ const REFUSED: [(&str, &str); 5] = [
         "iris_description/robots/iris_simple.urdf",
         "has no moving joint",
     ),
-    // Fingers and grippers without mass, the former mimic joints.
+    // Massless fingers and grippers, the former with mimic joints.
     (
         "romeo_description/urdf/romeo.urdf",
         "the mass matrix is singular",
@@ -36,7 +37,7 @@ const REFUSED: [(&str, &str); 5] = [
     ("ur_description/urdf/ur3.urdf", "has no links"),
 ];
 
-/// The robots with mimic joints, which are refused unless they are asked to be independent, as they are to Pinocchio.
+/// The robots with mimic joints, which are refused unless their independence is requested, the treatment of Pinocchio.
 const MIMIC: [&str; 8] = [
     "alex_description/urdf/alex_psyonic_hands.urdf",
     "baxter_description/urdf/baxter.urdf",
@@ -48,10 +49,10 @@ const MIMIC: [&str; 8] = [
     "tiago_pro_description/robots/tiago_pro.urdf",
 ];
 
-/// At how many states a robot is compared: what can be wrong here is how it was read.
+/// The number of states at which a robot is compared: few suffice, because only reading is tested here.
 const STATES: u32 = 3;
 
-/// The columns of the table, each with the words by which names of quantities begin.
+/// The columns of the table, each with prefixes of names of quantities.
 const COLUMNS: [(&str, &[&str]); 9] = [
     ("kinematics", &["joint placements", "link placements"]),
     ("Jacobians", &["joint axes", "link Jacobians"]),
@@ -123,7 +124,7 @@ fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
     assert!(agreed >= 70, "{summary}");
 }
 
-/// Reads and compares a robot. Mimic joints are independent to Pinocchio, so they are here.
+/// Reads and compares a robot. Mimic joints are independent, as in Pinocchio.
 fn outcome(path: &Path) -> Outcome {
     let file = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("it can be read");
@@ -154,7 +155,7 @@ fn outcome(path: &Path) -> Outcome {
     }
 }
 
-/// Compares at a few random states, the second derivatives at the first alone.
+/// Compares at a few random states, the second derivatives only at the first.
 fn compare(model: &Model, oracle: &Oracle) -> Comparison {
     assert_same_names(model, oracle);
     let mut comparison = Comparison::default();

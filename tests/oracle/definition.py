@@ -33,8 +33,8 @@ def omega(robot, z, k):
 def jacobian(robot, z, k):
     """Column i is G^-1 (dF/dz_i - dG/dz_i Omega).
 
-    u, its derivatives and H are of degree 2 in every entry of q (`Robot.second_derivatives` says why), u and dID/dq in v as
-    well, and each term of F has no more than two of these: degree 4.
+    u, its derivatives and H are of degree 2 in every entry of q (see `Robot.second_derivatives`), u and dID/dq also in
+    v, and each term of F is a product of at most two of these: degree 4.
     """
     n = robot.n
     slip, effort, mass = forces(robot, z)

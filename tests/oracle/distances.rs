@@ -1,4 +1,4 @@
-//! Distances of balls from obstacles beside those of Parry.
+//! Distances of balls from obstacles compared with Parry's.
 
 use crate::common::config;
 use aghf::constraint::{CollisionSphere, Evaluator, SolidClearance};
@@ -9,7 +9,7 @@ use aghf::urdf::builtin_robot;
 use nalgebra::{Rotation3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder};
+use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, HalfSpace};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::Cell;
@@ -17,10 +17,10 @@ use std::cell::Cell;
 /// The bound on the difference, in m.
 const BOUND: f64 = 1e-9;
 
-/// Balls for each solid.
+/// The number of balls per solid.
 const BALLS: usize = 50;
 
-/// Random shapes of all kinds, some of them much longer than they are wide.
+/// Random shapes of all kinds, some of them much longer than wide.
 fn shape() -> impl Strategy<Value = Shape> {
     let size = || prop_oneof![1 => 0.001..0.05_f64, 3 => 0.05..1.5_f64];
     prop_oneof![
@@ -39,7 +39,7 @@ fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// A shape of theirs, whose axis is `y`, as ours, whose axis is `z`, is in their frame.
+/// Converts a shape with our axis `z` to a shape of Parry with the axis `y`.
 fn theirs(shape: &Shape) -> Box<dyn PointQuery> {
     match *shape {
         Shape::Sphere { radius } => Box::new(Ball::new(radius)),
@@ -52,10 +52,11 @@ fn theirs(shape: &Shape) -> Box<dyn PointQuery> {
             radius,
             half_length,
         } => Box::new(Capsule::new_y(half_length, radius)),
+        Shape::HalfSpace => Box::new(HalfSpace::new(Vector::Y)),
     }
 }
 
-/// The rows of balls on the base for a solid of ours.
+/// The rows of this library for balls on the base and a solid.
 fn ours(model: &Model, solid: Solid, balls: &[([f64; 3], f64)]) -> Vec<f64> {
     let ball = |(centre, radius): &([f64; 3], f64)| CollisionSphere {
         body: None,
@@ -76,7 +77,7 @@ fn ours(model: &Model, solid: Solid, balls: &[([f64; 3], f64)]) -> Vec<f64> {
     g
 }
 
-/// A million pairs of a ball and an obstacle unless `AGHF_CASES` says otherwise: they take a second.
+/// Compares a million pairs of a ball and an obstacle, in about a second, unless `AGHF_CASES` is set.
 #[test]
 fn distances() {
     let model = builtin_robot("pendulum_1").expect("it is built in");
@@ -92,7 +93,7 @@ fn distances() {
     let run = TestRunner::new(settings).run(&(solid, balls), |((shape, turn, off), balls)| {
         let placement = Placement::new(Rotation3::new(turn.into()).into_inner(), off.into());
         let rows = ours(&model, Solid { placement, shape }, &balls);
-        // Their frame turned into ours: its axes x, y, z are our y, z, x.
+        // The rotation from Parry's frame to ours: its axes x, y, z are our y, z, x.
         let cycle = Rotation::from_mat3(&parry3d_f64::math::Matrix::from_cols(
             Vector::Y,
             Vector::Z,

@@ -1,4 +1,4 @@
-//! The right-hand side of the flow and its Jacobians beside their definition in Pinocchio's quantities.
+//! The right-hand side of the flow and its Jacobians compared with their definition in Pinocchio's quantities.
 
 use crate::common::{condition, config, node, numbers};
 use crate::compare::{Comparison, relative_error};
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 
-/// Penalties: one, where no term hides, and the paper's.
+/// Penalties: one, where no term is negligible, and the paper's.
 const PENALTIES: [f64; 2] = [1.0, 1e7];
 
 /// `x`, `xdot`, `xddot`.
@@ -40,8 +40,8 @@ fn omega_and_its_jacobians() {
     run.unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// The largest relative error of a result that takes two solves with `H` on both sides. The oracle solves with a mass matrix and
-/// differences of its own, which round apart from ours: its errors grow with the square of the condition number.
+/// The largest relative error of a result of two solves with `H` on both sides. The oracle has its own mass matrix and
+/// differences, with independent rounding: its errors grow with the square of the condition number.
 fn bound(model: &Model, parts: &Parts) -> f64 {
     1e-9 + 1e-15 * condition(model, &parts[0]).powi(2)
 }
@@ -54,7 +54,7 @@ fn robot_and_node() -> impl Strategy<Value = (Robot, Parts)> {
     })
 }
 
-/// Every way to the right-hand side.
+/// Compares every form of the right-hand side.
 fn compare_omega(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Comparison {
     let m = parts[0].len();
     let of = |rhs: &mut dyn RightHandSide<f64, f64>| {
@@ -81,11 +81,11 @@ fn compare_omega(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Compa
     comparison
 }
 
-/// Every Jacobian, all blocks.
+/// Compares all blocks of every Jacobian.
 ///
-/// The bound is ten times that of Omega: the weights of the differences in the definition sum to 4.4 and their points are
-/// where Omega is larger. Worked out by other rules that are as exact (two more angles, half the step), the definition
-/// differs from itself by up to twice the bound of Omega.
+/// The bound is ten times that of Omega: the weights of the differences in the definition sum to 4.4, and Omega is
+/// larger at their points. Equally accurate rules (two more angles, half the step) change the definition by up to twice
+/// the bound of Omega.
 fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Comparison {
     let theirs = oracle.define("jacobian", &parts.concat(), k);
     let omega = &oracle.define("omega", &parts.concat(), k)["Omega"];
@@ -98,7 +98,7 @@ fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> C
             .evaluate(node(parts), k, &mut ours)
             .expect("lengths agree");
         let (floors, bound) = match kind {
-            // Differences do not see what is small beside Omega, and their step leaves them half of the digits.
+            // Differences lose entries that are small beside Omega, and their step preserves only half of the digits.
             JacobianKind::Difference => {
                 let floors = halves(omega).map(|half| half.amax().max(1.0));
                 (floors, 1e-6 + rounding)
@@ -123,15 +123,15 @@ fn halves(m: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
     [0, n].map(|row| m.rows(row, n).into_owned())
 }
 
-/// The worse error of the two halves, each relative to its own largest entry: the first has parts of the size `1 / k`, which
-/// is the floor where it is zero but for rounding, the second of the size `k`.
+/// The larger error of the two halves, each relative to its own largest entry: the first has parts of the size `1 / k`,
+/// which is the floor where it is zero up to rounding, the second of the size `k`.
 fn halves_error(ours: &DMatrix<f64>, theirs: &DMatrix<f64>, floors: [f64; 2]) -> f64 {
     let (ours, theirs) = (halves(ours), halves(theirs));
     let error = |i: usize| relative_error(&ours[i], &theirs[i], floors[i]);
     error(0).max(error(1))
 }
 
-/// Theorem B3 with everything that it is written in taken from Pinocchio.
+/// Theorem B3 with all of its quantities from Pinocchio.
 fn theorem_b3(oracle: &Oracle, [x, xdot, _]: &Parts) -> TheoremB3<f64> {
     let n = x.len() / 2;
     let ((q, v), (qdot, vdot)) = (x.split_at(n), xdot.split_at(n));
@@ -148,7 +148,7 @@ fn theorem_b3(oracle: &Oracle, [x, xdot, _]: &Parts) -> TheoremB3<f64> {
     t.fd0 = column("FD", &free);
     t.dfd0_dq = free["dFD/dq"].clone();
     t.dfd0_dv = free["dFD/dv"].clone();
-    // Inverse dynamics at rest is H w and gravity.
+    // Inverse dynamics at rest are H w and gravity.
     let w = vector(vdot) - &t.fd0;
     t.dh_dq_w = &at(&zero, w.as_slice())["dID/dq"] - &at(&zero, &zero)["dID/dq"];
     t

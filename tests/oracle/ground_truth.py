@@ -1,11 +1,11 @@
-"""The quantities of Pinocchio in the conventions of aghf: a joint has one position, a tensor's derivative index comes last."""
+"""The quantities of Pinocchio in the conventions of aghf: one position per joint, derivative indices last."""
 
 import numpy as np
 import pinocchio as pin
 
 
 def placements(poses):
-    """One row a pose: its rotation, row by row, and its translation."""
+    """One row per pose: its rotation by rows, and its translation."""
     rows = [np.append(pose.rotation.ravel(), pose.translation) for pose in poses]
     return np.array(rows).reshape(-1, 12)
 
@@ -13,13 +13,14 @@ def placements(poses):
 def derivative(f, x, i, turns, degree):
     """df / dx_i, without a truncation error.
 
-    Along an angle (`turns`) `f` is a trigonometric polynomial of this degree d, and its values at 2 d + 1 equidistant angles
-    give its derivative exactly: the weights are those of the derivative of the trigonometric interpolant (Trefethen,
-    Spectral Methods in MATLAB, chapter 3, for an odd number of points). Along anything else it is a polynomial of this
-    degree, for which the central difference of order two (degrees 1, 2) or four (3, 4) is exact whatever its step is: 1.
+    Along an angle (`turns`) `f` is a trigonometric polynomial of this degree d, and its values at 2 d + 1 equidistant
+    angles give its derivative exactly: the weights are those of the derivative of the trigonometric interpolant
+    (Trefethen, Spectral Methods in MATLAB, chapter 3, for an odd number of points). Along any other variable it is a
+    polynomial of this degree, for which the central difference of order two (degrees 1, 2) or four (3, 4) is exact with
+    any step; here 1.
 
-    What remains is rounding: the sum of the absolute weights (2.8 and 4.4 for angles of degree 2 and 4; 1 and 1.5) times that
-    of `f` at points where it is as large as anywhere.
+    The rounding error is the sum of the absolute weights (2.8 and 4.4 for angles of degree 2 and 4; 1 and 1.5) times
+    that of the largest value of `f`.
     """
     if turns:
         m = 2 * degree + 1
@@ -37,7 +38,7 @@ def derivative(f, x, i, turns, degree):
 
 
 def angular_first(jacobian):
-    """Our rows of a Jacobian, which comes as a vector where there is one joint."""
+    """The rows of a Jacobian in our order; with one joint Pinocchio returns a vector."""
     return np.roll(jacobian.reshape(6, -1), 3, axis=0)
 
 
@@ -49,7 +50,7 @@ class Robot:
         self.data = self.model.createData()
         joints = list(self.model.joints)[1:]
         self.n = len(joints)
-        # A continuous joint has two numbers here, the cosine and the sine of its angle.
+        # A continuous joint has two numbers in Pinocchio, the cosine and the sine of its angle.
         self.on_circle = np.array([joint.nq == 2 for joint in joints], dtype=bool)
         self.index = np.array([joint.idx_q for joint in joints], dtype=int)
         self.turns = np.array([not joint.shortname().startswith("JointModelP") for joint in joints])
@@ -64,7 +65,7 @@ class Robot:
         }
 
     def summary(self):
-        """The number of joints, and of those that move nothing with inertia."""
+        """The number of joints, and of those whose subtree has no inertia."""
         mass = pin.crba(self.model, self.data, pin.neutral(self.model))
         return f"{self.n} joints, {np.count_nonzero(np.diag(mass) < 1e-12)} of them without inertia"
 
@@ -89,7 +90,7 @@ class Robot:
         return coriolis + coriolis.T
 
     def dynamics(self, q, v, a, tau):
-        """Everything that Pinocchio has a function for."""
+        """All quantities for which Pinocchio has a function."""
         model, data, p = self.model, self.data, self.configuration(q)
         axes = pin.computeJointJacobians(model, data, p)
         pin.framesForwardKinematics(model, data, p)
@@ -115,11 +116,11 @@ class Robot:
         return everything
 
     def second_derivatives(self, q, v, a):
-        """Those of inverse dynamics, by differences of Pinocchio's first ones.
+        """The second derivatives of inverse dynamics, by differences of Pinocchio's first ones.
 
-        Seen from joint k, a kinetic energy is the square of velocities in which q_k enters through one rotation or one
-        translation, and a potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
-        where the joint slides, and its derivatives are not of a higher one. In v it is of degree 2, too.
+        As a function of q_k, the kinetic energy is quadratic in velocities that contain one rotation or translation by
+        q_k, and the potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
+        of a prismatic joint, and so are its derivatives at most. In v it is of degree 2, too.
         """
 
         first = lambda q, v: np.array(self.inverse_dynamics(q, v, a)[1:])
@@ -130,8 +131,8 @@ class Robot:
         return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}
 
     def constraints(self, q):
-        """A ball of 0.1 m about the origin of every link, to stay out of a sphere and in a half-space: the values of the rows, then
-        the gradient and the Hessian of their sum with the weights 1, 2, ...
+        """The clearances of a ball of 0.1 m about the origin of every link from a sphere and a half-space: the values
+        of the rows, then the gradient and the Hessian of their sum with the weights 1, 2, ...
 
         A position is of degree 1 in the sine and cosine of each angle, so its square is of degree 2.
         """

@@ -1,4 +1,4 @@
-//! Generated scenarios close to the limits of other people's robots: the known motion keeps them.
+//! Generated scenarios close to the limits of other projects' robots: the known motion satisfies them.
 
 use crate::python::share;
 use aghf::dynamics::{Data, rnea};
@@ -21,7 +21,8 @@ const ROBOTS: [&str; 12] = [
     "alex_description/urdf/alex_nub_hands.urdf",
 ];
 
-/// The position on the line at the part `t` of the way in time, with the velocity 10 t (1 - t) (1 - 2 t + 2 t^2), and its derivatives.
+/// The position on the line at the fraction `t` of the duration, with the velocity 10 t (1 - t) (1 - 2 t + 2 t^2), and
+/// its derivatives.
 fn line(file: &ScenarioFile, t: f64) -> [Vec<f64>; 3] {
     let scaled = [
         5.0 * t.powi(2) - 10.0 * t.powi(3) + 10.0 * t.powi(4) - 4.0 * t.powi(5),

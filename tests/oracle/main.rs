@@ -1,5 +1,5 @@
-//! The third witness: other people's libraries. Pinocchio 4.1 for the dynamics, asked through Python, which `tests/run`
-//! prepares, and Parry for distances.
+//! Comparison with other libraries: Pinocchio 4.1 for the dynamics, called through Python, which `tests/run` prepares,
+//! and Parry for distances.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,5 +1,5 @@
-//! The bridge to Pinocchio: an interpreter in this process, with the packages of the virtual environment that `tests/run`
-//! makes.
+//! The bridge to Pinocchio: an interpreter in this process, with the packages of the virtual environment that
+//! `tests/run` creates.
 
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyReadonlyArrayDyn};
@@ -14,11 +14,11 @@ use std::sync::OnceLock;
 /// Results by name; vectors are columns.
 pub type Quantities = BTreeMap<String, DMatrix<f64>>;
 
-/// A robot that Pinocchio has read.
+/// A robot read by Pinocchio.
 pub struct Oracle(Py<PyAny>);
 
 impl Oracle {
-    /// Lets Pinocchio read the text of a URDF file; the error is what Python says.
+    /// Loads the text of a URDF file in Pinocchio; the error is Python's message.
     pub fn load(urdf: &str) -> Result<Self, String> {
         Python::attach(|py| {
             let robot = namespace(py).get_item("Robot").expect("it is a dictionary");
@@ -35,7 +35,7 @@ impl Oracle {
         })
     }
 
-    /// The number of joints, and of those that move nothing with inertia.
+    /// The number of joints, and of those whose subtree has no inertia.
     pub fn summary(&self) -> String {
         Python::attach(|py| {
             let summary = self.0.call_method0(py, "summary").expect("it is defined");
@@ -43,7 +43,7 @@ impl Oracle {
         })
     }
 
-    /// The result of a method of the robot at vectors.
+    /// Calls a method of the robot with vectors.
     pub fn call(&self, method: &str, vectors: &[&[f64]]) -> Quantities {
         Python::attach(|py| {
             let arguments = vectors.iter().map(|x| PyArray1::from_slice(py, x));
@@ -53,7 +53,7 @@ impl Oracle {
         })
     }
 
-    /// The result of a function of the definition at a node.
+    /// Calls a function of the definition at a node.
     pub fn define(&self, function: &str, z: &[f64], k: f64) -> Quantities {
         Python::attach(|py| {
             let function = namespace(py).get_item(function).expect("a dictionary");
@@ -70,7 +70,7 @@ pub fn venv() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/oracle/venv")
 }
 
-/// A folder of data in the packages of the virtual environment that are built with CMake.
+/// A data folder in the packages of the virtual environment that are built with CMake.
 pub fn share(folder: &str) -> PathBuf {
     let version = Python::attach(|py| (py.version_info().major, py.version_info().minor));
     let packages = format!("lib/python{}.{}/site-packages", version.0, version.1);
@@ -99,8 +99,8 @@ fn quantities(dictionary: &Bound<'_, PyAny>) -> Quantities {
     arrays.into_iter().map(|(k, v)| (k, matrix(v))).collect()
 }
 
-/// The names that the Python files here define. Not a plain `OnceLock`: while one thread imports, Python may let another
-/// one run, which would then wait for the first while that waits for Python.
+/// The names defined by the Python files here. A plain `OnceLock` could deadlock: during an import Python may let
+/// another thread run, which would then wait for the first while that waits for Python.
 fn namespace(py: Python<'_>) -> &Bound<'_, PyDict> {
     static NAMESPACE: OnceLock<Py<PyDict>> = OnceLock::new();
     let made = NAMESPACE.get_or_init_py_attached(py, || {
@@ -120,8 +120,8 @@ fn namespace(py: Python<'_>) -> &Bound<'_, PyDict> {
     made.bind(py)
 }
 
-/// Makes the packages of the virtual environment known, after a look at whether it is whole, has the pinned versions, and
-/// was made by the interpreter whose library was loaded.
+/// Adds the packages of the virtual environment, after checking that it is complete, has the pinned versions, and
+/// belongs to the interpreter whose library was loaded.
 fn open_venv(py: Python<'_>) {
     let prepared = std::fs::read_to_string(venv().join("prepared")).unwrap_or_default();
     let version = py.eval(

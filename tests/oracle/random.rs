@@ -12,14 +12,14 @@ use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
 use std::fmt;
 
-/// A robot and the text of the URDF that both sides read.
+/// A robot and the URDF text that both sides read.
 #[derive(Clone)]
 pub struct Robot {
     pub model: Model,
     urdf: String,
 }
 
-/// The name says it all: how many joints there are, and the seed.
+/// The name determines the robot: it contains the number of joints and the seed.
 impl fmt::Debug for Robot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.model.name())
@@ -27,7 +27,7 @@ impl fmt::Debug for Robot {
 }
 
 impl Robot {
-    /// The robot as it comes back from URDF, its joints in the order of the file.
+    /// The robot as read back from URDF, its joints in the order of the file.
     fn new(model: &Model) -> Self {
         let urdf = model.to_urdf().expect("a URDF can say it");
         let (model, _) = parse_urdf(&urdf, model.name()).expect("it was written here");

@@ -6,7 +6,7 @@ use aghf::curve::{Basis, Curve};
 use aghf::motion::Problem;
 use aghf::plan::{PlanSettings, curve_along};
 
-/// Around two corners.
+/// A path around two corners.
 fn detour() -> Vec<Vec<f64>> {
     [[0.0, 0.0], [0.3, 0.6], [0.7, 0.6], [1.0, 0.0]]
         .map(|q| q.to_vec())
@@ -18,8 +18,8 @@ fn along(problem: &Problem<'_>, state: &[AnyConstraint], basis: Basis) -> Curve 
     curve_along(problem, state, &detour(), basis, &settings).expect("valid")
 }
 
-/// Value and slope at the ends are those of the problem: the slope is that of the curve, not only the velocity that is written beside. The
-/// velocity goes on from one segment to the next.
+/// Value and slope at the ends are those of the problem, for the slope of the curve as well as for its stored velocity.
+/// The velocity is continuous between segments.
 #[test]
 fn the_ends_are_those_of_the_problem() {
     let model = point();
@@ -44,7 +44,7 @@ fn the_ends_are_those_of_the_problem() {
     }
 }
 
-/// It goes through every waypoint, with the slope between its neighbours, and through points that divide the longest lines.
+/// The curve passes every waypoint, with the slope between its neighbours, and points that divide the longest lines.
 #[test]
 fn it_goes_through_the_waypoints() {
     let model = point();
@@ -57,7 +57,7 @@ fn it_goes_through_the_waypoints() {
     }
     let (x, _) = three.at(horizon / 3.0);
     assert_close!(&x.as_slice()[2..], &[1.05 / horizon, 0.9 / horizon], 1e-9);
-    // The two long lines of 0.67 are divided, the one of 0.4 is not.
+    // The two long lines of 0.67 are divided, the line of 0.4 is not.
     let five = along(&problem, &[], Basis::new(5, 6, false));
     let places = [[0.15, 0.3], [0.3, 0.6], [0.7, 0.6], [0.85, 0.3]];
     for (k, place) in places.iter().enumerate() {
@@ -66,7 +66,8 @@ fn it_goes_through_the_waypoints() {
     }
 }
 
-/// Where a smooth curve would run into something beside a corner its slope is less, down to none, where the curve is the path.
+/// Where a smooth curve would collide beside a corner its slope is reduced, to zero if necessary, where the curve is
+/// the path.
 #[test]
 fn slopes_are_as_large_as_is_free() {
     let model = point();
@@ -78,7 +79,7 @@ fn slopes_are_as_large_as_is_free() {
     let basis = || Basis::new(3, 6, false);
     let wide = along(&problem, &[], basis());
     assert!(height(&wide) > 0.64, "{}", height(&wide));
-    // A ball 12 mm above the line between the corners, then one that all but touches it: the margin of the planner is 5 mm.
+    // A ball 12 mm above the line between the corners, then one at nearly the margin of the planner, which is 5 mm.
     for (gap, least) in [(0.012, 0.001), (0.0051, 0.0)] {
         let above = outside([[0.5, 0.6 + 0.1 + gap]], 0.1);
         let curve = along(&problem, &above, basis());

@@ -1,4 +1,4 @@
-//! Planned paths, and starts of the relaxation that are planned.
+//! Planned paths, and planned starts of the relaxation.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
@@ -23,7 +23,7 @@ fn across(model: &Model) -> Problem<'_> {
     Problem::new(model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid")
 }
 
-/// The point outside balls of this radius.
+/// The constraint that keeps the point outside balls of this radius.
 fn outside(centres: impl IntoIterator<Item = [f64; 2]>, radius: f64) -> Vec<AnyConstraint> {
     let ball = CollisionSphere {
         body: Some(1),
@@ -40,7 +40,7 @@ fn outside(centres: impl IntoIterator<Item = [f64; 2]>, radius: f64) -> Vec<AnyC
     })]
 }
 
-/// A wall across the way from beyond one end of the range of y to beyond the other, open in these ranges less 0.1 at each end.
+/// A wall of balls across the path, beyond both ends of the range of y, open in these ranges less 0.1 at each end.
 fn wall(open: &[[f64; 2]]) -> Vec<AnyConstraint> {
     let heights = (-24..=24).map(|k| 0.05 * f64::from(k));
     let closed = heights.filter(|y| !open.iter().any(|[low, high]| (low..high).contains(&y)));

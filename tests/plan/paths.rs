@@ -1,4 +1,4 @@
-//! Paths: free everywhere, the same for the same seed, and what is said where there is none.
+//! Paths: free everywhere, reproducible by their seed, and the results without a path.
 
 use crate::common::constraint::Held;
 use crate::common::scenario::Scenario;
@@ -21,7 +21,8 @@ fn path(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings)
     }
 }
 
-/// The largest row at rest along a path, evaluated one configuration at a time, far denser than the planner does.
+/// The largest row at rest along a path, evaluated one configuration at a time and far more densely than by the
+/// planner.
 fn worst<K: Constraint + ?Sized>(problem: &Problem<'_>, state: &K, path: &[Vec<f64>]) -> f64 {
     let model = problem.model();
     let mut evaluator = Evaluator::<f64, f64>::new(model);
@@ -71,7 +72,7 @@ fn it_finds_the_gap() {
         assert_eq!([&found[0], &found[found.len() - 1]], [&line[0], &line[1]]);
         let worst = worst(&problem, &state, &found);
         assert!(worst <= 0.0, "{number}: {worst}");
-        // Twice to the lower end of the gap is 1.41; what is not shortened is far longer.
+        // Twice the distance to the lower end of the gap is 1.41; without shortening the path is far longer.
         let length = length(&found);
         assert!(length > 1.414 && length < 1.7, "{number}: {length}");
     }
@@ -106,8 +107,8 @@ fn a_seed_and_a_number_have_one_path() {
     assert_ne!(of(3, 2), of(4, 2));
 }
 
-/// Of two gaps in a wall one path goes through either; of several the shortest goes through the nearer one. No path that is nearly
-/// straight is planned twice.
+/// With two gaps in a wall a single path goes through either; the shortest of several goes through the nearer one. A
+/// path that is nearly straight is planned only once.
 #[test]
 fn of_several_paths_the_shortest_is_taken() {
     let model = point();
@@ -142,7 +143,7 @@ fn of_several_paths_the_shortest_is_taken() {
     assert!(shorter > 1, "{shorter} of 12 take the farther gap");
 }
 
-/// Every step of a line is looked at, whatever their number: one of them is all that is not free.
+/// Every step of a line is checked, for any number of steps: only one of them is not free.
 #[test]
 fn a_line_is_looked_at_everywhere() {
     let model = point();
@@ -160,7 +161,7 @@ fn a_line_is_looked_at_everywhere() {
     }
 }
 
-/// Where an end is nearer than the margin rows stay as far as it is.
+/// Rows keep the margin, or the distance at the ends if that is smaller.
 #[test]
 fn a_margin_is_no_more_than_the_ends_have() {
     let model = point();

@@ -30,7 +30,8 @@ fn last_start(found: &RelaxSolution) -> Option<usize> {
     found.iterations.iter().filter_map(|i| i.start).max()
 }
 
-/// The line does not get through; one of the next two starts does, which bent ones alone do not, on any number of threads alike.
+/// The straight line collides; one of the next two planned starts leads to a motion and bent ones alone do not, for any
+/// number of threads.
 #[test]
 fn a_planned_start_gets_through_a_gap() {
     let [found, again] =
@@ -45,7 +46,7 @@ fn a_planned_start_gets_through_a_gap() {
     assert!(last_start(&bent) > Some(2), "{:?}", last_start(&bent));
 }
 
-/// Where the first start gets there planned ones change nothing, and where there is no way all starts are tried.
+/// If the first start succeeds, planned ones change nothing; if no path exists, all starts are tried.
 #[test]
 fn planned_starts_are_for_what_is_not_found() {
     let easy = || outside([[0.5, 0.05]], 0.1);
@@ -58,7 +59,8 @@ fn planned_starts_are_for_what_is_not_found() {
     assert_eq!(none.start_costs.len(), 64);
 }
 
-/// A first start that is planned keeps the constraints from the beginning: however few iterations there are, the motion keeps them.
+/// A planned first start satisfies the constraints from the beginning: after any number of iterations, so does the
+/// motion.
 #[test]
 fn a_planned_first_start_keeps_what_is_asked() {
     let model = point();
@@ -89,7 +91,8 @@ fn a_planned_first_start_keeps_what_is_asked() {
     assert!(costs[0] >= costs[1] && costs[1] > whole.cost, "{costs:?}");
 }
 
-/// A first start that is too quick for its limits gets more time, as far as that is allowed, and no more than it needs.
+/// A planned first start that is too fast for its limits gets a longer horizon within the allowed range, no longer than
+/// necessary.
 #[test]
 fn a_planned_first_start_has_the_time_that_it_needs() {
     let model = point();

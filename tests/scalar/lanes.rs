@@ -1,5 +1,5 @@
-//! Several numbers side by side. The sines and cosines of four angles by `wide` are code that `f64` alone goes through, which the
-//! proofs therefore do not see.
+//! Several numbers side by side. The sines and cosines of four angles by `wide` are code that `f64` alone goes
+//! through, which the proofs therefore do not see.
 
 use crate::common::{any_model, config, numbers};
 use aghf::dynamics::{Data, RneaWeightedHessian, crba, rnea, rnea_weighted_hessian};
@@ -21,13 +21,13 @@ proptest! {
     }
 }
 
-/// Angles of all sizes that the short way is for.
+/// Angles of all sizes in the range of the fast path.
 fn angle() -> impl Strategy<Value = f64> {
     let sized = (-300.0..9.0_f64, -1.0..1.0_f64).prop_map(|(e, sign)| sign * 10.0_f64.powf(e));
     prop_oneof![-7.0..7.0_f64, -1e9..1e9_f64, sized]
 }
 
-/// Angles that it is not for, half of them only just, and what is no angle.
+/// Angles beyond that range, half of them only just, and non-finite numbers.
 fn beyond() -> impl Strategy<Value = f64> {
     let exponent = prop_oneof![9.0..12.0_f64, 9.0..308.0_f64];
     let sign = prop::sample::select(vec![-1.0, 1.0]);
@@ -36,8 +36,8 @@ fn beyond() -> impl Strategy<Value = f64> {
     prop_oneof![4 => sized, 1 => prop::sample::select(none)]
 }
 
-/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, behind one another; the acceleration serves
-/// as the weight.
+/// Torques, the mass matrix and the weighted second derivatives of inverse dynamics, concatenated; the acceleration
+/// serves as the weight.
 fn dynamics<S: AlgebraOver<f64>>(model: &Model, [q, v, a]: [&[S]; 3]) -> Vec<S> {
     let n = model.dof();
     let data = &mut Data::new(model);
@@ -59,7 +59,7 @@ fn model_and_lanes() -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
     })
 }
 
-/// The dynamics in lanes side by side, lane by lane.
+/// The dynamics evaluated in SIMD lanes, lane by lane.
 fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = model.dof();
     let packed: Vec<Lanes<f64, W>> = (0..3 * n)
@@ -74,8 +74,9 @@ fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>>
 proptest! {
     #![proptest_config(config(48))]
 
-    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from cancellation, and is as
-    /// good as one is. An angle beyond what the fast path is for has the bits that it has alone, and changes none of the others'.
+    /// To one unit in the last place of an angle within a turn or so. What is left of a large angle suffers from
+    /// cancellation, and is as good as one is. An angle beyond what the fast path is for has the bits that it has
+    /// alone, and changes none of the others'.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::collection::vec(angle(), 1..10), far in beyond(), place in 0..9_usize) {
         let bits = |(s, c): &(f64, f64)| (s.to_bits(), c.to_bits());
@@ -103,7 +104,7 @@ proptest! {
         }
     }
 
-    /// Each lane has the bits that it has alone.
+    /// Each lane has the same bits as a separate evaluation.
     #[test]
     fn the_fast_paths_agree_with_the_generic_code_in_the_dynamics((model, states) in model_and_lanes()) {
         let n = model.dof();

@@ -56,7 +56,7 @@ proptest! {
         same(x, c);
         same(x as f32, c);
         same(Lanes([x; 4]), c);
-        // `==` looks at the real part of a dual number only, so its other parts are looked at one by one.
+        // `==` compares only the real part of a dual number, so the other parts are compared one by one.
         let dual = HyperDual64::new(x, 2.0, 3.0, 4.0);
         let (scaled, promoted) = (AlgebraOver::scale(dual, c), dual * HyperDual64::from(c));
         prop_assert_eq!(
@@ -80,7 +80,8 @@ fn chosen_by_hand(x: f64) -> [f64; 3] {
     }
 }
 
-/// Roots and choices differentiate over every type of number; what is not chosen, here roots of negative numbers, leaves no trace.
+/// Roots and selections are differentiated over every type of number; the unselected value, here the root of a negative
+/// number, has no effect.
 #[test]
 fn roots_and_choices() {
     for x in [-2.5, -0.3, 0.2, 1.7, 9.0] {
@@ -115,7 +116,7 @@ fn roots_and_choices() {
     );
 }
 
-/// Only what has no derivatives is known to vanish: `num-dual` does not tell of them.
+/// Only numbers without derivatives are known to vanish: `num-dual` does not report derivatives.
 #[test]
 fn what_vanishes() {
     assert!(0.0_f64.vanishes() && (-0.0_f32).vanishes() && !1e-300_f64.vanishes());
@@ -125,7 +126,7 @@ fn what_vanishes() {
     assert!(!Jet::new(1.0, [0.0]).vanishes());
 }
 
-/// Far from zero the hyperbolic tangent is one, and its dual numbers are numbers.
+/// Far from zero the hyperbolic tangent is one, and its derivatives are finite.
 #[test]
 fn tanh_saturates() {
     for x in [19.9, 20.1, 800.0, f64::MAX] {

@@ -1,4 +1,4 @@
-//! The field: its laws, its exact image of `f64`, and formal derivatives over it.
+//! The field: its axioms, its exact image of `f64`, and formal derivatives over it.
 
 use crate::common::config;
 use aghf::dynamics::{Data, rnea};
@@ -37,7 +37,7 @@ proptest! {
         prop_assert!(a.residue() < F::ORDER);
     }
 
-    /// Sums and products of integers are those of the integers, modulo the prime.
+    /// Sums and products are those of the integers modulo the prime.
     #[test]
     fn arithmetic_is_that_of_the_integers(a in any::<u64>(), b in any::<u64>()) {
         let order = u128::from(F::ORDER);
@@ -73,7 +73,7 @@ proptest! {
         prop_assert_eq!(tanh.eps[0], (F::one() - tanh.re * tanh.re) * F::new(3));
     }
 
-    /// The root is formal, and zero at zero alone; half of the elements are negative, as the negative integers are.
+    /// The root is formal and zero only at zero; half of the elements are negative, as the negative integers are.
     #[test]
     fn roots_are_formal_and_signs_those_of_integers(a in elements(), b in elements(), n in 1..1_000_000_u64) {
         prop_assert_eq!(Scalar::sqrt(a).is_zero(), a.is_zero());
@@ -102,7 +102,7 @@ proptest! {
     }
 }
 
-/// A model loaded from numbers of `f64` runs over the field: the same code, another scalar.
+/// A model loaded with `f64` constants runs over the field with the same code.
 #[test]
 fn the_dynamics_run_over_the_field() {
     let model = random_tree(5, 8).expect("five joints").cast::<F>();
@@ -120,8 +120,8 @@ fn the_dynamics_run_over_the_field() {
     assert!(tau.iter().all(|t| !t.is_zero()));
 }
 
-/// Both sides of an identity of one's own: the flow of the paper's Lagrangian by its definition, and the control form, with `k` in
-/// the latter multiplied by a number.
+/// Both sides of a user-defined identity: the flow of the paper's Lagrangian by its definition, and the control form
+/// with `k` multiplied by a number.
 fn definition_and_control_form(p: &RandomInstance, factor: F) -> aghf::Result<Vec<Equality>> {
     let mut definition = nalgebra::DVector::from_element(2 * p.dof(), F::zero());
     let mut control_form = definition.clone();

@@ -83,7 +83,7 @@ proptest! {
         prop_assert_eq!(a.compose(&b), a.compose_constant(&b));
     }
 
-    /// `v x m` is how fast a motion that is fixed to a moving frame changes.
+    /// `v x m` is the rate of change of a motion that is fixed to a moving frame.
     #[test]
     fn the_motion_product_is_a_rate(at in numbers(6), v in numbers(6), m in numbers(6)) {
         let (at, v, m) = (placement(&at), motion(&v), motion(&m));
@@ -124,7 +124,7 @@ proptest! {
         close(coriolis.apply(&m) + transposed, rate);
     }
 
-    /// Carrying a moving body along with `s` gives all its particles the velocity of `s`, and turns their own velocities.
+    /// Moving a moving body with `s` adds the velocity of `s` to all its particles, and rotates their own velocities.
     #[test]
     fn a_coriolis_matrix_is_carried_along(x in numbers(16), v in numbers(6), s in numbers(6), m in numbers(6)) {
         let (inertia, v, s, m) = (body(&particles(&x)), motion(&v), motion(&s), motion(&m));
@@ -133,13 +133,14 @@ proptest! {
         close(coriolis.carried(&s).apply(&m), rate);
     }
 
-    /// Beyond a joint that gives way an acceleration along its axis takes no force, and no other one does work along it.
+    /// Beyond a free joint an acceleration along its axis requires no force, and no other acceleration requires a force
+    /// along it.
     #[test]
     fn an_articulated_body_gives_way_along_the_axis(x in numbers(16), s in numbers(6), t in numbers(6), m in numbers(6)) {
         let (inertia, s, t, m) = (body(&particles(&x)), motion(&s), motion(&t), motion(&m));
         let mut articulated = ArticulatedInertia::new(&inertia);
         close(articulated.apply(&m), inertia.apply(&m));
-        // Twice over, so that it is no longer the inertia of a rigid body.
+        // Applied twice, so that it is no longer the inertia of a rigid body.
         let other = articulated.apply(&t);
         articulated += articulated.without(&other, 1.0 / t.dot(&other));
         let u = articulated.apply(&s);

@@ -11,7 +11,7 @@ fn robot(name: &str) -> Robot {
     urdf_rs::read_file(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("it is good")
 }
 
-/// Two readers of one text: that of `urdf-rs` and ours.
+/// The readers of `urdf-rs` and of this library agree on the same text.
 #[test]
 fn robots_that_urdf_rs_reads_are_those_of_their_text() {
     for name in builtin_robots() {
@@ -59,7 +59,7 @@ fn bad_robots_are_refused_by_name_and_element() {
     );
 }
 
-/// Version 1.2 of the format has infinity for what is not given.
+/// Version 1.2 of the format has infinite default limits.
 #[test]
 fn infinite_limits_are_none() {
     let mut robot = robot("panda");

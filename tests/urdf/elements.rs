@@ -1,4 +1,4 @@
-//! Reading robots from URDFs: what is read is what was meant, and what was odd is told.
+//! Reading robots from URDFs: the models, and the notes on unusual elements.
 
 use crate::common::torques_somewhere;
 use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
@@ -8,10 +8,10 @@ use aghf::urdf::LoadNote::{ImpossibleInertia, Massless, Merged, Unlimited};
 use aghf::urdf::{LoadNote, parse_urdf};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Unit, Vector3};
 
-/// A body with a centre of mass and principal axes of its own.
+/// A body with a centre of mass and principal axes.
 const BODY: &str = r#"<inertial><origin xyz="0.1 -0.2 0.3" rpy="0.4 -0.5 0.6"/><mass value="2"/>
   <inertia ixx="0.31" ixy="0.01" ixz="-0.02" iyy="0.42" iyz="0.03" izz="0.53"/></inertial>"#;
-/// Another one.
+/// Another such body.
 const TOOL: &str = r#"<inertial><origin xyz="-0.3 0.15 0.25" rpy="-0.7 0.8 1.9"/><mass value="1.5"/>
   <inertia ixx="0.21" ixy="-0.04" ixz="0.03" iyy="0.22" iyz="0.02" izz="0.33"/></inertial>"#;
 
@@ -19,7 +19,7 @@ fn link(name: &str, inertial: &str) -> String {
     format!("<link name=\"{name}\">{inertial}</link>\n")
 }
 
-/// A joint that is called as its child, with `more` for origin, axis and limit.
+/// A joint with the name of its child, with `more` for origin, axis and limit.
 fn joint(kind: &str, parent: &str, child: &str, more: &str) -> String {
     let ends = format!(r#"<parent link="{parent}"/><child link="{child}"/>"#);
     format!("<joint name=\"{child}_joint\" type=\"{kind}\">{ends}{more}</joint>\n")
@@ -130,7 +130,7 @@ fn impossible_inertia_is_told_and_kept() {
     }
 }
 
-/// A point mass on a universal joint: a spherical pendulum, whose dynamics are known.
+/// A point mass on a universal joint: a spherical pendulum, with known dynamics.
 #[test]
 fn a_massless_link_between_two_joints_is_a_universal_joint() {
     let bob = r#"<inertial><origin xyz="0 0 -0.7"/><mass value="3"/>
@@ -191,7 +191,7 @@ const SHOULDER: &str = r#"<origin xyz="0.2 0.3 0.5" rpy="0.3 0.2 -0.9"/><axis xy
 const FLANGE: &str = r#"<origin xyz="0.4 -0.6 0.7" rpy="1.1 -0.4 2.3"/>"#;
 const WRIST: &str = r#"<origin xyz="-0.1 0.2 0.35" rpy="-0.6 0.9 0.2"/><axis xyz="-2 1 1"/>"#;
 
-/// A tool fixed between two moving joints weighs as if it had been written into the link that carries it.
+/// A tool fixed between two moving joints has the same effect as its inertia added to its parent link.
 #[test]
 fn a_fixed_link_between_moving_joints_is_merged() {
     let (arm, report) = load(&[
@@ -205,7 +205,7 @@ fn a_fixed_link_between_moving_joints_is_merged() {
         [massless("base"), merged("tool", Some("body_joint"))]
     );
 
-    // By hand: where the tool and the wrist are in the body, and the two masses with Steiner's theorem.
+    // By hand: the placements of the tool and the wrist in the body, and the two masses by Steiner's theorem.
     let flange = pose([0.4, -0.6, 0.7], [1.1, -0.4, 2.3]);
     let turned_by = |rotation: Matrix3<f64>, i: Matrix3<f64>| rotation * i * rotation.transpose();
     let body = turned_by(

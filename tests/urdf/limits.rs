@@ -1,4 +1,4 @@
-//! The limits of joints that are read from URDFs, and what is told of those that are missing.
+//! The limits of joints in URDFs, and the notes on missing ones.
 
 use crate::elements::{massless, one_joint, unlimited};
 use aghf::model::Limits;
@@ -18,7 +18,7 @@ fn missing_limits_are_told_and_mean_none() {
     assert!(unlimited("j").to_string().contains("joint 'j': no limits"));
 }
 
-/// Exporters write zero where they do not know a limit, with a range or without.
+/// Exporters write zero for an unknown limit, with or without a range.
 #[test]
 fn velocity_and_effort_of_zero_are_told_and_mean_none() {
     let zero = |attribute: &'static str| ZeroLimit {
@@ -51,7 +51,7 @@ fn velocity_and_effort_of_zero_are_told_and_mean_none() {
         notes.extend((u == 0.0).then(|| zero("effort")));
         assert_eq!(report, notes, "{kind}: {limit}");
     }
-    // A range of nothing is one all the same where something else is known.
+    // A range of length zero counts if another limit is nonzero.
     let (model, report) = one_joint("revolute", r#"<limit velocity="0" effort="4"/>"#);
     let limits = model.joints()[0].limits();
     assert_eq!(

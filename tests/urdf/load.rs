@@ -1,4 +1,4 @@
-//! Programs of ROS: `xacro`, and `rospack` for packages. Scripts stand in for them, in a process of their own.
+//! Programs of ROS: `xacro`, and `rospack` for packages, replaced by scripts in a separate process.
 
 use aghf::urdf::{builtin_robot, load_mesh, load_robot, load_urdf};
 use nalgebra::Vector3;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-/// A new folder with the scripts.
+/// A new folder with these scripts.
 fn folder(name: &str, scripts: &[(&str, &str)]) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).expect("it is writable");
@@ -19,7 +19,7 @@ fn folder(name: &str, scripts: &[(&str, &str)]) -> PathBuf {
     folder
 }
 
-/// Runs the `#[test]` of this name again with `folder` as the only one for programs; returns true in that run.
+/// Runs the `#[test]` of this name again with `folder` as the only path of programs; returns true in that run.
 fn run_again(test: &str, folder: &Path) -> bool {
     if env::var_os("AGHF_TEST_ROS").is_some() {
         return true;

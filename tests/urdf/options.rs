@@ -1,4 +1,4 @@
-//! The notes on loading a robot, beside those on its limits.
+//! The notes on loading a robot, except for those on its limits.
 
 use crate::elements::{massless, one_joint, unlimited};
 use aghf::urdf::LoadNote::{self, ImpossibleInertia, Independent, LeftOut, Merged};
@@ -72,7 +72,7 @@ fn a_summary_has_a_line_a_kind_of_what_bears_on_motions() {
     );
 }
 
-/// Exporters leave rounding where zeros are meant; what is smaller than a mass times (1e-8 m)^2 is no moment.
+/// Exporters leave rounding errors in place of zeros; a moment below a mass times (1e-8 m)^2 counts as zero.
 #[test]
 fn a_moment_of_rounding_is_not_impossible() {
     let notes = |ixz: &str| {

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 const LINKS: usize = 20_000;
 
-/// A link of mass one at its origin, and a joint of this kind on the link before, which is 1 mm behind.
+/// A link of mass one at its origin, and a joint of this kind on the previous link, at a distance of 1 mm.
 fn link(text: &mut String, i: usize, kind: &str) {
     let inertia = "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>";
     write!(
@@ -20,7 +20,7 @@ fn link(text: &mut String, i: usize, kind: &str) {
     .expect("it is memory");
 }
 
-/// A chain of links on fixed joints behind one that turns, which is written from its end to its beginning.
+/// A chain of links on fixed joints after a revolute one, written from its end to its beginning.
 #[test]
 fn a_long_chain_of_fixed_links_becomes_one_body() {
     let mut links: Vec<String> = (1..=LINKS)

@@ -41,8 +41,8 @@ const ARM: &str = r#"<?xml version="1.0"?>
   </joint>
 </robot>"#;
 
-/// By the good text that is changed: a part that it has once, what stands there instead, the element of the error, and words of
-/// its condition, once per kind of message.
+/// By the good text that is changed: a part that it has once, what stands there instead, the element of the error,
+/// and words of its condition, once per kind of message.
 const CASES: &str = include_str!("refused.json");
 
 /// What is wrong with a refusal at this place in these words, if anything is.

@@ -1,4 +1,5 @@
-//! The robots of several arms, which `robots/several_arms.py` writes: each arm is the single one, and none feels another.
+//! The robots with several arms, which `robots/several_arms.py` writes: each arm equals the single one, and they do not
+//! interact.
 
 use crate::common::robot;
 use aghf::dynamics::{Data, forward_kinematics, rnea};

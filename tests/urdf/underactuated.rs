@@ -1,4 +1,4 @@
-//! The robots with passive joints have the equations of motion that textbooks give them.
+//! The robots with passive joints have the equations of motion of the textbooks.
 
 use aghf::dynamics::{Data, rnea};
 use aghf::urdf::builtin_robot;
@@ -23,7 +23,7 @@ fn assert_close<const N: usize>(found: [f64; N], expected: [f64; N]) {
     }
 }
 
-/// Two rods of 1 kg, the first of 1 m, the second of this length: inverse dynamics as Spong has them.
+/// Inverse dynamics, by Spong's formulas, of two rods of 1 kg, the first of 1 m, the second of this length.
 fn two_rods(length: f64, q: [f64; 2], v: [f64; 2], a: [f64; 2]) -> [f64; 2] {
     let (first, half) = (0.5, 0.5 * length);
     let (inertia_1, inertia_2) = (1.0 / 12.0, length * length / 12.0);
@@ -48,7 +48,7 @@ fn acrobot_and_pendubot_are_two_rods() {
     assert_close(torques("pendubot", q, v, a), two_rods(1.0, q, v, a));
 }
 
-/// Kelly's equations of the cart-pole, of which the second is divided by the mass and the length of the pole.
+/// Kelly's equations of the cart-pole, the second of which is divided by the mass and the length of the pole.
 #[test]
 fn the_cart_pole_is_that_of_its_source() {
     let (q, v, a): ([f64; 2], [f64; 2], [f64; 2]) = ([0.3, 0.8], [1.2, -2.3], [0.9, 1.7]);
@@ -69,15 +69,15 @@ fn the_cart_pole_is_that_of_its_source() {
     );
 }
 
-/// The lateral force is the one along the body's own x axis, the normal one the thrust, and the torque of the pitch the moment of
-/// both about the origin of the base with that of the thrusters.
+/// The lateral force is along the body's own x axis, the normal force is the thrust, and the torque of the pitch is the
+/// moment of both about the origin of the base plus that of the thrusters.
 #[test]
 fn the_rotorcraft_floats() {
     let (q, v, a): ([f64; 3], [f64; 3], [f64; 3]) =
         ([0.6, 1.3, -0.7], [1.1, -0.4, 0.9], [-2.0, 0.8, 1.5]);
     let ([theta, x, z], [w, dx, dz], [dw, ddx, ddz]) = (q, v, a);
     let (mass, inertia) = (1.0, 0.02);
-    // The acceleration of the middle in the axes of the body, less that of free fall.
+    // The acceleration of the centre in the axes of the body, minus that of free fall.
     let lateral = mass * (ddx + 2.0 * w * dz + dw * z - w * w * x - G * theta.sin());
     let thrust = mass * (ddz - 2.0 * w * dx - dw * x - w * w * z + G * theta.cos());
     let moment = inertia * dw;

@@ -1,4 +1,4 @@
-//! URDFs as they are found, and as the library writes them.
+//! URDFs from other programs, and URDFs written by the library.
 
 use crate::common::config;
 use aghf::dynamics::{Data, rnea};
@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// A robot as a simulator exports it: full of what is not about dynamics, some of it broken.
+/// A robot as exported by a simulator, with many elements that do not concern dynamics, some of them invalid.
 const FOUND: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 <!-- generated from arm.urdf.xacro: <xacro:include filename="hand.xacro"/> -->
 <robot name="found" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -177,7 +177,7 @@ fn robots_that_are_built_in_come_back() {
     assert_same(&written(&found), &found, 1e-15);
 }
 
-/// The joint on the fixed link comes first in the walk, and would not if it hung on the link before.
+/// The joint on the fixed link comes first in the visit, and would not if it were on the link before.
 #[test]
 fn the_order_of_joints_survives_merging() {
     let body = r#"<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>"#;
@@ -219,7 +219,7 @@ fn model_of(spec: JointSpec<f64>) -> Model {
 proptest! {
     #![proptest_config(config(64))]
 
-    /// URDFs have no order, so joints are found by their names.
+    /// URDFs have no order, so joints are matched by name.
     #[test]
     fn random_trees_come_back((n, seed) in (1..12_usize, 0..u64::MAX)) {
         let model = random_tree(n, seed).expect("there is a joint");
@@ -233,14 +233,15 @@ proptest! {
         assert_close!(&torques(&read, &sorted(&q), &sorted(&v), &sorted(&a)), &sorted(&ours), 1e-12);
     }
 
-    /// Pitches of a quarter turn and less than rounding or a little more away from it: rotations come back all the same.
+    /// At pitches of a quarter turn, and near it by less or little more than rounding, rotations are read back
+    /// correctly.
     #[test]
     fn rotations_come_back_at_any_pitch(
         (roll, yaw, side, exponent) in (-3.2..3.2_f64, -3.2..3.2_f64, prop::bool::ANY, -18..1_i32)
     ) {
         let near = FRAC_PI_2 - 10_f64.powi(exponent);
         let pitch = if side { near } else { -near };
-        // There and back, so that rounding leaves as much of what should be small as a product of rotations does.
+        // Forward and back, so that rounding leaves errors like those of products of rotations.
         let turn = Rotation3::from_euler_angles(0.3, 0.4, 0.5);
         let rotation = turn.inverse() * (turn * Rotation3::from_euler_angles(roll, pitch, yaw));
         let model = model_of(one_joint(rotation.into_inner()));
@@ -336,7 +337,7 @@ fn what_no_urdf_can_say_is_refused() {
     );
 }
 
-/// Limits that exist in part, and a body with rotational inertia and no mass.
+/// Partial limits, and a body with rotational inertia but no mass.
 #[test]
 fn unusual_limits_and_inertias_come_back() {
     let limits = Limits {

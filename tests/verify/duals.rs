@@ -1,4 +1,4 @@
-//! The public checker: it passes what is right, and it finds what is wrong, where it is, and says how to see it again.
+//! The public checker accepts correct derivatives, and reports wrong ones with their place and state.
 
 mod general_flow;
 
@@ -57,7 +57,7 @@ fn everything_passes_on_every_robot() {
     }
 }
 
-/// The gradient of the effort is the flow in the weak form, whatever the penalty.
+/// The gradient of the effort is the flow in the weak form, for any penalty.
 #[test]
 fn the_relaxation_goes_where_the_flow_goes() {
     let trees = (0..4).map(|seed| random_tree(6, seed).expect("six joints"));
@@ -70,7 +70,7 @@ fn the_relaxation_goes_where_the_flow_goes() {
     }
 }
 
-/// Joints that turn about y or z on one another or all on the base, each with the mass and the size of its body.
+/// Joints about y or z, in a chain or all on the base, each with the mass and the size of its body.
 fn turning(axis: Vector3<f64>, chain: bool, bodies: &[(f64, f64)]) -> Model {
     let specs = bodies
         .iter()
@@ -94,8 +94,8 @@ fn turning(axis: Vector3<f64>, chain: bool, bodies: &[(f64, f64)]) -> Model {
     Model::from_joints("turning", specs.collect()).expect("there are joints")
 }
 
-/// Rounding is no error where derivatives vanish, as of rotors about vertical axes, nor where a heavy arm carries a light
-/// finger, whose mass matrix has a condition number of 1e8.
+/// Rounding passes where derivatives vanish, as for rotors about vertical axes, and where a heavy arm carries a light
+/// finger, with a condition number of the mass matrix of 1e8.
 #[test]
 fn rounding_is_no_error() {
     let rotors = turning(
@@ -112,7 +112,7 @@ fn rounding_is_no_error() {
         let findings = check_all(&model, &options(5, 3)).expect("a loaded model");
         let off: Vec<&Finding> = findings.iter().filter(|f| !f.passes()).collect();
         assert!(off.is_empty(), "{off:?}");
-        // A bound that allows everything would pass everything.
+        // A bound that is too large would accept every error.
         for finding in findings {
             let largest = match finding.quantity.as_str() {
                 q if q.starts_with("difference") => LARGEST_DIFFERENCE_BOUND,
@@ -124,8 +124,9 @@ fn rounding_is_no_error() {
     }
 }
 
-/// Two ball joints on one another, each of three hinges through one point with a body on the last: the mass matrix is
-/// singular wherever the first and the third hinge of a ball joint are parallel, and a curve of a few radians gets there.
+/// Two ball joints in a chain, each of three hinges through one point with a body on the last: the mass matrix is
+/// singular wherever the first and the third hinge of a ball joint are parallel, and a curve of a few radians meets
+/// such a configuration.
 #[test]
 fn a_curve_across_a_singular_mass_matrix_is_no_error() {
     let specs = (0..6_usize).map(|i| {
@@ -154,7 +155,7 @@ fn a_curve_across_a_singular_mass_matrix_is_no_error() {
     let model = Model::from_joints("two ball joints", specs.collect()).expect("there are joints");
     for finding in check_relaxation(&model, &options(20, 1)).expect("a loaded model") {
         assert!(finding.passes(), "{finding:?}");
-        // What a start beside such a configuration may cost; not a bound that lets anything pass.
+        // Allowed near such a configuration, but still small enough to detect errors.
         assert!(finding.bound <= 1e-6, "{finding:?}");
     }
 }
@@ -177,7 +178,7 @@ impl NodeJacobian for OneWrong<'_> {
 #[test]
 fn a_wrong_entry_is_found() {
     let model = robot("kinova_gen3");
-    // In the rows with 1 / k, where it is small beside everything else, and a NaN anywhere.
+    // In the rows with 1 / k, where it is small beside the others, and a NaN anywhere.
     for (entry, by, block) in [
         ((2, 5), 1e-12, "P1/dx"),
         ((9, 3), f64::NAN, "P2/dx"),
@@ -213,7 +214,7 @@ fn states_are_reproducible_and_within_limits() {
     assert_eq!(state, State::random(&model, 3, 4));
     assert_ne!(state, State::random(&model, 3, 5));
     assert_ne!(state, State::random(&model, 4, 4));
-    // Numbers that vanish or occur twice hide terms and swapped arguments.
+    // Numbers that vanish or coincide hide terms and swapped arguments.
     let mut all = [&state.x[..], &state.xdot, &state.xddot, &[state.t]].concat();
     let count = all.len();
     all.sort_by(f64::total_cmp);

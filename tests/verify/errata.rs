@@ -1,4 +1,4 @@
-//! Readings of the printed equations that `proofs/` does not follow: they fail, exactly, over the field.
+//! Readings of the printed equations that `proofs/` does not follow: they fail exactly over the field.
 
 use aghf::dynamics::{Data, aba, crba, mass_matrix_and_rate, mass_matrix_product_derivative};
 use aghf::flow::{TheoremB3, activation};
@@ -27,7 +27,7 @@ fn omega_4(
     omega_4
 }
 
-/// (B9), (B34): with `w` contracted over the derivative index, or with the transpose of the bracket left out.
+/// (B9), (B34): with `w` contracted over the derivative index, or without the transpose of the bracket.
 #[test]
 fn omega_4_depends_on_the_index_that_is_contracted() {
     let p = instance();
@@ -59,7 +59,7 @@ fn omega_4_depends_on_the_index_that_is_contracted() {
     assert_eq!(right, omega_4(&p, &mut t, ours));
 }
 
-/// (A3) is no example of an activation that vanishes wherever `g <= 0`.
+/// (A3) does not vanish wherever `g <= 0`.
 #[test]
 fn the_activation_does_not_vanish_on_the_boundary() {
     let p = instance();

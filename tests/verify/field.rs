@@ -1,5 +1,5 @@
-//! The prover: it finds a false claim wherever that stands, its instances hide nothing, and no identity compares a side
-//! with itself.
+//! The prover finds a false claim in any place, its instances hide no error, and no identity compares a side with
+//! itself.
 
 use aghf::Result;
 use aghf::model::{JointKind, JointSpec, Model};
@@ -18,7 +18,7 @@ fn instances(seed: u64) -> impl Iterator<Item = RandomInstance> {
     std::iter::repeat_with(move || RandomInstance::random(&mut rng).expect("there is a joint"))
 }
 
-/// Claims that are false in one place alone, and the end of the message.
+/// Claims that are false in a single place, and the end of the message.
 type Wrong = (fn(&RandomInstance) -> Result<Vec<Equality>>, &'static str);
 const WRONG: [Wrong; 4] = [
     (
@@ -81,7 +81,7 @@ fn a_false_claim_is_found_wherever_it_stands() {
     );
 }
 
-/// Numbers that vanish, are one or occur twice could make a false identity hold.
+/// Numbers that vanish, equal one or coincide could make a false identity hold.
 #[test]
 fn the_numbers_of_an_instance_are_in_general_position() {
     for p in instances(1).take(5) {
@@ -135,8 +135,8 @@ fn the_numbers_of_an_instance_are_in_general_position() {
     }
 }
 
-/// The instance with what is no robot: axes of another length, frames that are not rotated but sheared, and matrices of
-/// inertia that are not symmetric.
+/// The instance with inconsistent bodies: axes that are not unit vectors, frames that are sheared and not rotated, and
+/// inertia matrices that are not symmetric.
 fn no_robot(p: RandomInstance) -> RandomInstance {
     let joints = p.model.joints().iter().zip(p.model.inertias());
     let specs = joints.map(|(joint, inertia)| {
@@ -161,7 +161,7 @@ fn no_robot(p: RandomInstance) -> RandomInstance {
     }
 }
 
-/// The identities that are algebra or calculus of any functions, those of the supplement by their numbers.
+/// The identities that are algebra or calculus of arbitrary functions; those of the supplement by their numbers.
 const ALGEBRA: [&str; 17] = [
     "rnea",
     "aba",
@@ -192,7 +192,7 @@ const ALGEBRA_B: [RangeInclusive<u32>; 8] = [
     78..=80,
 ];
 
-/// All others rest on the motion of rigid bodies and fail without it, unless they compare a side with itself.
+/// All others depend on the motion of rigid bodies and fail without it, unless they compare a side with itself.
 #[test]
 fn no_identity_of_motion_holds_for_what_is_no_robot() {
     let p = no_robot(instances(1).next().expect("instances do not end"));

@@ -1,4 +1,4 @@
-//! The ledger: the pages in `proofs/` and the identities that are proved say the same of every numbered equation.
+//! The ledger: the pages in `proofs/` and the proved identities agree on every numbered equation.
 
 use aghf::verify::field::{identities, prove};
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ fn every_equation_and_every_line_has_an_entry() {
     assert!(missing.is_empty(), "without an entry: {missing:?}");
 }
 
-/// Whether `text` has the word `name` right behind one of `keywords`.
+/// Returns true if `text` has the word `name` directly after one of `keywords`.
 fn has(text: &str, keywords: &[&str], name: &str) -> bool {
     let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
     keywords.iter().any(|keyword| {
@@ -96,7 +96,7 @@ fn has(text: &str, keywords: &[&str], name: &str) -> bool {
     })
 }
 
-/// The items of a formatted file: each begins in the first column, and its body does not.
+/// The items of a formatted file: each begins in the first column, unlike its body.
 fn items(text: &str) -> Vec<String> {
     let mut items = Vec::<String>::new();
     for line in text.lines() {
@@ -109,13 +109,13 @@ fn items(text: &str) -> Vec<String> {
     items
 }
 
-/// Whether an item is an `impl` for a type, or the definition of a trait.
+/// Returns true if an item is an `impl` for a type, or the definition of a trait.
 fn is_of(item: &str, owner: &str) -> bool {
     let header = item.split('{').next().unwrap_or_default();
     if !header.starts_with("impl") {
         return has(header, &["trait"], owner);
     }
-    // Behind the generic parameters and the trait stands the type, which may have parameters of its own.
+    // The type follows the generic parameters and the trait, and may have parameters of its own.
     let mut depth = 0;
     let header: String = (header["impl".len()..].replace("->", "").chars())
         .filter(|c| {
@@ -129,8 +129,8 @@ fn is_of(item: &str, owner: &str) -> bool {
     owned.split_whitespace().next() == Some(owner)
 }
 
-/// Whether a file of this text, at `file` under the root, holds what `path` names: `aghf::module::function`, `aghf::module::Type`
-/// or `aghf::module::Type::function`.
+/// Checks that a file with this text, at `file` under the root, contains the item of `path`: `aghf::module::function`,
+/// `aghf::module::Type` or `aghf::module::Type::function`.
 fn holds(text: &str, file: &str, path: &str) -> Result<(), String> {
     let parts: Vec<&str> = path.split("::").collect();
     let is_type = |part: &&str| part.starts_with(char::is_uppercase);
@@ -176,7 +176,7 @@ fn every_entry_names_functions_that_exist() {
     }
 }
 
-/// A link counts where the whole of its path is right, and nowhere else.
+/// A link is accepted only with a completely correct path.
 #[test]
 fn a_stale_link_is_found() {
     let text = "pub fn free<S>(x: S) {\n    fn inner() {}\n}\n\npub struct Square<S> {\n    x: S,\n}\n
@@ -244,7 +244,7 @@ fn every_entry_has_a_verdict() {
     }
 }
 
-/// The errata that the pages have are those in the one table of the front page, and no others.
+/// The errata of the pages are exactly those in the table of the front page.
 #[test]
 fn the_table_of_errata_is_complete() {
     let front = std::fs::read_to_string(folder().join("README.md")).expect("the front page");

@@ -8,4 +8,5 @@ mod duals;
 mod errata;
 mod field;
 mod ledger;
+mod literal;
 mod wrong;

@@ -10,7 +10,7 @@ use aghf::constraint::{
 };
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result, check_length};
-use aghf::geometry::Solid;
+use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
@@ -33,7 +33,7 @@ pub struct Environment {
 
 /// An overlap of a ball of the robot with an obstacle or another link.
 pub(super) struct Overlap {
-    /// The obstacle as in the file, such as `sphere_obstacles[2]`, or the other link.
+    /// The obstacle in quotes, or the other link.
     pub(super) obstacle: String,
     /// The body that carries the ball.
     pub(super) body: Option<usize>,
@@ -51,13 +51,30 @@ impl Environment {
         folder: &Path,
         path: &str,
     ) -> Result<Self> {
-        let mut solids = placed(&file.box_obstacles, path)?;
-        solids.extend(placed(&file.cylinder_obstacles, path)?);
-        solids.extend(placed(&file.capsule_obstacles, path)?);
+        let (mut spheres, mut half_spaces, mut solids) = (Vec::new(), Vec::new(), Vec::new());
+        for Named { name, placed } in placed(&file.obstacles, path)? {
+            let Placement {
+                rotation,
+                translation: centre,
+            } = placed.placement;
+            match placed.shape {
+                Shape::Sphere { radius } => spheres.push(Named {
+                    name,
+                    placed: Sphere { centre, radius },
+                }),
+                Shape::HalfSpace => {
+                    let normal = rotation.column(2).into_owned();
+                    let offset = normal.dot(&centre);
+                    let placed = HalfSpace { normal, offset };
+                    half_spaces.push(Named { name, placed });
+                }
+                _ => solids.push(Named { name, placed }),
+            }
+        }
         let environment = Self {
-            spheres: placed(&file.sphere_obstacles, path)?,
+            spheres,
             solids,
-            half_spaces: placed(&file.half_spaces, path)?,
+            half_spaces,
             body: Body::new(model, file.robot_shape, folder, path)?,
             ignored_pairs: match &file.self_collision {
                 None => None,
@@ -84,12 +101,10 @@ impl Environment {
         let obstacles = spheres.len() + solids.len() + half_spaces.len();
         let (count, pairs) = (environment.body.count(), environment.self_pairs().len());
         if count * obstacles as f64 + pairs as f64 > MOST_DISTANCES {
-            let key = [
-                (spheres.is_empty(), "sphere_obstacles"),
-                (solids.is_empty(), "box_obstacles"),
-            ];
-            let key = key.iter().find(|(empty, _)| !empty);
-            let key = key.map_or("robot_shape", |(_, key)| key);
+            let key = match obstacles {
+                0 => "robot_shape",
+                _ => "obstacles",
+            };
             let own = match pairs {
                 0 => String::new(),
                 pairs => format!(", {pairs} pairs of these included"),
@@ -154,9 +169,9 @@ impl Environment {
     /// The names of all obstacles, each after its key and number: those of the spheres, the half-spaces and the solids.
     #[must_use]
     pub fn obstacle_names(&self) -> Vec<String> {
-        let spheres = self.spheres.iter().map(Named::to_string);
-        let half_spaces = self.half_spaces.iter().map(Named::to_string);
-        let solids = self.solids.iter().map(Named::to_string);
+        let spheres = self.spheres.iter().map(|named| named.name.clone());
+        let half_spaces = self.half_spaces.iter().map(|named| named.name.clone());
+        let solids = self.solids.iter().map(|named| named.name.clone());
         spheres.chain(half_spaces).chain(solids).collect()
     }
 
@@ -192,7 +207,7 @@ impl Environment {
             })
         }));
         if !self.solids.is_empty() {
-            let names = self.solids.iter().map(|solid| solid.name().to_owned());
+            let names = self.solids.iter().map(|solid| solid.name.clone());
             constraints.push(AnyConstraint::Solids(SolidClearance {
                 balls,
                 solids: self.solids().copied().collect(),
@@ -227,16 +242,16 @@ impl Environment {
             let capsule = alone(*ball);
             for sphere in &self.spheres {
                 let clearance = capsule.clearance(placements, &sphere.placed)?;
-                add(sphere.to_string(), clearance);
+                add(format!("'{}'", sphere.name), clearance);
             }
             for half_space in &self.half_spaces {
                 let height = capsule.height(placements, &half_space.placed)?;
-                add(half_space.to_string(), height);
+                add(format!("'{}'", half_space.name), height);
             }
             let centre = centre(ball, placements)?;
             for solid in &self.solids {
                 let clearance = solid.placed.distance(&centre) - ball.radius;
-                add(solid.to_string(), clearance);
+                add(format!("'{}'", solid.name), clearance);
             }
         }
         for [i, j] in self.self_pairs() {

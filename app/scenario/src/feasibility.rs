@@ -74,7 +74,7 @@ fn three_figures(x: f64) -> String {
     if !(1e-3..1e4).contains(&x) {
         return format!("{x:.2e}");
     }
-    // Of 1e-3 the logarithm is -3, of 999 it is 2; beyond that no digit is behind the point.
+    // The logarithm is -3 for 1e-3 and 2 for 999; larger numbers have no decimals.
     let decimals = (2.0 - x.log10().floor()).max(0.0);
     format!("{x:.*}", decimals as usize)
 }

@@ -4,10 +4,7 @@ use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
-use super::obstacles::{
-    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
-    SphereObstacle,
-};
+use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::provenance::is_summary;
@@ -95,21 +92,9 @@ pub struct ScenarioFile {
     /// For the relaxation: the bounds and the price of a free horizon; the search starts from `horizon_s`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
-    /// The spheres to keep clear of.
+    /// The obstacles to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub sphere_obstacles: Vec<SphereObstacle>,
-    /// The boxes to keep clear of.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub box_obstacles: Vec<BoxObstacle>,
-    /// The cylinders to keep clear of.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub cylinder_obstacles: Vec<CylinderObstacle>,
-    /// The capsules to keep clear of.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub capsule_obstacles: Vec<CapsuleObstacle>,
-    /// The half-spaces to stay in.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub half_spaces: Vec<HalfSpaceObstacle>,
+    pub obstacles: Vec<Obstacle>,
     /// The parts of the robot that keep clear of obstacles.
     #[serde(default)]
     pub robot_shape: RobotShape,

@@ -29,6 +29,13 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
             let name = path.rsplit('.').next().unwrap_or_default();
             condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
         }
+        let last = path.rsplit('.').next().unwrap_or_default();
+        if let Some((_, shape)) = FORMER_OBSTACLES.iter().find(|(key, _)| *key == last) {
+            condition = format!(
+                "obstacles of every shape are in one list: \"obstacles\": [{{\"shape\": {{{shape}}}, \
+                 \"pose\": {{\"position_m\": [x, y, z]}}}}] is needed"
+            );
+        }
         refuse(key, condition)
     })?;
     let of_text = |e: serde_json::Error| refuse("scenario", e.to_string());
@@ -40,6 +47,21 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
         None => Ok(value),
     }
 }
+
+/// The former keys of obstacles, one per shape, and these shapes in the list that replaced them.
+const FORMER_OBSTACLES: [(&str, &str); 5] = [
+    ("sphere_obstacles", "\"sphere\": {\"radius_m\": r}"),
+    ("box_obstacles", "\"box\": {\"size_m\": [x, y, z]}"),
+    (
+        "cylinder_obstacles",
+        "\"cylinder\": {\"radius_m\": r, \"length_m\": l}",
+    ),
+    (
+        "capsule_obstacles",
+        "\"capsule\": {\"radius_m\": r, \"length_m\": l}",
+    ),
+    ("half_spaces", "\"half_space\": {}"),
+];
 
 const NO_OBJECT: &str = "it is a list, not an object with keys";
 

@@ -40,13 +40,10 @@ pub use limits::{Enforced, EnforcedLimits};
 pub use moveit::{MoveIt, MoveItHorizon};
 pub use nearest::{Distances, Nearest};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
-pub use obstacles::{
-    BoxObstacle, CapsuleObstacle, CylinderObstacle, HalfSpaceObstacle, RobotShape, SelfCollision,
-    SphereObstacle,
-};
+pub use obstacles::{Obstacle, ObstacleShape, Pose, RobotShape, SelfCollision};
 pub use options::{FlowVariant, Method, SolveOptions};
 pub use own_terms::SharedCost;
-pub use passive::PASSIVE_TORQUE_SHARE;
+pub use passive::{PASSIVE_TORQUE_SHARE, effort_of_joints};
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use report::{Record, SolveReport, Trace, solve};

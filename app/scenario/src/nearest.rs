@@ -131,7 +131,7 @@ impl<'a> Distances<'a> {
                 let normal = (point - sphere.placed.centre)
                     .try_normalize(0.0)
                     .unwrap_or_else(Vector3::z);
-                let names = [self.part(Some(i), capsule.body), sphere.name().to_owned()];
+                let names = [self.part(Some(i), capsule.body), sphere.name.clone()];
                 (names, along(point, normal, capsule.radius))
             }
             Some(Pair::HalfSpace(i, j)) => {
@@ -143,17 +143,14 @@ impl<'a> Distances<'a> {
                 } else {
                     to
                 };
-                let names = [
-                    self.part(Some(i), capsule.body),
-                    half_space.name().to_owned(),
-                ];
+                let names = [self.part(Some(i), capsule.body), half_space.name.clone()];
                 (names, along(lower, normal, capsule.radius))
             }
             Some(Pair::Solid(i, j)) => {
                 let (ball, solid) = (&self.balls[i], &solids[j]);
                 let centre = centre(ball, placements)?;
                 let normal = solid.placed.distance_derivatives(&centre).normal;
-                let names = [self.part(Some(i), ball.body), solid.name().to_owned()];
+                let names = [self.part(Some(i), ball.body), solid.name.clone()];
                 (names, along(centre, normal, ball.radius))
             }
             Some(Pair::Balls([i, j])) => {

@@ -74,7 +74,7 @@ impl Scenario {
         self.own.running_cost.is_some() || self.file.running_cost.is_some()
     }
 
-    /// The running cost that is minimised, without the price of time.
+    /// The running cost that is minimised, without the weight of time.
     pub(super) fn running_cost(&self) -> Result<ScenarioCost<'_>> {
         let model = &self.model;
         Ok(match (&self.own.running_cost, &self.file.running_cost) {

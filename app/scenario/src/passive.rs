@@ -61,7 +61,7 @@ impl Scenario {
 ///
 /// # Errors
 /// The robot of the curve has another number of joints.
-pub(super) fn effort_of_joints(
+pub fn effort_of_joints(
     model: &Model,
     curve: &Curve,
     joints: &[usize],
@@ -76,41 +76,4 @@ pub(super) fn effort_of_joints(
         .collect();
     let pairs = squares.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     Ok(pairs.sum::<f64>() * curve.horizon() / intervals as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use aghf::curve::Chebyshev;
-    use aghf::motion::{Guess, Problem};
-
-    #[test]
-    fn the_effort_of_some_joints_is_the_integral_of_their_squares() -> Result<()> {
-        let model = aghf::urdf::builtin_robot("cart_pole")?;
-        let problem = Problem::new(&model, vec![0.0; 4], vec![0.3, 1.0, 0.0, 0.0], 2.0)?;
-        let nodes = Chebyshev::new(9, problem.horizon())?;
-        let line = problem.guess(Guess::LineConfiguration, &nodes);
-        let curve = Curve::new(nodes, line)?;
-        let intervals = 400;
-        for joints in [vec![], vec![1], vec![0, 1]] {
-            let effort = effort_of_joints(&model, &curve, &joints, intervals)?;
-            // By Simpson's rule.
-            let mut sum = 0.0;
-            for (k, at) in sample(&model, &curve, intervals)?.iter().enumerate() {
-                let weight = match k {
-                    0 => 1.0,
-                    _ if k == intervals => 1.0,
-                    _ => 2.0 + 2.0 * (k % 2) as f64,
-                };
-                sum += weight * joints.iter().map(|i| at.u[*i] * at.u[*i]).sum::<f64>();
-            }
-            let expected = sum * 2.0 / (3.0 * intervals as f64);
-            assert!(
-                (effort - expected).abs() <= 1e-4 * expected,
-                "{joints:?} {effort} {expected}"
-            );
-            assert_eq!(effort > 0.0, !joints.is_empty());
-        }
-        Ok(())
-    }
 }

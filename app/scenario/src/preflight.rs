@@ -35,7 +35,7 @@ pub(super) fn slowest(
         .zip(goal)
         .map(|(start, goal)| (goal - start).abs());
     let times = ways.enumerate().map(|(i, way)| (i, way / speed(i)));
-    // What does not move takes no time, even at no speed.
+    // A joint that does not move takes no time, even at a velocity limit of zero.
     let moving = times.filter(|(_, time)| *time > 0.0);
     moving.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
@@ -156,7 +156,8 @@ impl Scenario {
         else {
             return Ok(());
         };
-        // The first frame of a body is that of the link which its joint carries; to the base many may be locked.
+        // The first frame of a body is that of the link on its joint. Several links may be locked to the base, so it
+        // has none.
         let mut frames = self.model.frames().iter();
         let frame = frames.find(|f| f.body == body && body.is_some());
         let link = link.or_else(|| frame.map(|f| f.name.clone()));

@@ -100,7 +100,7 @@ fn solve_by_relaxation(
     let solve_seconds = started.elapsed().as_secs_f64();
     let stopped = solution.stopped;
     let missed = failure_of(&solution, settings);
-    // Who plans the first start is content with a motion that keeps the constraints.
+    // With `PlannedStarts::First` a feasible motion is a success, minimum or not.
     let content = settings.planned_starts == PlannedStarts::First && solution.kept;
     let (failure, note) = match (missed, stopped) {
         (Some(missed), _) if content => (None, Some(format!("no minimum: {missed}"))),
@@ -121,7 +121,7 @@ fn solve_by_relaxation(
         minima: solution.minima_curves,
         best_start: solution.best_start,
     };
-    // What was minimised, where that was not the control effort alone.
+    // The cost is reported only if it is not the control effort alone.
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
     let other = time.is_some() || scenario.has_running_cost();
@@ -143,7 +143,7 @@ fn solve_by_relaxation(
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
     let history = iterations.into_iter().map(Record::Relax).collect();
-    // No value that is reported depends on the penalty.
+    // No reported value depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
     let found = Solution {
         curve,
@@ -262,8 +262,8 @@ pub(super) fn report_of(
         None => "the forward simulation with feedback stopped before its end".to_owned(),
     });
     let completed = failure.is_none();
-    // The simulation is what a flow is judged by. A motion of the relaxation is what it is: the simulation tests how sensitive it is. With
-    // passive joints it tells as well whether the torques that they lack are missed.
+    // After a flow the simulation decides on success. After the relaxation it only measures sensitivity, except with
+    // passive joints, where it shows whether zero torque there suffices.
     let simulated = method == Method::Flow || !passive.is_empty();
     let success = completed && feasible && (reached || !simulated);
     let mut notes = scenario.notes(options);
@@ -271,7 +271,7 @@ pub(super) fn report_of(
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }
-    // With all that is violated, and with the simulation where it is what decides.
+    // The reasons include all violations, and the simulation where it decides.
     let missed = missed.filter(|_| completed && simulated);
     let reasons = [failure, feasibility.reason(tolerance), missed];
     let reasons: Vec<String> = reasons.into_iter().flatten().collect();
@@ -292,7 +292,7 @@ pub(super) fn report_of(
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
-        // Rounding is no effort.
+        // A difference below zero is a rounding error.
         control_effort: (effort.control_effort - effort_of_passive).max(0.0),
         dynamics_defect: effort.dynamics_defect,
         solve_seconds,

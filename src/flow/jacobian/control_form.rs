@@ -263,7 +263,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         let (model, data) = (self.model, &mut self.data);
         rnea_weighted_hessian(model, data, q, v, a, self.mu.as_slice(), &mut self.hessian)?;
         mass_matrix_product_derivative(model, data, q, self.y.as_slice(), &mut self.k_y)?;
-        // z is not needed any more, its place is.
+        // z is no longer needed, so its storage is reused.
         self.z.zip_apply(&self.mudot, |z, mudot| *z = mudot - *z);
         mass_matrix_product_derivative(model, data, q, self.z.as_slice(), &mut self.k_rest)?;
         let [q, _, _, u] = &mut self.jet_arguments;
@@ -294,7 +294,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
             self.brackets[(j, n + j)] -= k;
             self.brackets[(j, 2 * n + j)] += k;
         }
-        // Products with the inverse are several times faster than as many solves.
+        // Products with the inverse are several times faster than the same number of solves.
         self.h_inverse.fill_with_identity();
         self.ldlt.solve_columns(&mut self.h_inverse);
         self.lower.gemm(one, &self.h_inverse, &self.brackets, zero);

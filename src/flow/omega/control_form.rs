@@ -13,10 +13,13 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// With $L = k |\dot x_{P1} - x_{P2}|^2 + |u|^2$ the heat flow (7) is
 ///
 /// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) - \tfrac2k \left( \tfrac{\partial ID}{\partial q} \right)^T u, $$
-/// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v}
+/// $$ \Omega_{P2} = 2 (H H)^{-1} \left[ \dot H u + H \dot u + k (\dot x_{P1} - x_{P2}) -
+///    \left( \tfrac{\partial ID}{\partial v}
 ///    \right)^T u \right] $$
-/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[ \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} +
-///    H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right) \right], $$
+/// $$ = 2 \ddot x_{P2} + 2 H^{-1} \left[
+///    \tfrac{\partial ID}{\partial q} \dot x_{P1} + \tfrac{\partial ID}{\partial v} \dot x_{P2} +
+///    H^{-1} \left( \dot H u + k (\dot x_{P1} - x_{P2}) - \left( \tfrac{\partial ID}{\partial v} \right)^T u \right)
+///    \right], $$
 ///
 /// since $\dot u = \frac{\partial ID}{\partial q} \dot x_{P1} + \frac{\partial ID}{\partial v} \dot x_{P2} + H \ddot
 /// x_{P2}$. The last form is the one that is evaluated, because it never multiplies a term by `H` and then divides it
@@ -29,7 +32,8 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 /// $\dot u$, the metric is $\mathrm{blockdiag}(k I, H W H)$, and
 ///
 /// $$ \Omega_{P1} = 2 (\ddot x_{P1} - \dot x_{P2}) + \tfrac1k (\dot \lambda_e - 2 J_q^T \mu), $$
-/// $$ \Omega_{P2} = (H W H)^{-1} \left[ 2 \dot H \mu + 2 H \dot \mu + 2 k (\dot x_{P1} - x_{P2}) + \lambda_e - 2 J_v^T \mu \right] . $$
+/// $$ \Omega_{P2} = (H W H)^{-1} \left[
+///    2 \dot H \mu + 2 H \dot \mu + 2 k (\dot x_{P1} - x_{P2}) + \lambda_e - 2 J_v^T \mu \right] . $$
 #[derive(Clone, Debug)]
 pub struct ControlForm<'m, C: Scalar = f64, S: Scalar = C, L = ()> {
     model: &'m Model<C>,
@@ -133,7 +137,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
         let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
 
         let view = |x| DVectorView::from_slice(x, n);
-        // What the inertia forces leave of the rate of u.
+        // The rate of u without its inertia term H xddot_P2.
         self.rate.gemv(one, dq, &view(node.xdot_p1()), zero);
         self.rate.gemv(one, dv, &view(a), one);
 

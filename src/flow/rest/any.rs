@@ -63,7 +63,7 @@ pub struct AnyRest {
 /// [`FlowToRest`](super::FlowToRest), on one grid and without constraints. The ends of the curve are fixed. The
 /// [guide](crate::guide::lagrangian) has an example.
 ///
-/// The quadrature is that of the grid; compare with a finer grid to check that it is accurate enough for the Lagrangian.
+/// The quadrature is that of the grid; compare with a finer one to check that it is accurate enough for the Lagrangian.
 pub struct AnyFlowToRest<'a, L> {
     grid: &'a StateGrid<f64>,
     lagrangian: L,

@@ -26,4 +26,5 @@ pub use augmented::AugmentedLagrangian;
 pub use dual::DualLagrangian;
 pub use grid::StateGrid;
 pub use lagrangian::{LagrangianDerivatives, PointLagrangian, StatePoints};
-pub(in crate::flow) use row_terms::{RowDuals, RowTerms};
+#[doc(hidden)]
+pub use row_terms::{RowDuals, RowTerms};

@@ -37,7 +37,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
     }
     let mut all = findings.all;
     for (name, kind) in JacobianKind::by_name() {
-        // Of the others one is the reference and one is for comparison only.
+        // Dual numbers are the reference, and central differences are for comparison only.
         if let JacobianKind::ControlForm | JacobianKind::TheoremB4 = kind {
             all.extend(compare_jacobians(
                 model,
@@ -132,7 +132,8 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         let length = (capsule.ends[1] - capsule.ends[0]).norm();
         balls.extend(capsule.balls(length.max(0.1))?);
     }
-    // One off the axis of a joint, as those of a single joint are all on it and move nowhere, and one on the base.
+    // A ball off the axis of the last joint, because with a single joint all others are on the axis and do not move,
+    // and one on the base.
     for body in [n.checked_sub(1), None] {
         balls.push(CollisionSphere {
             body,

@@ -87,8 +87,8 @@ pub(super) fn check_differences(
     let mut look = |at: At<'_>, ours: &NodeBlocks, expected: &NodeBlocks| {
         let pairs = pairs(ours, expected);
         let largest = pairs.iter().fold(0.0_f64, |m, (_, _, b)| m.max(b.amax()));
-        // The mass matrix loses rank over a distance of about one over the root of its condition number, and the truncation is of
-        // order four in the step over that distance.
+        // The mass matrix loses rank over a distance of about one over the root of its condition number, and the
+        // truncation is of order four in the step over that distance.
         let bound = DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2);
         if bound > LARGEST_DIFFERENCE_BOUND {
             return;

@@ -146,7 +146,7 @@ impl State {
         for (q, joint) in x.iter_mut().zip(model.joints()) {
             let limits = joint.limits();
             let (lower, upper) = (limits.lower.max(-PI), limits.upper.min(PI));
-            // Limits that lie outside half a turn have no part in it.
+            // Limits entirely outside half a turn are ignored.
             if lower < upper {
                 *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
             }
@@ -326,7 +326,7 @@ impl Findings {
         b: DMatrixView<'_, f64>,
     ) {
         let difference = a - b;
-        // A NaN is the worst of all.
+        // NaN counts as the largest error.
         let key = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
         let (entry, worst) =
             (difference.iter().map(key).enumerate()).fold((0, 0.0), |worst, next| {

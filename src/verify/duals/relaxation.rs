@@ -175,7 +175,7 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
             Ok(u)
         };
         let jump = control(e, -1.0)? - control(e - 1, 1.0)?;
-        // Only the slope of the breakpoint has a slope there, of one.
+        // At a breakpoint only the slope function has a nonzero slope, which is one.
         let mut column = sum.column_mut(basis.first(e));
         column.axpy(-2.0, &(&h * jump), 1.0);
     }

@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
 
-/// The number of states that are evaluated together: one more than go through the dynamics side by side.
+/// The number of states that are evaluated together: one more than the SIMD lanes of the dynamics.
 const TOGETHER: usize = 5;
 /// The parts of $[x; \dot x]$.
 const PARTS: [&str; 4] = ["x_P1", "x_P2", "xdot_P1", "xdot_P2"];

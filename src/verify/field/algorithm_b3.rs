@@ -46,7 +46,8 @@ fn curve(p: &RandomInstance) -> Result<(Chebyshev, Vec<Gf>)> {
     Ok((nodes, [p.xddot.as_slice(), p.xdot.as_slice()].concat()))
 }
 
-/// The nodes have the given values, the ends the boundary states, and derivatives are those by `D` and `D^2`.
+/// Compares the nodes with the given values, the ends with the boundary states, and the derivatives with products by
+/// `D` and `D^2`.
 fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (nodes, unknowns) = curve(p)?;
     let mut collocation = Collocation::<Gf, Gf>::new(&nodes, p.x.as_slice(), p.xdot.as_slice())?;

@@ -38,7 +38,7 @@ pub(super) fn identities() -> Vec<Identity> {
     ]
 }
 
-/// $L_{cons}$ over any scalar, the torque left out unless asked for.
+/// $L_{cons}$ over any scalar, with the torque limits only if `torque` is true.
 fn constrained<S: AlgebraOver<Gf> + Tanh>(
     p: &RandomInstance,
     torque: bool,
@@ -154,7 +154,7 @@ fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// The right-hand side that the Jacobians are of.
+/// The right-hand side whose Jacobians are tested.
 fn right_hand_side(set: &Set, at: &At<'_, Gf, Jet1>) -> Result<DVector<Jet1>> {
     let mut omega = DVector::zeros(at.node.x.len());
     let mut flow = set.right_hand_side(at.model);

@@ -8,8 +8,8 @@ use crate::geometry::{Shape, Solid};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// The number of points per shape. A sign is negative at every second one, so that all cases of a shape occur many
-/// times.
+/// The number of points per shape. A formal sign is negative at about half of them, so that all cases of a shape occur
+/// many times.
 const POINTS: u64 = 128;
 
 /// The identities of this file.

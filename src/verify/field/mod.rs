@@ -25,6 +25,9 @@ mod theorem_b4;
 mod wrt;
 
 pub use instance::RandomInstance;
+// The tests read statements of the text literally with these.
+#[doc(hidden)]
+pub use wrt::{NodeFunction, Wrt, derivative, gathered};
 
 use crate::error::{Result, check_count};
 use crate::scalar::{Jet, PrimeField, Scalar};
@@ -35,9 +38,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// The field.
-pub(crate) type Gf = PrimeField;
+pub type Gf = PrimeField;
 /// First-order dual numbers over the field.
-pub(crate) type Jet1 = Jet<Gf, 1>;
+pub type Jet1 = Jet<Gf, 1>;
 /// Nested first-order dual numbers.
 pub(crate) type Jet2 = Jet<Jet1, 1>;
 

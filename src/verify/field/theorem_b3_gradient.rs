@@ -203,7 +203,7 @@ fn b27(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn b28(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t) = (p.dof(), Reference::at(p)?);
-    // H from inverse dynamics, in which the velocity takes part.
+    // H from inverse dynamics, whose arguments include the velocity.
     let derivative = jacobian(p.x.as_slice(), |x| {
         let columns: Result<Vec<_>> = (0..n)
             .map(|j| inertia_force(&p.model, x, &unit(n, j)))

@@ -9,18 +9,26 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// A function of the node over dual numbers.
-pub(super) type NodeFunction = fn(&At<'_, Gf, Jet1>) -> Result<DVector<Jet1>>;
+pub type NodeFunction = fn(&At<'_, Gf, Jet1>) -> Result<DVector<Jet1>>;
 
 /// The variable of a differentiation.
 #[derive(Clone, Copy)]
-pub(super) enum Wrt {
+pub enum Wrt {
+    /// $x$.
     X,
+    /// $\dot x$.
     Xdot,
+    /// $\ddot x$.
     Xddot,
+    /// $x_{P1}$.
     XP1,
+    /// $x_{P2}$.
     XP2,
+    /// $\dot x_{P1}$.
     XdotP1,
+    /// $\dot x_{P2}$.
     XdotP2,
+    /// $\ddot x_{P2}$.
     XddotP2,
 }
 
@@ -42,12 +50,12 @@ impl Wrt {
 }
 
 /// The quantities of Theorem B4 at a random instance, as Algorithm B2 gathers them.
-pub(super) fn gathered(p: &RandomInstance) -> Result<Quantities<Gf>> {
+pub fn gathered(p: &RandomInstance) -> Result<Quantities<Gf>> {
     Ok(TheoremB4::new(&p.model).gather(p.node())?.clone())
 }
 
 /// The derivative of `f`, rows those of `f`.
-pub(super) fn derivative(
+pub fn derivative(
     p: &RandomInstance,
     part: Wrt,
     f: impl Fn(&At<'_, Gf, Jet1>) -> Result<DVector<Jet1>>,

@@ -1,5 +1,5 @@
-//! Theorem B4 over other scalars and for wrong lengths. Its blocks are proved over the prime field (`verify::field`), and
-//! its Jacobian is compared with dual numbers like every other (`verify::duals`).
+//! Theorem B4 over other scalars and for wrong lengths. Its blocks are proved over the prime field (`verify::field`),
+//! and its Jacobian is compared with dual numbers like every other (`verify::duals`).
 
 use crate::common::{config, model_and_node, node, robot, wave};
 use aghf::flow::Node;

@@ -1,4 +1,4 @@
-//! The public check of a flow of one's own: any Lagrangian, metric, right-hand side and Jacobian.
+//! The public check of a user-defined flow: any Lagrangian, metric, right-hand side and Jacobian.
 
 use crate::common::{robot, robots};
 use aghf::flow::jacobian::{ControlFormJacobian, ForwardDual, NodeJacobian};
@@ -20,7 +20,7 @@ fn options(samples: usize) -> CheckOptions {
 
 type General = ControlLagrangian<f64, ControlDual>;
 
-/// The last joint passive, with duals of the slip and of its torque.
+/// The last joint is passive, with duals of the slip and of its torque.
 fn general(n: usize) -> General {
     let trajectory = |last_alone: bool| {
         let coefficients = DMatrix::from_fn(n, 4, |i, j| {
@@ -73,7 +73,7 @@ fn a_flow_passes_on_every_robot() {
     }
 }
 
-/// Each part that belongs to another flow is found, and it alone.
+/// Each part that belongs to another flow is found, and no other.
 #[test]
 fn what_belongs_to_another_flow_is_found() {
     let model = robot("pendulum_3");
@@ -101,7 +101,7 @@ fn what_belongs_to_another_flow_is_found() {
         ["mine: Omega_P1", "mine: Omega_P2"]
     );
     assert_eq!(off(&metric, &right, &without_dual), ["mine: dOmega_P2/dx"]);
-    // In another metric the second half of everything differs.
+    // In another metric the second half of all quantities differs.
     let of_another = off(&ActuationMetric::default(), &right, &right);
     assert_eq!(
         of_another,
@@ -127,7 +127,7 @@ fn everything_that_is_checked_has_the_general_flow() {
     }
 }
 
-/// A flow by its definition is one of those that are checked.
+/// A flow by its definition can be checked as well.
 #[test]
 fn a_definition_is_its_own_flow() {
     let model = robot("pendulum_2");

@@ -25,7 +25,7 @@ pub(super) fn listen() -> Result<()> {
     use signal_hook::iterator::Signals;
     let failed = |e| Error::io("signals", e);
     signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default()).map_err(failed)?;
-    // `nohup` has some ignored, and they stay so.
+    // Signals ignored by the parent, as by `nohup`, stay ignored.
     let heard = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()
         .filter(|s| !is_ignored(*s));

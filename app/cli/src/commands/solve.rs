@@ -171,11 +171,11 @@ impl Solve {
         };
         let page = page.as_deref();
         let files = write_report(model, &outcome, page, &folder, sampling).or_else(|error| {
-            // What took long to find is not lost because the folder is gone, full, or taken by another process meanwhile.
-            let spare = std::env::temp_dir().join("aghf").join(&scenario.name);
-            let spare = OutputFolder::fresh(&spare)?;
+            // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
+            tell(&format!("aghf: {error}"));
+            let spare = OutputFolder::private(&scenario.name)?;
             tell(&format!(
-                "aghf: {error}; the files are in {}",
+                "aghf: the files are in {}",
                 spare.path().display()
             ));
             write_report(model, &outcome, page, &spare, sampling)

@@ -66,7 +66,7 @@ fn page_at(path: &Path) -> Result<PathBuf> {
 
 /// Opens the page in the browser of the desktop; the error gives the reason of a failure.
 fn open_in_browser(page: &Path) -> std::result::Result<(), String> {
-    // Elsewhere on Linux a browser for terminals might take this one.
+    // On Linux without a desktop, `open` might start a text browser in this terminal.
     let desktops = ["DISPLAY", "WAYLAND_DISPLAY"];
     if cfg!(target_os = "linux") && desktops.iter().all(|name| std::env::var_os(name).is_none()) {
         return Err("there is no desktop".to_owned());
@@ -82,7 +82,7 @@ fn serve(page: &Path, port: u16) -> Result<ExitCode> {
     let address = listener.local_addr().map_err(refused)?;
     print(&format!("serving {} at http://{address}/", page.display()))?;
     for stream in listener.incoming() {
-        // Whoever goes away or asks wrongly is no reason to stop.
+        // Ignore clients that disconnect or send a bad request.
         if let Err(error) = stream.and_then(|stream| answer(stream, page)) {
             tell(&format!("aghf: a request failed: {error}"));
         }

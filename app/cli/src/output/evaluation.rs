@@ -70,7 +70,7 @@ pub fn evaluate(model: &Model, text: &str, file: &str) -> Result<Evaluation> {
     let expected =
         "expected numbers under q, v, a, or under x, xdot, xddot, k of an object; tau may be added";
     let refuse = |condition: String| Error::input(file, "input", condition);
-    // Of a list serde would take the entries for those of the keys in order.
+    // serde would accept a list as the values of the keys in order.
     if text.trim_start().starts_with(['[', '<']) {
         return Err(refuse(expected.to_owned()));
     }
@@ -112,7 +112,7 @@ impl Input {
                     return Err(Error::input(file, "k", condition));
                 }
                 let mut omega = vec![0.0; 2 * n];
-                // The flow of the paper does not read the time.
+                // The paper's flow does not depend on time.
                 let node = Node {
                     t: 0.0,
                     x: &x,

@@ -6,6 +6,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use tempfile::NamedTempFile;
 
 /// Writes `text` to the file at `path`.
 ///
@@ -18,7 +19,7 @@ pub fn write_text(text: &str, path: &Path) -> Result<()> {
 /// Writes a temporary file next to `path` and renames it once it is complete.
 pub(crate) fn write_whole(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<()> {
     Partial::write(path, write)?.complete(true)
 }
@@ -39,9 +40,9 @@ pub(super) fn unfinished(path: &Path, is: bool) {
 /// Removes unfinished files and empty folders before the program ends early.
 pub fn remove_unfinished() {
     let all = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-    // Files before the folders that they are in, which have shorter names.
+    // In reverse order, because the name of a folder comes before those of its files.
     for path in all.iter().rev() {
-        // A folder with results cannot be removed.
+        // Best effort: a folder with results cannot be removed.
         let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir(path));
     }
 }
@@ -49,48 +50,51 @@ pub fn remove_unfinished() {
 /// A complete temporary file, which is removed unless it is renamed.
 pub(super) struct Partial {
     path: PathBuf,
-    partial: PathBuf,
+    partial: NamedTempFile,
 }
 
 impl Partial {
-    /// Writes a temporary file next to `path`.
+    /// Writes a new file of a random name next to `path`, so that no existing file or link is written through.
     pub fn write(
         path: &Path,
-        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
     ) -> Result<Self> {
-        let mut partial = path.as_os_str().to_owned();
-        partial.push(format!(".{}.partial", std::process::id()));
-        let whole = Self {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(path.file_name().unwrap_or_default());
+        builder.suffix(".partial");
+        // Permissions by the umask, as for any result; by default only the owner could read the file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        let partial = builder.tempfile_in(folder.unwrap_or(Path::new(".")));
+        let mut whole = Self {
             path: path.to_owned(),
-            partial: partial.into(),
+            partial: partial.map_err(|e| Error::io(path, e))?,
         };
-        unfinished(&whole.partial, true);
-        let file = File::create(&whole.partial).map_err(|e| Error::io(path, e))?;
-        let mut file = BufWriter::new(file);
+        unfinished(whole.partial.path(), true);
+        let mut file = BufWriter::new(whole.partial.as_file_mut());
         let written = write(&mut file).and_then(|()| {
             file.flush()?;
             file.get_ref().sync_all()
         });
+        drop(file);
         written.map_err(|e| Error::io(path, e))?;
         Ok(whole)
     }
 
     /// Renames the file to its final path. An existing file is an error unless `replace` is true.
     pub fn complete(self, replace: bool) -> Result<()> {
+        let Self { path, partial } = self;
+        unfinished(partial.path(), false);
         let moved = if replace {
-            std::fs::rename(&self.partial, &self.path)
+            partial.persist(&path)
         } else {
-            // Unlike a rename it fails where there is a file, whoever made it meanwhile.
-            std::fs::hard_link(&self.partial, &self.path)
+            // Unlike a rename, this fails if the file exists, even if another process has just created it.
+            partial.persist_noclobber(&path)
         };
-        moved.map_err(|e| Error::io(&self.path, e))
-    }
-}
-
-impl Drop for Partial {
-    fn drop(&mut self) {
-        // It is not there once it was renamed. What is left of it otherwise helps nobody, and the error to report is another.
-        let _ = std::fs::remove_file(&self.partial);
-        unfinished(&self.partial, false);
+        moved.map_err(|e| Error::io(&path, e.error))?;
+        Ok(())
     }
 }

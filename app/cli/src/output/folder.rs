@@ -3,7 +3,7 @@
 use super::files::unfinished;
 use aghf::error::{Error, Result};
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The largest number of folders of one name.
@@ -45,7 +45,7 @@ impl OutputFolder {
             if number > 1 {
                 name.push(format!("-{number}"));
             }
-            // Another process that looks for a folder at the same time finds this one taken.
+            // Creating it also reserves the name against other processes.
             match fs::create_dir(&name) {
                 Ok(()) => return Self::new(Path::new(&name), true, false),
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => (),
@@ -60,6 +60,19 @@ impl OutputFolder {
         ))
     }
 
+    /// Creates a folder of a random name for the results called `name` in the folder of temporary files; on Unix no
+    /// other user may read it.
+    ///
+    /// # Errors
+    /// The folder cannot be created.
+    pub fn private(name: &str) -> Result<Self> {
+        let folder = tempfile::Builder::new()
+            .prefix(&format!("aghf-{name}-"))
+            .tempdir();
+        let folder = folder.map_err(|e| Error::io(std::env::temp_dir(), e))?;
+        Self::new(&folder.keep(), true, false)
+    }
+
     fn new(path: &Path, made: bool, replace: bool) -> Result<Self> {
         let folder = Self {
             path: path.to_owned(),
@@ -69,11 +82,8 @@ impl OutputFolder {
         if made {
             unfinished(path, true);
         }
-        let probe = path.join(format!("probe.{}.partial", std::process::id()));
-        let written = fs::write(&probe, b"probe");
-        // Whatever was written of it, or nothing.
-        let _ = fs::remove_file(&probe);
-        written.map_err(|e| Error::io(path, e))?;
+        let mut probe = tempfile::tempfile_in(path).map_err(|e| Error::io(path, e))?;
+        probe.write_all(b"probe").map_err(|e| Error::io(path, e))?;
         Ok(folder)
     }
 
@@ -93,7 +103,7 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if self.made {
-            // Only an empty one can be removed, and one that is not has results.
+            // Best effort: only an empty folder can be removed, and one with results should stay.
             let _ = fs::remove_dir(&self.path);
             unfinished(&self.path, false);
         }

@@ -40,7 +40,7 @@ pub fn summary_table(summary: &Summary) -> String {
     table.to_string()
 }
 
-/// The rows of that table, each a name and a value.
+/// The rows of the table of a solve, each a name and a value.
 pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let s = summary;
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
@@ -96,7 +96,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         add("largest torque of passive joints", &both);
     }
     let limits = s.feasibility.limit_violations.iter();
-    // The torques of passive joints have a row of their own.
+    // The torques of passive joints have their own row.
     for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
         add("limit exceeded", &violation.to_string());
     }
@@ -296,21 +296,20 @@ pub fn scenario_table() -> Result<String> {
     let builtin = builtin_scenarios().map(str::to_owned);
     for name in builtin.chain(generated_scenarios()) {
         let Scenario { file, .. } = Scenario::load(&name)?;
-        let counts = [
-            (file.sphere_obstacles.len(), "sphere", "spheres"),
-            (file.box_obstacles.len(), "box", "boxes"),
-            (file.cylinder_obstacles.len(), "cylinder", "cylinders"),
-            (file.capsule_obstacles.len(), "capsule", "capsules"),
-        ];
-        let there = counts.into_iter().filter(|(count, ..)| *count > 0);
-        let counted = there.map(|(count, one, more)| match count {
-            1 => format!("1 {one}"),
-            _ => format!("{count} {more}"),
-        });
-        let mut obstacles: Vec<String> = counted.collect();
-        if !file.half_spaces.is_empty() {
-            obstacles.push("floor".to_owned());
+        let mut counts: Vec<(&str, usize)> = Vec::new();
+        for obstacle in &file.obstacles {
+            let name = obstacle.shape.name();
+            match counts.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((name, 1)),
+            }
         }
+        let counted = counts.into_iter().map(|(name, count)| match count {
+            1 => format!("1 {name}"),
+            _ if name.ends_with('x') => format!("{count} {name}es"),
+            _ => format!("{count} {name}s"),
+        });
+        let obstacles: Vec<String> = counted.collect();
         let against = match file.robot_shape {
             _ if obstacles.is_empty() => String::new(),
             RobotShape::JointFrames => "joint frames".to_owned(),

@@ -36,7 +36,7 @@ impl Sampling {
     pub fn times(self, horizon: f64) -> Result<impl Iterator<Item = f64> + use<>> {
         let most = Self::MOST;
         let refuse = |what: &str, condition: String| Err(Error::input("options", what, condition));
-        // Times are quotients, so that none is off by more than its rounding.
+        // Times are quotients, so that each has only one rounding error.
         let (count, per_second) = match self {
             Self::Samples(samples) if !(2..=most).contains(&samples) => {
                 let condition = format!("it is {samples}, at least 2 and at most {most} is needed");
@@ -47,7 +47,7 @@ impl Sampling {
                 if !(rate.is_finite() && rate > 0.0) {
                     return refuse("rate", format!("it is {rate}, a positive number is needed"));
                 }
-                // A product that is a whole number but for rounding is that number.
+                // A product that is an integer up to rounding counts as this integer.
                 let count = (horizon * rate * (1.0 - 1e-12)).ceil();
                 if count >= most as f64 {
                     let condition = format!("{rate} Hz over {horizon} s are more than {most} rows");
@@ -169,7 +169,7 @@ pub fn write_report(
         None => {
             let stale = paths.remove(2);
             if folder.replaces() {
-                // Mostly there is none.
+                // Usually there is none.
                 let _ = std::fs::remove_file(stale);
             }
         }
@@ -179,7 +179,7 @@ pub fn write_report(
     }
     if summary.success && folder.replaces() {
         for name in other {
-            // Mostly there is none.
+            // Usually there is none.
             let _ = std::fs::remove_file(folder.path().join(name));
         }
     }

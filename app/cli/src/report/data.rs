@@ -215,7 +215,7 @@ fn effort_of(rows: &[Sample], joint: usize) -> f64 {
     let mut at = 0;
     while at + 2 < rows.len() {
         let [a, b, c] = [0, 1, 2].map(|k| &rows[at + k]);
-        // Where a segment begins the time stands still.
+        // Two segments share a time: skip the last row of the first one.
         if b.t <= a.t {
             at += 1;
             continue;

@@ -95,7 +95,7 @@ fn radii(model: &Model) -> Vec<f64> {
         .fold(0.0, f64::max);
     let radius = match (OF_REACH * reach).min(OF_LONGEST * longest) {
         radius if radius > 0.0 => radius,
-        // All joints in one place.
+        // All joints are in one place.
         _ => 0.05,
     };
     let share = |way: f64| if reach > 0.0 { way / reach } else { 0.0 };
@@ -171,7 +171,7 @@ fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
 
 /// A rotation that maps the `z` axis to this direction.
 fn along(direction: &Vector3<f64>) -> Matrix3<f64> {
-    // Against the axis any half turn will do.
+    // Opposite to the axis any half turn will do.
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
     });

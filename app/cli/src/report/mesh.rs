@@ -67,7 +67,8 @@ fn small(triangles: &[Triangle]) -> MeshData {
                 triangles: of_u32(&indices),
             };
         }
-        // Triangles of a surface are about as many as cells squared.
+        // The number of triangles of a surface is about the square of the number of cells, but unknown at the finest
+        // grid.
         cells = if cells == FINEST { 512.0 } else { 0.8 * cells };
     }
 }

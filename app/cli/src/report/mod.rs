@@ -1,4 +1,4 @@
-//! Reports as self-contained HTML pages. That of a motion shows the moving robot with plots; others have tables and
+//! Reports as self-contained HTML pages. The page of a motion shows the moving robot with plots; others have tables and
 //! plots.
 //!
 //! Kinematics, clearances and plots of a motion are computed here; the page, `page/`, holds arrays, a renderer and a
@@ -57,7 +57,7 @@ pub fn page(motions: &[Motion<'_>]) -> Result<String> {
 fn filled(data: &impl Serialize, script: &[&str], title: &str) -> Result<String> {
     let json = serde_json::to_string(data)
         .map_err(|e| aghf::error::Error::input("report", "data", e.to_string()))?;
-    // Each at the first place that is for it, and names and data last: what is in them is never looked at.
+    // Each placeholder is replaced once; user data come last, so that placeholders inside them are not expanded.
     let parts = [
         ("/* STYLE */", STYLE),
         ("/* SCRIPT */", &script.concat()),

@@ -72,7 +72,7 @@ pub(super) fn colours(count: usize) -> Vec<RGBColor> {
         return COLOURS[..count].to_vec();
     }
     let colour = |i: usize| {
-        // Neighbours differ in lightness too.
+        // Neighbours differ in lightness, too.
         let lightness = [0.44, 0.60][i % 2];
         let (r, g, b) = HSLColor(i as f64 / count as f64, 0.62, lightness).rgb();
         RGBColor(r, g, b)

@@ -65,22 +65,10 @@ pub(super) struct Tip {
 impl Item {
     /// A shape at `placement` in a body.
     pub fn new(body: Option<usize>, placement: &Placement<f64>, shape: &Shape<f64>) -> Self {
-        let (kind, size) = match *shape {
-            Shape::Sphere { radius } => ("sphere", [radius; 3]),
-            Shape::Cuboid { half_extents } => ("box", half_extents.into()),
-            Shape::Cylinder {
-                radius,
-                half_length,
-            } => ("cylinder", [radius, radius, half_length]),
-            Shape::Capsule {
-                radius,
-                half_length,
-            } => ("capsule", [radius, radius, half_length]),
-        };
         Self {
             body,
-            kind,
-            size,
+            kind: shape.name(),
+            size: shape.half_lengths().into(),
             pose: pose(placement),
             color: None,
             name: None,
@@ -110,7 +98,7 @@ pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
     });
     let spheres: Vec<Solid> = spheres.collect();
     let planes: Vec<_> = environment.half_spaces().collect();
-    // The names are those of spheres, half-spaces and other solids, in this order.
+    // The names are in the order of spheres, half-spaces and other solids.
     let (of_spheres, others) = names.split_at(spheres.len());
     let (of_planes, of_solids) = others.split_at(planes.len());
     let solids = spheres.iter().chain(environment.solids());
@@ -201,7 +189,7 @@ impl<'a> Robot<'a> {
         let seen = |body: Option<usize>| self.shapes.iter().any(|item| item.body == body);
         unseen.retain(|body| !seen(*body));
         let capsules = capsules_along_links(self.model, &unseen);
-        // A robot that shows itself needs no capsules where its frames have no extent.
+        // The base is drawn only for a robot without shapes of its own.
         if self.shapes.is_empty() {
             let base = base_shapes(self.model);
             self.shapes.extend(base);

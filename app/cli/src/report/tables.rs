@@ -8,8 +8,8 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 
-/// The largest number of rows of a table and of points of a plot: more make a browser slow, and the files have them
-/// all.
+/// The largest number of rows of a table and of points of a plot: more make a browser slow, and the result files are
+/// complete.
 const MOST_ROWS: usize = 5_000;
 const MOST_POINTS: usize = 20_000;
 /// The number of digits of a number on a page.
@@ -226,7 +226,7 @@ fn cell(text: &str) -> Value {
         .bytes()
         .all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     match text.parse::<f64>() {
-        // A script would lose digits of an integer of this size.
+        // A script would round an integer of this size.
         Ok(_) if text.bytes().all(|b| b.is_ascii_digit()) => text.into(),
         Ok(x) if is_number && x.is_finite() => {
             let rounded = format!("{x:.*e}", DIGITS - 1).parse::<f64>();

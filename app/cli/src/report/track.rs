@@ -51,7 +51,7 @@ pub(super) struct Clearance {
     pub distances: Vec<f64>,
 }
 
-/// Samples the curve at equal distances in each segment, both of its ends included, so that jumps between segments are
+/// Samples the curve at equal distances in each segment, including both of its ends, so that jumps between segments are
 /// visible. The number of intervals of a segment is even.
 pub(super) fn rows_of(model: &Model, curve: &Curve, [rate, most]: [f64; 2]) -> Result<Vec<Sample>> {
     let segments = curve.segments();

@@ -15,7 +15,7 @@ fn problems(folder: &Path) {
     }
     let blocked = json!({
         "robot": "pendulum_1", "horizon_s": 1.0, "q_start": [0.0], "v_start": [0.0], "q_goal": [3.0], "v_goal": [0.0],
-        "sphere_obstacles": [{ "center_m": [0.0, 0.0, 0.0], "radius_m": 5.0 }]
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 5.0 } }, "pose": { "position_m": [0.0, 0.0, 0.0] } }]
     });
     std::fs::write(folder.join("blocked_1.json"), blocked.to_string()).expect("writable");
 }

@@ -116,18 +116,15 @@ fn a_problem_becomes_a_scenario() {
         [&file["free_horizon"], &file["horizon_s"]],
         [&free, &json!(2.0)]
     );
-    let table = json!({ "name": "table", "center_m": [0.1, 0.0, -1.0], "size_m": [1.0, 2.0, 0.1] });
-    assert_eq!(file["box_obstacles"], json!([table]));
+    let table = json!({ "name": "table", "shape": { "box": { "size_m": [1.0, 2.0, 0.1] } }, "pose": { "position_m": [0.1, 0.0, -1.0] } });
+    assert_eq!(file["obstacles"][0], table);
     // The object is turned by half a turn about z, the cylinder by another one about x.
-    let post = &file["cylinder_obstacles"][0];
-    assert_eq!(
-        [&post["name"], &post["radius_m"], &post["length_m"]],
-        [&json!("shelf[0]"), &json!(0.03), &json!(0.4)]
-    );
-    assert_eq!(post["center_m"], json!([0.9, -0.2, 0.5]));
-    assert_eq!(post["orientation_xyzw"], json!([0.0, 1.0, 0.0, 0.0]));
-    let ball = json!({ "name": "shelf[1]", "center_m": [1.0, 0.0, 2.0], "radius_m": 0.05 });
-    assert_eq!(file["sphere_obstacles"], json!([ball]));
+    let pose = json!({ "position_m": [0.9, -0.2, 0.5], "orientation_xyzw": [0.0, 1.0, 0.0, 0.0] });
+    let post = json!({ "cylinder": { "radius_m": 0.03, "length_m": 0.4 } });
+    let post = json!({ "name": "shelf[0]", "shape": post, "pose": pose });
+    assert_eq!(file["obstacles"][1], post);
+    let ball = json!({ "name": "shelf[1]", "shape": { "sphere": { "radius_m": 0.05 } }, "pose": { "position_m": [1.0, 0.0, 2.0] } });
+    assert_eq!(file["obstacles"][2], ball);
     assert_eq!(
         file["self_collision"],
         json!({ "ignored_pairs": [["arm", "hand"]] })
@@ -164,8 +161,7 @@ fn an_end_in_an_obstacle_is_told() {
     let run = aghf(&inside, &IMPORT);
     assert_eq!(run.code, Some(0));
     assert!(
-        run.stderr.contains("note: it has no solution: ")
-            && run.stderr.contains("box_obstacles[0] 'table'"),
+        run.stderr.contains("note: it has no solution: ") && run.stderr.contains("inside 'table'"),
         "{}",
         run.stderr
     );

@@ -8,7 +8,7 @@ use std::path::Path;
 fn hanging(folder: &Path) {
     let scenario = json!({
         "robot": "pendulum_1", "horizon_s": 1.0, "q_start": [0.0], "v_start": [0.0], "q_goal": [0.0], "v_goal": [0.0],
-        "sphere_obstacles": [{ "center_m": [5.0, 0.0, 0.0], "radius_m": 0.5 }]
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 0.5 } }, "pose": { "position_m": [5.0, 0.0, 0.0] } }]
     });
     std::fs::write(folder.join("hang.json"), scenario.to_string()).expect("writable");
 }

@@ -26,7 +26,7 @@ fn commands(text: &str) -> Vec<Vec<String>> {
 #[test]
 fn the_table_of_commands_names_options_that_are_there() {
     let folder = empty_folder("readme_table");
-    let table = text_of("src/guide/command_line.md");
+    let table = text_of("app/cli/src/guide/command_line.md");
     let mut seen = 0;
     // Rows that begin with an option are those of `solve`.
     let table = table.replace("\n| `--", "\n| `aghf solve --");
@@ -78,7 +78,7 @@ fn the_commands_of_the_readme_run() {
 #[test]
 fn the_first_motion_goes_from_a_scenario_to_a_table() {
     let folder = empty_folder("first_motion");
-    let guide = text_of("src/guide/first_motion.md");
+    let guide = text_of("app/scenario/src/guide/first_motion.md");
     let scenario = guide.split("let text = r#\"").nth(1).expect("a scenario");
     let scenario = scenario.split("\"#;").next().expect("its end");
     std::fs::write(folder.join("reach.json"), scenario).expect("writable");

@@ -106,14 +106,23 @@ fn nobody_who_listens_is_no_reason_to_stop() {
     assert_eq!(files(&folder).len(), 3);
 }
 
-/// Two at once for the same folder: one has it, and the other says where its files are.
+/// Of two solves for the same folder one has it, and the other writes to a new private folder and names it. A file or a
+/// link of any name in the folder of temporary files, made by whomever, does not matter.
 #[test]
+#[cfg(unix)]
 fn two_solves_for_one_folder_lose_none() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
     let folder = empty_folder("two");
+    let (spare, elsewhere) = (folder.join("spare"), folder.join("elsewhere"));
+    for folder in [&spare, &elsewhere] {
+        std::fs::create_dir(folder).expect("writable");
+    }
+    std::fs::write(spare.join("aghf"), "").expect("writable");
+    symlink(&elsewhere, spare.join("aghf-pendulum_3_swingup")).expect("writable");
     let solve = || {
         Command::new(env!("CARGO_BIN_EXE_aghf"))
             .current_dir(&folder)
-            .env("TMPDIR", folder.join("spare"))
+            .env("TMPDIR", &spare)
             .args([
                 "solve",
                 "pendulum_3_swingup",
@@ -135,8 +144,30 @@ fn two_solves_for_one_folder_lose_none() {
         .map(|run| String::from_utf8_lossy(&run.stderr))
         .collect();
     assert!(
-        told.contains("same/") && told.contains("; the files are in "),
+        told.contains("same/") && told.contains("the files are in "),
         "{told}"
     );
-    assert_eq!(files(&folder).len(), 6, "{:?}", files(&folder));
+    let own = std::fs::read_dir(&spare)
+        .expect("readable")
+        .filter_map(|entry| {
+            let entry = entry.expect("readable");
+            entry
+                .file_type()
+                .expect("readable")
+                .is_dir()
+                .then(|| entry.path())
+        });
+    let own: Vec<_> = own.collect();
+    let [own] = own.as_slice() else {
+        panic!("one private folder: {own:?}")
+    };
+    let mode = std::fs::metadata(own)
+        .expect("it is there")
+        .permissions()
+        .mode();
+    assert_eq!((files(own).len(), mode & 0o777), (3, 0o700));
+    assert_eq!(
+        (files(&folder.join("same")).len(), files(&elsewhere).len()),
+        (3, 0)
+    );
 }

@@ -31,14 +31,23 @@ fn version(dependency: &Value) -> (Option<&str>, Vec<&str>) {
 
 #[test]
 fn versions_are_those_of_this_crate() {
-    let manifest = parsed(&read("Cargo.toml"));
+    let [manifest, app] = ["Cargo.toml", "app/cli/Cargo.toml"].map(|file| parsed(&read(file)));
     let mut compared = 0;
     for block in blocks() {
         let Some(dependencies) = block.get("dependencies").and_then(Value::as_table) else {
             continue;
         };
         for (name, theirs) in dependencies.iter().filter(|(name, _)| *name != "aghf") {
-            let ours = &manifest["dependencies"][name];
+            let tables = [
+                &app["dependencies"],
+                &manifest["dependencies"],
+                &manifest["workspace"]["dependencies"],
+            ];
+            let ours = tables.into_iter().filter_map(|table| table.get(name));
+            let ours = ours
+                .filter(|ours| ours.get("workspace").is_none())
+                .next()
+                .expect("a dependency");
             let ((version, features), (own_version, own_features)) =
                 (version(theirs), version(ours));
             assert!(
@@ -49,7 +58,7 @@ fn versions_are_those_of_this_crate() {
             compared += 1;
         }
     }
-    assert_eq!(compared, 5);
+    assert_eq!(compared, 6);
 }
 
 #[test]
@@ -59,10 +68,7 @@ fn profile_and_flags_are_those_of_this_crate() {
     let (mut levels, mut targets) = (0, 0);
     for block in blocks() {
         if let Some(profile) = block.get("profile") {
-            let of = |profile: &Value| {
-                let dev = &profile["dev"];
-                [&dev["opt-level"], &dev["package"]["*"]["opt-level"]].map(Value::as_integer)
-            };
+            let of = |profile: &Value| profile["dev"]["opt-level"].as_integer();
             assert_eq!(of(profile), of(&manifest["profile"]));
             levels += 1;
         }
@@ -74,23 +80,29 @@ fn profile_and_flags_are_those_of_this_crate() {
     assert_eq!((levels, targets), (1, 1));
 }
 
-/// The tables of features and of examples have what there is.
+/// The tables of features and of examples are complete.
 #[test]
 fn features_and_examples_are_named() {
-    let (page, manifest) = (read("src/guide/your_crate.md"), parsed(&read("Cargo.toml")));
-    let features = manifest["features"].as_table().expect("a table");
+    let page = read("src/guide/your_crate.md");
+    let manifests = ["Cargo.toml", "app/cli/Cargo.toml"].map(|file| parsed(&read(file)));
+    let features = manifests[0]["features"].as_table().expect("a table");
     for feature in features.keys().filter(|name| *name != "default") {
         assert!(page.contains(&format!("\n| `{feature}`")), "{feature}");
     }
-    let examples = manifest["example"].as_array().expect("a list");
-    for example in examples {
-        let name = example["name"].as_str().expect("a name");
-        let needs = example["required-features"][0].as_str().expect("a feature");
-        let rows: Vec<&str> = page
-            .lines()
-            .filter(|line| line.starts_with(&format!("| `{name}` |")))
-            .collect();
-        assert_eq!(rows.len(), 1, "{name}");
-        assert!(rows[0].ends_with(&format!("| `{needs}` |")), "{}", rows[0]);
+    for (manifest, packages) in manifests
+        .iter()
+        .zip(["| `aghf` |", "| `aghf`, `aghf-cli`, `aghf-scenario`"])
+    {
+        for example in manifest["example"].as_array().expect("a list") {
+            let name = example["name"].as_str().expect("a name");
+            let rows = page
+                .lines()
+                .filter(|line| line.starts_with(&format!("| `{name}` |")));
+            let rows: Vec<&str> = rows.collect();
+            assert!(
+                rows.len() == 1 && rows[0].contains(packages),
+                "{name}: {rows:?}"
+            );
+        }
     }
 }

@@ -185,7 +185,7 @@ fn shape(message: &str) -> String {
 /// The files of the corpus of a format, in the order of their names.
 fn corpus(format: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join("tests/fuzz/corpus")
+        .join("app/cli/tests/fuzz/corpus")
         .join(format);
     let entries = std::fs::read_dir(&folder).expect("there is a corpus");
     let mut files: Vec<PathBuf> = entries

@@ -34,7 +34,7 @@ fn scenario(folder: &Path, urdf: &str, obstacle: &str) -> Scenario {
     let scenario = json!({
         "robot": "robot.urdf", "horizon_s": 1.0,
         "q_start": [0.0, 0.0], "v_start": [0.0, 0.0], "q_goal": [0.5, 0.3], "v_goal": [0.0, 0.0],
-        "sphere_obstacles": [{"center_m": [3.0, 3.0, 3.0], "radius_m": 0.1, "name": obstacle}],
+        "obstacles": [{ "name": obstacle, "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [3.0, 3.0, 3.0] } }],
     });
     let path = folder.join("move.json");
     std::fs::write(&path, scenario.to_string()).expect("writable");

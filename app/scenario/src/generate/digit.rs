@@ -2,7 +2,7 @@
 
 use super::paths::Paths;
 use super::witness::Witness;
-use super::{CLEAR, Candidate, HIT, rounded};
+use super::{CLEAR, Candidate, HIT, rounded, sphere};
 use crate::ScenarioFile;
 use crate::builtin::builtin_scenario;
 use crate::json::read_json;
@@ -80,10 +80,10 @@ pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
             let centre = Vector3::new(sole.x + along, sole.y + across, sole.z).map(rounded);
             free = free && paths.free(centre, size, CLEAR)?;
             hit = hit || paths.line.clearance(centre, size)? < -HIT;
-            spheres.push((centre, size));
+            spheres.push(sphere((centre, size)));
         }
     }
-    let mut made = Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres);
+    let mut made = Candidate::new(paths.witness, LINK_RADIUS).with_obstacles(spheres);
     made.rates = [step.v_start, step.v_goal];
     Ok((free && hit).then_some(made))
 }

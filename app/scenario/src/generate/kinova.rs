@@ -3,10 +3,13 @@
 use super::limits::{moving_capsule, near_line};
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
-use super::{CLEAR, Candidate, HIT, direction, round_down, round_up, round_vector, rounded};
-use crate::HalfSpaceObstacle;
+use super::{
+    CLEAR, Candidate, HIT, direction, obstacle, round_down, round_up, round_vector, rounded, sphere,
+};
+use crate::ObstacleShape;
 use aghf::error::Result;
 use aghf::model::Model;
+use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -55,12 +58,12 @@ pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
             spheres.len() - hits < 3
         };
         if wanted && paths.free(centre, radius, CLEAR)? {
-            spheres.push((centre, radius));
+            spheres.push(sphere((centre, radius)));
             hits += usize::from(hit);
         }
         if spheres.len() == 5 && hits >= 2 {
             return Ok(Some(
-                Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres),
+                Candidate::new(paths.witness, LINK_RADIUS).with_obstacles(spheres),
             ));
         }
     }
@@ -89,7 +92,8 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidat
         }
         if free && hit {
             return Ok(Some(
-                Candidate::new(paths.witness, LINK_RADIUS).with_spheres(spheres.to_vec()),
+                Candidate::new(paths.witness, LINK_RADIUS)
+                    .with_obstacles(spheres.map(sphere).to_vec()),
             ));
         }
     }
@@ -107,11 +111,7 @@ pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
     if !sensible || paths.line.lowest()? > height - 2.0 * HIT {
         return Ok(None);
     }
-    let mut made = Candidate::new(paths.witness, LINK_RADIUS);
-    made.half_spaces.push(HalfSpaceObstacle {
-        name: None,
-        normal: [0.0, 0.0, 1.0],
-        offset_m: height,
-    });
-    Ok(Some(made))
+    let made = Candidate::new(paths.witness, LINK_RADIUS);
+    let floor = obstacle(ObstacleShape::HalfSpace {}, Vector3::z() * height);
+    Ok(Some(made.with_obstacles(vec![floor])))
 }

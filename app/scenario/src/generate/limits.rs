@@ -2,7 +2,7 @@
 
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
-use super::{CLEAR, Candidate, HIT, direction, round_up, round_vector, rounded};
+use super::{CLEAR, Candidate, HIT, direction, round_up, round_vector, rounded, sphere};
 use crate::RobotShape;
 use aghf::constraint::Capsule;
 use aghf::dynamics::path_to_base;
@@ -129,7 +129,7 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
                 && paths.free(centre, size, CLEAR * scale)?
             {
                 let made = Candidate::new(paths.witness, radius);
-                return Ok(Some(made.with_spheres(vec![(centre, size)])));
+                return Ok(Some(made.with_obstacles(vec![sphere((centre, size))])));
             }
         }
     }

@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    EnforcedLimits, FlowParameters, HalfSpaceObstacle, PerJoint, RobotShape, RunningCostWeights,
-    ScenarioFile, SphereObstacle,
+    EnforcedLimits, FlowParameters, Obstacle, ObstacleShape, PerJoint, Pose, RobotShape,
+    RunningCostWeights, ScenarioFile,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -68,8 +68,7 @@ struct Candidate {
     rates: [Vec<f64>; 2],
     horizon: f64,
     shape: RobotShape,
-    spheres: Vec<(Vector3<f64>, f64)>,
-    half_spaces: Vec<HalfSpaceObstacle>,
+    obstacles: Vec<Obstacle>,
 }
 
 impl Candidate {
@@ -84,14 +83,29 @@ impl Candidate {
                 radius_m: link_radius,
                 spacing_m: 0.05,
             },
-            spheres: Vec::new(),
-            half_spaces: Vec::new(),
+            obstacles: Vec::new(),
         }
     }
 
-    fn with_spheres(self, spheres: Vec<(Vector3<f64>, f64)>) -> Self {
-        Self { spheres, ..self }
+    fn with_obstacles(self, obstacles: Vec<Obstacle>) -> Self {
+        Self { obstacles, ..self }
     }
+}
+
+/// An obstacle of this shape, not rotated.
+fn obstacle(shape: ObstacleShape, position: Vector3<f64>) -> Obstacle {
+    Obstacle {
+        name: None,
+        shape,
+        pose: Pose {
+            position_m: position.into(),
+            orientation_xyzw: None,
+        },
+    }
+}
+
+fn sphere((centre, radius_m): (Vector3<f64>, f64)) -> Obstacle {
+    obstacle(ObstacleShape::Sphere { radius_m }, centre)
 }
 
 fn rounded(x: f64) -> f64 {
@@ -262,11 +276,6 @@ impl Family {
     }
 
     fn file(&self, robot: &str, mimic: Mimic, made: Candidate) -> ScenarioFile {
-        let sphere = |(centre, radius): (Vector3<f64>, f64)| SphereObstacle {
-            name: None,
-            center_m: centre.into(),
-            radius_m: radius,
-        };
         let [q_start, q_goal] = made.ends;
         let [v_start, v_goal] = made.rates;
         ScenarioFile {
@@ -285,11 +294,7 @@ impl Family {
                 ..RunningCostWeights::default()
             }),
             free_horizon: None,
-            sphere_obstacles: made.spheres.into_iter().map(sphere).collect(),
-            box_obstacles: Vec::new(),
-            cylinder_obstacles: Vec::new(),
-            capsule_obstacles: Vec::new(),
-            half_spaces: made.half_spaces,
+            obstacles: made.obstacles,
             robot_shape: made.shape,
             self_collision: None,
             enforced_limits: if self.within_limits {

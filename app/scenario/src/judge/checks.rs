@@ -107,7 +107,7 @@ pub(super) fn consistency(
             }
             if trajectory.has_accelerations {
                 let off = (mean(v, k, i) - ends(a)).abs();
-                // Where it jumps in this interval it is on either side what those before or after lead to.
+                // At a jump inside the interval, the acceleration extrapolated from each side.
                 let before = (k > 0).then(|| 2.0 * a[k][i] - a[k - 1][i]);
                 let after = (k + 1 < intervals).then(|| 2.0 * a[k + 1][i] - a[k + 2][i]);
                 let led = [before, after].into_iter().flatten();

@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
         }
         self.look(intervals - 1, 1.0, &all)?;
         for k in 0..intervals {
-            // Depth first, so that no more than two lists are kept per halving.
+            // Depth first, so that at most two lists per halving are kept.
             let mut open = vec![([0.0, 1.0], all.clone())];
             while let Some(([from, to], gaps)) = open.pop() {
                 let (middle, left) = self.prove(k, [from, to], &gaps)?;
@@ -216,7 +216,7 @@ impl<'a> Search<'a> {
             self.budget = self.budget.saturating_sub(gaps.len() + PLACING);
         }
         let resolved = (0.1 * self.overlap).max(PRECISION * self.least.abs());
-        // Halves of what rounding makes one point have no middle.
+        // The range can no longer be halved in floating point.
         let last = self.budget == 0 || middle <= range[0] || middle >= range[1];
         for (gap, distance) in gaps.iter().zip(distances) {
             let bound = known(distance - self.way(&self.gaps[*gap]));
@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
         let mut row = Row::new(check, self.overlap);
         let least = Worst::between(self.least, [0.0, f64::INFINITY], "m", at_s);
         row.take(least, || place(&self.gaps[gap]));
-        // A bound may be met by a gap that was found later.
+        // A gap found later may be smaller than the proved bounds.
         let proved = self.proved.min(self.least);
         let short = -self.overlap - proved;
         if row.outcome == Outcome::Pass && short > 0.0 {

@@ -68,12 +68,12 @@ impl Cubic {
     }
 
     /// A bound on the distance of the joint from its position at the middle of `range` anywhere in it: its largest
-    /// speed there times half of the time.
+    /// speed there times half of the duration.
     #[must_use]
     pub fn way_from_middle(&self, range: [f64; 2]) -> f64 {
         let fastest = self.fastest(range).unwrap_or(range[0]);
         let speeds = [range[0], range[1], fastest].map(|s| self.velocity(s).abs());
-        // Of numbers that overflow nothing is known.
+        // After an overflow there is no finite bound.
         let larger = |most: f64, x: f64| {
             if x.is_nan() {
                 f64::INFINITY

@@ -6,7 +6,7 @@ use aghf::model::Model;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
-/// The number of neighbouring samples of the polynomials that are differentiated.
+/// The number of neighbouring samples through which a polynomial is differentiated.
 const NEIGHBOURS: usize = 5;
 
 /// The quantities of a joint, by the first letters of their column names.

@@ -15,7 +15,7 @@ use aghf::model::{Joint, Model};
 use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{Mimic, RobotSource, Srdf, UrdfOptions};
 use messages::{Goal, Request, RobotState, Scene};
-use obstacles::add_obstacles;
+use obstacles::obstacles_of;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use yaml::read_yaml;
@@ -115,7 +115,7 @@ impl MoveIt {
         }
         let zeros = vec![0.0; moving.len()];
         let ignored = self.ignored_pairs(&model, &source)?.ignored_pairs;
-        let mut file = ScenarioFile {
+        let file = ScenarioFile {
             robot: source.absolute()?,
             mimic: self.mimic,
             locked_joints: locked,
@@ -128,11 +128,7 @@ impl MoveIt {
             free_final_velocity: false,
             running_cost: None,
             free_horizon,
-            sphere_obstacles: Vec::new(),
-            box_obstacles: Vec::new(),
-            cylinder_obstacles: Vec::new(),
-            capsule_obstacles: Vec::new(),
-            half_spaces: Vec::new(),
+            obstacles: obstacles_of(&scene, &scene_name)?,
             robot_shape: RobotShape::Collision {
                 spacing_m: self.spacing,
             },
@@ -144,7 +140,6 @@ impl MoveIt {
             feedback: Feedback { kp: 10.0, kv: 10.0 },
             success_threshold: 0.05,
         };
-        add_obstacles(&scene, &scene_name, &mut file)?;
         Scenario::new(file, path, Path::new(""))
     }
 

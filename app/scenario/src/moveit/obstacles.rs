@@ -1,13 +1,14 @@
 //! The obstacles of a planning scene.
 
 use super::messages::{CollisionObject, Pose, Primitive, Scene};
-use crate::obstacles::{Obstacle, unit_quaternion};
-use crate::{BoxObstacle, CylinderObstacle, ScenarioFile, SphereObstacle};
+use crate::obstacles::unit_quaternion;
+use crate::{Obstacle, ObstacleShape};
 use aghf::error::{Error, Result};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Adds the obstacles of a scene to a scenario. `file` names the scene in errors.
-pub(super) fn add_obstacles(scene: &Scene, file: &str, to: &mut ScenarioFile) -> Result<()> {
+/// The obstacles of a scene. `file` names the scene in errors.
+pub(super) fn obstacles_of(scene: &Scene, file: &str) -> Result<Vec<Obstacle>> {
+    let mut obstacles = Vec::new();
     let octomap = scene.world.octomap.as_ref();
     let data = octomap.and_then(|map| map.pointer("/octomap/data"));
     if data.is_some_and(|data| data.as_array().is_none_or(|cells| !cells.is_empty())) {
@@ -44,89 +45,73 @@ pub(super) fn add_obstacles(scene: &Scene, file: &str, to: &mut ScenarioFile) ->
                 1 => object.id.clone(),
                 _ => format!("{}[{j}]", object.id),
             };
-            let placed = place(object.pose.as_ref(), pose);
-            let added = placed.and_then(|placed| add(primitive, name, placed, to));
-            added.or_else(|condition| refuse(element, &condition))?;
+            let made = obstacle(primitive, name, object.pose.as_ref(), pose);
+            let made = made.map_err(|condition| Error::input(file, element, condition))?;
+            obstacles.push(made);
         }
     }
-    Ok(())
+    Ok(obstacles)
 }
 
-/// The pose of a shape in the frame of the scene.
-type Placed = (Vector3<f64>, UnitQuaternion<f64>);
-
-fn place(object: Option<&Pose>, primitive: &Pose) -> std::result::Result<Placed, String> {
+/// The pose of a primitive of an object in the frame of the scene.
+fn pose_of(object: Option<&Pose>, primitive: &Pose) -> std::result::Result<crate::Pose, String> {
     let parts = |pose: &Pose| {
         let turn = unit_quaternion(pose.orientation.into())?;
         Ok::<_, String>((Vector3::from(pose.position), turn))
     };
-    let (inner, inner_turn) = parts(primitive)?;
-    let Some(object) = object else {
-        return Ok((inner, inner_turn));
-    };
-    let (outer, turn) = parts(object)?;
-    Ok((outer + turn * inner, turn * inner_turn))
+    let (mut position, mut turn) = parts(primitive)?;
+    if let Some(object) = object {
+        let (outer, outer_turn) = parts(object)?;
+        (position, turn) = (outer + outer_turn * position, outer_turn * turn);
+    }
+    Ok(crate::Pose {
+        position_m: position.into(),
+        orientation_xyzw: (turn != UnitQuaternion::identity()).then(|| turn.coords.into()),
+    })
 }
 
-/// Adds a shape; an error describes its fault.
-fn add(
+/// The obstacle of a primitive; an error describes its fault.
+fn obstacle(
     primitive: &Primitive,
     name: String,
-    (center, turn): Placed,
-    to: &mut ScenarioFile,
-) -> std::result::Result<(), String> {
-    let name = Some(name);
-    let center_m = center.into();
-    let orientation_xyzw = (turn != UnitQuaternion::identity()).then(|| turn.coords.into());
+    object: Option<&Pose>,
+    pose: &Pose,
+) -> std::result::Result<Obstacle, String> {
     let dimensions = primitive.dimensions.as_slice();
     let kind = primitive.kind.name();
     let numbers = |wanted: &str| {
         let found = dimensions.len();
         format!("dimensions of a {kind} are {wanted}, but {found} numbers are given")
     };
-    match kind.as_str() {
+    let pose = pose_of(object, pose)?;
+    let shape = match kind.as_str() {
         "box" => {
-            let size = dimensions
-                .try_into()
-                .map_err(|_| numbers("its three lengths"))?;
-            let obstacle = BoxObstacle {
-                name,
-                center_m,
-                size_m: size,
-                orientation_xyzw,
-            };
-            obstacle.placed()?;
-            to.box_obstacles.push(obstacle);
+            let size = dimensions.try_into();
+            ObstacleShape::Box {
+                size_m: size.map_err(|_| numbers("its three lengths"))?,
+            }
         }
         "cylinder" => {
-            let [length_m, radius_m] = dimensions
-                .try_into()
-                .map_err(|_| numbers("its length and radius"))?;
-            let obstacle = CylinderObstacle {
-                name,
-                center_m,
-                radius_m,
-                length_m,
-                orientation_xyzw,
-            };
-            obstacle.placed()?;
-            to.cylinder_obstacles.push(obstacle);
+            let size = dimensions.try_into();
+            let [length_m, radius_m] = size.map_err(|_| numbers("its length and radius"))?;
+            ObstacleShape::Cylinder { radius_m, length_m }
         }
         "sphere" => {
-            let [radius_m] = dimensions.try_into().map_err(|_| numbers("its radius"))?;
-            let obstacle = SphereObstacle {
-                name,
-                center_m,
-                radius_m,
-            };
-            obstacle.placed()?;
-            to.sphere_obstacles.push(obstacle);
+            let size = dimensions.try_into();
+            let [radius_m] = size.map_err(|_| numbers("its radius"))?;
+            ObstacleShape::Sphere { radius_m }
         }
         other => {
             return Err(format!(
                 "type is '{other}'; boxes, cylinders and spheres alone are read"
             ));
         }
-    }
-    Ok(())
+    };
+    let obstacle = Obstacle {
+        name: Some(name),
+        shape,
+        pose,
+    };
+    obstacle.solid()?;
+    Ok(obstacle)
 }

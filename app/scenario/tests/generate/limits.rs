@@ -198,7 +198,7 @@ fn a_seed_and_a_robot_decide() {
         (&*pendulum.robot, pendulum.q_start.len()),
         ("pendulum_3", 3)
     );
-    assert_eq!(pendulum.sphere_obstacles.len(), 1);
+    assert_eq!(pendulum.obstacles.len(), 1);
     // Without velocity limits, joints are taken to do 3 rad/s.
     let ways = pendulum.q_start.iter().zip(&pendulum.q_goal);
     let farthest = ways.map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);

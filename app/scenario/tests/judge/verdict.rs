@@ -10,7 +10,7 @@ fn a_good_motion_passes() {
     let scenario = scenario(
         "good",
         json!({ "self_collision": { "ignored_pairs": [] },
-        "box_obstacles": [{ "center_m": [0, 0, 1], "size_m": [4, 4, 0.1] }] }),
+        "obstacles": [{ "shape": { "box": { "size_m": [4, 4, 0.1] } }, "pose": { "position_m": [0, 0, 1] } }] }),
     );
     let whole = good(&scenario.model, FROM, TO, 101);
     let judgement = verdict(&scenario, &whole);
@@ -280,7 +280,7 @@ fn torques_between_samples_are_found() {
 fn overflow_is_not_valid() {
     let scenario = scenario(
         "overflow",
-        json!({ "box_obstacles": [{ "center_m": [0, 0, 1], "size_m": [4, 4, 0.1] }] }),
+        json!({ "obstacles": [{ "shape": { "box": { "size_m": [4, 4, 0.1] } }, "pose": { "position_m": [0, 0, 1] } }] }),
     );
     let mut motion = good(&scenario.model, FROM, TO, 11);
     motion.v[5][0] = 1e308;

@@ -11,8 +11,10 @@ pub fn good() -> Value {
     json!({
         "robot": "pendulum_2", "horizon_s": 2.0,
         "q_start": [-1.5, 0.25], "v_start": [0.0, 0.5], "q_goal": [1.5, 0.75], "v_goal": [1.0, 0.0],
-        "sphere_obstacles": [{ "center_m": [0.0, 3.0, 0.5], "radius_m": 0.1 }],
-        "half_spaces": [{ "normal": [0.0, 0.0, 0.5], "offset_m": -3.0 }],
+        "obstacles": [
+            { "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 3.0, 0.5] } },
+            { "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -3.0] } },
+        ],
         "robot_shape": { "swept-links": { "radius_m": 0.1, "spacing_m": 0.2 } },
         "enforced_limits": { "position": true, "velocity": false, "torque": false },
         "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state", "k_cons": 1e3, "c_cons": 4.0 },
@@ -50,12 +52,7 @@ fn what_a_file_says_is_what_is_solved() {
 #[test]
 fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let mut short = good();
-    let about_obstacles = [
-        "sphere_obstacles",
-        "half_spaces",
-        "robot_shape",
-        "enforced_limits",
-    ];
+    let about_obstacles = ["obstacles", "robot_shape", "enforced_limits"];
     let parameters = ["flow", "feedback", "success_threshold"];
     for key in about_obstacles.into_iter().chain(parameters) {
         short.as_object_mut().expect("it is one").remove(key);
@@ -67,7 +64,7 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
-    assert!(file.enforced_limits.any() && file.sphere_obstacles.is_empty());
+    assert!(file.enforced_limits.any() && file.obstacles.is_empty());
     assert_eq!(
         (file.feedback.kp, file.feedback.kv, file.success_threshold),
         (10.0, 10.0, 0.05)

@@ -59,7 +59,7 @@ fn balls(scenario: &Scenario, q: &[f64]) -> Vec<([f64; 3], f64)> {
 #[test]
 fn the_shape_is_that_of_the_whole_robot() {
     let among = json!({
-        "sphere_obstacles": [{ "center_m": [0.0, 0.0, 9.0], "radius_m": 0.1 }],
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 0.0, 9.0] } }],
         "robot_shape": { "swept-links": { "radius_m": 0.05 } },
     });
     let reduced = load("reduced", &with(five(), among.clone())).expect("it is good");
@@ -85,7 +85,7 @@ fn the_shape_is_that_of_the_whole_robot() {
         with(five(), among),
         json!({
             "locked_joints": { "joint_1": 0.0, "joint_2": 0.5 },
-            "sphere_obstacles": [{ "center_m": [0.0, 0.0, 0.28], "radius_m": 0.02 }],
+            "obstacles": [{ "shape": { "sphere": { "radius_m": 0.02 } }, "pose": { "position_m": [0.0, 0.0, 0.28] } }],
         }),
     );
     let base = load("base", &base).expect("it is good");
@@ -97,7 +97,7 @@ fn the_shape_is_that_of_the_whole_robot() {
         .to_string();
     let words = "base: q_start: a link that is locked to the base is ";
     assert!(
-        error.starts_with(words) && error.ends_with("inside sphere_obstacles[0]"),
+        error.starts_with(words) && error.ends_with("inside 'obstacles[0]'"),
         "{error}"
     );
 }

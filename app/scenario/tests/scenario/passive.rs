@@ -330,3 +330,38 @@ fn the_summary_tells_the_torques_apart() {
     let driven = solved("driven", &hanging(json!({ "passive": [] }))).summary;
     assert_eq!(driven.feasibility.largest_passive_torque, None);
 }
+
+#[test]
+fn the_effort_of_some_joints_is_the_integral_of_their_squares() -> aghf::Result<()> {
+    use aghf::curve::{Chebyshev, Curve};
+    use aghf::motion::{Guess, Problem};
+    let model = aghf::urdf::builtin_robot("cart_pole")?;
+    let problem = Problem::new(&model, vec![0.0; 4], vec![0.3, 1.0, 0.0, 0.0], 2.0)?;
+    let nodes = Chebyshev::new(9, problem.horizon())?;
+    let line = problem.guess(Guess::LineConfiguration, &nodes);
+    let curve = Curve::new(nodes, line)?;
+    let intervals = 400;
+    for joints in [vec![], vec![1], vec![0, 1]] {
+        let effort = aghf_scenario::effort_of_joints(&model, &curve, &joints, intervals)?;
+        // By Simpson's rule.
+        let mut sum = 0.0;
+        for (k, at) in aghf::motion::sample(&model, &curve, intervals)?
+            .iter()
+            .enumerate()
+        {
+            let weight = match k {
+                0 => 1.0,
+                _ if k == intervals => 1.0,
+                _ => 2.0 + 2.0 * (k % 2) as f64,
+            };
+            sum += weight * joints.iter().map(|i| at.u[*i] * at.u[*i]).sum::<f64>();
+        }
+        let expected = sum * 2.0 / (3.0 * intervals as f64);
+        assert!(
+            (effort - expected).abs() <= 1e-4 * expected,
+            "{joints:?} {effort} {expected}"
+        );
+        assert_eq!(effort > 0.0, !joints.is_empty());
+    }
+    Ok(())
+}

@@ -181,13 +181,13 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
     let wrist = origins(&good.model, &good.file.q_goal)[5];
     let sphere = |off: f64, radius: f64| {
         let [x, y, z] = wrist;
-        json!({ "center_m": [x, y, z + off], "radius_m": radius })
+        json!({ "shape": { "sphere": { "radius_m": radius } }, "pose": { "position_m": [x, y, z + off] } })
     };
-    let far = json!({ "center_m": [0.0, 0.0, 9.0], "radius_m": 0.1 });
-    let among = |spheres: [Value; 2]| with(kinova(), json!({ "sphere_obstacles": spheres }));
+    let far = json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 0.0, 9.0] } });
+    let among = |spheres: [Value; 2]| with(kinova(), json!({ "obstacles": spheres }));
     // The ball of the paper's measure is a point.
     let hit = among([far.clone(), sphere(0.02, 0.03)]);
-    let words = "q_goal: link 'spherical_wrist_2_link' is 1.000e-2 m inside sphere_obstacles[1]";
+    let words = "q_goal: link 'spherical_wrist_2_link' is 1.000e-2 m inside 'obstacles[1]'";
     assert_refused(&hit, words);
     assert_eq!(
         refusal(&among([far.clone(), sphere(0.02, 0.02 + 5e-7)])),
@@ -204,21 +204,24 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
     let shape = |spacing: f64| {
         let shape = json!({ "swept-links": { "radius_m": 0.01, "spacing_m": spacing } });
         let [_, _, z] = wrist;
-        let floor = json!([{ "normal": [0.0, 0.0, -2.0], "offset_m": -z - 0.02 }]);
+        let floor = json!([{
+            "shape": { "half_space": {} },
+            "pose": { "position_m": [0.0, 0.0, z + 0.02], "orientation_xyzw": [1.0, 0.0, 0.0, 0.0] }
+        }]);
         with(
             kinova(),
-            json!({ "robot_shape": shape, "half_spaces": floor }),
+            json!({ "robot_shape": shape, "obstacles": floor }),
         )
     };
     let error = refusal(&shape(0.2)).expect("links are above the ceiling");
-    assert!(error.contains("inside half_spaces[0]"), "{error}");
+    assert!(error.contains("inside 'obstacles[0]'"), "{error}");
     let beside = |spacing: f64| {
         let [x, y, z] = origins(&good.model, &good.file.q_start)[5];
-        let obstacle = json!([{ "center_m": [x, y, z + 0.1], "radius_m": 0.08 }]);
+        let obstacle = json!([{ "shape": { "sphere": { "radius_m": 0.08 } }, "pose": { "position_m": [x, y, z + 0.1] } }]);
         let shape = json!({ "swept-links": { "radius_m": 0.01, "spacing_m": spacing } });
         with(
             kinova(),
-            json!({ "robot_shape": shape, "sphere_obstacles": obstacle }),
+            json!({ "robot_shape": shape, "obstacles": obstacle }),
         )
     };
     let coarse = refusal(&beside(0.5)).expect("its balls are large");

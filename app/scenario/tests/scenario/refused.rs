@@ -8,8 +8,8 @@ use aghf_scenario::Scenario;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// By the good scenario that is changed: keys with other values, the key that the error names, and words of its condition, once per
-/// kind of message.
+/// By the good scenario that is changed: keys with other values, the key that the error names, and words of its
+/// condition, once per kind of message.
 const CASES: &str = include_str!("refused.json");
 
 /// What is wrong with a refusal of this key in these words, if anything is.
@@ -95,12 +95,15 @@ fn a_bad_robot_is_named_by_its_file() {
 
 #[test]
 fn too_many_pairs_of_balls_and_obstacles_are_refused() {
-    let many = vec![json!({ "center_m": [5, 5, 5], "radius_m": 0.1 }); 100];
+    let many = vec![
+        json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [5, 5, 5] } });
+        100
+    ];
     let fine = json!({ "swept-links": { "radius_m": 0.05, "spacing_m": 1e-3 } });
-    let keys = json!({ "sphere_obstacles": many, "robot_shape": fine });
+    let keys = json!({ "obstacles": many, "robot_shape": fine });
     let words = "100 obstacles and 1002 balls";
     assert_eq!(
-        problem(load("bad", &with(good(), keys)), "sphere_obstacles", words),
+        problem(load("bad", &with(good(), keys)), "obstacles", words),
         None
     );
 }

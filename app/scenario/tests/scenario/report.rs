@@ -369,7 +369,7 @@ fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
     let scenario = json!({
         "robot": "pendulum_2", "horizon_s": 2.0,
         "q_start": [0, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
-        "sphere_obstacles": [{ "center_m": [0.5, 0.0, -1.5], "radius_m": 0.3 }],
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 0.3 } }, "pose": { "position_m": [0.5, 0.0, -1.5] } }],
         "enforced_limits": { "position": false, "velocity": false, "torque": false }
     });
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("planned_first.json");

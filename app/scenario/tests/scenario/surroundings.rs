@@ -21,12 +21,13 @@ pub fn panda() -> Value {
         "q_start": READY, "v_start": [0, 0, 0, 0, 0, 0, 0],
         "q_goal": [0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], "v_goal": [0, 0, 0, 0, 0, 0, 0],
         "robot_shape": { "collision": {} },
-        "box_obstacles": [
-            { "center_m": [0.0, 0.0, 2.0], "size_m": [0.2, 0.4, 0.6] },
-            { "name": "lid", "center_m": [0.0, 2.0, 0.0], "size_m": [1, 1, 0.1], "orientation_xyzw": [0.0, 0.0, 0.6, 0.8] }
+        "obstacles": [
+            { "shape": { "box": { "size_m": [0.2, 0.4, 0.6] } }, "pose": { "position_m": [0.0, 0.0, 2.0] } },
+            { "name": "lid", "shape": { "box": { "size_m": [1, 1, 0.1] } },
+              "pose": { "position_m": [0.0, 2.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.6, 0.8] } },
+            { "name": "post", "shape": { "cylinder": { "radius_m": 0.1, "length_m": 3.0 } }, "pose": { "position_m": [2.0, 0.0, 0.0] } },
+            { "shape": { "capsule": { "radius_m": 0.2, "length_m": 1.0 } }, "pose": { "position_m": [0.0, -2.0, -0.5] } }
         ],
-        "cylinder_obstacles": [{ "name": "post", "center_m": [2.0, 0.0, 0.0], "radius_m": 0.1, "length_m": 3.0 }],
-        "capsule_obstacles": [{ "ends_m": [[0.0, -2.0, 0.0], [0.0, -2.0, -1.0]], "radius_m": 0.2 }],
         "self_collision": { "ignored_pairs": [["panda_link0", "panda_link1"], ["panda_hand", "panda_link6"]] }
     })
 }
@@ -53,7 +54,7 @@ fn obstacles_are_placed_as_the_keys_say() {
         let found: f64 = solids[3].distance(&Vector3::new(0.0, -2.0, z));
         assert!((found - distance).abs() < 1e-15, "{found}, {distance}");
     }
-    assert_eq!(scenario.file.box_obstacles[1].name.as_deref(), Some("lid"));
+    assert_eq!(scenario.file.obstacles[1].name.as_deref(), Some("lid"));
 }
 
 /// The clearance is that of the nearest ball, and a ball that touches an obstacle is told by link and obstacle.
@@ -76,13 +77,11 @@ fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
     let table = |gap: f64| {
         let [x, y, _]: [f64; 3] = centre(lowest).into();
         let center = [x, y, bottom(lowest) - gap - 0.05];
-        json!([{ "name": "table", "center_m": center, "size_m": [0.2, 0.2, 0.1] }])
+        json!({ "name": "table", "shape": { "box": { "size_m": [0.2, 0.2, 0.1] } }, "pose": { "position_m": center } })
     };
+    let capsule = &panda()["obstacles"][3];
     let scenario = |gap: f64| {
-        let alone = with(
-            panda(),
-            json!({ "box_obstacles": table(gap), "cylinder_obstacles": [] }),
-        );
+        let alone = with(panda(), json!({ "obstacles": [table(gap), capsule] }));
         load("clearance", &with(alone, json!({ "self_collision": null }))).expect("it is good")
     };
     let clear = scenario(0.02);
@@ -97,7 +96,7 @@ fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
         .expect_err("it is in the table")
         .to_string();
     let words = format!(
-        "q_start: link '{}' is 1.000e-2 m inside box_obstacles[0] 'table'",
+        "q_start: link '{}' is 1.000e-2 m inside 'table'",
         lowest.link
     );
     assert!(error.contains(&words), "{error}; {words}");
@@ -116,10 +115,10 @@ fn a_robot_with_locked_joints_keeps_its_shapes() {
         let found = scenario.environment.clearance(&placements);
         found.expect("lengths agree")
     };
-    let near = json!({ "center_m": [0.3, 0.1, 0.3], "radius_m": 0.05 });
+    let near = json!({ "shape": { "sphere": { "radius_m": 0.05 } }, "pose": { "position_m": [0.3, 0.1, 0.3] } });
     let near = with(
         panda(),
-        json!({ "sphere_obstacles": [near], "self_collision": null }),
+        json!({ "obstacles": [near], "self_collision": null }),
     );
     let whole = clearance(&load("locked", &near).expect("it is good"));
     for locked in [&[3][..], &[0, 1], &[1, 4, 6]] {
@@ -144,54 +143,53 @@ fn a_robot_with_locked_joints_keeps_its_shapes() {
 
 #[test]
 fn bad_surroundings_are_refused_by_key() {
-    let one = |key: &str, keys: Value| {
-        let mut obstacle = panda()[key][0].clone();
-        for (key, value) in keys.as_object().expect("an object") {
-            obstacle[key] = value.clone();
-        }
-        with(panda(), json!({ key: [obstacle] }))
+    let one = |i: usize, pointer: &str, value: Value| {
+        let mut obstacle = panda()["obstacles"][i].clone();
+        *obstacle.pointer_mut(pointer).expect("there is such a key") = value;
+        with(panda(), json!({ "obstacles": [obstacle] }))
     };
     let own = |pairs: Value| with(panda(), json!({ "self_collision": pairs }));
     let shape = |shape: Value| with(panda(), json!({ "robot_shape": shape }));
     for (scenario, words) in [
         (
-            one("box_obstacles", json!({ "size_m": [1, 1, 0] })),
-            "box_obstacles[0]: size_m has 0",
+            one(0, "/shape/box/size_m", json!([1, 1, 0])),
+            "obstacles[0]: size_m has 0",
         ),
         (
-            one("box_obstacles", json!({ "size_m": [1, 1] })),
-            "box_obstacles[0].size_m: ;length 2",
+            one(0, "/shape/box/size_m", json!([1, 1])),
+            "obstacles[0].shape.box.size_m: ;length 2",
         ),
         (
-            one("box_obstacles", json!({ "center_m": [1e9, 0, 0] })),
-            "box_obstacles[0]: center_m",
+            one(0, "/pose/position_m", json!([1e9, 0, 0])),
+            "obstacles[0]: position_m",
         ),
         (
-            one("box_obstacles", json!({ "orientation_xyzw": [0, 0, 0, 2] })),
-            "box_obstacles[0]: ;has length 2",
-        ),
-        (
-            one("box_obstacles", json!({ "colour": "red" })),
-            "box_obstacles[0].colour: ",
-        ),
-        (
-            one("cylinder_obstacles", json!({ "radius_m": -1 })),
-            "cylinder_obstacles[0]: radius_m has -1",
-        ),
-        (
-            one("cylinder_obstacles", json!({ "length_m": 0 })),
-            "cylinder_obstacles[0]: length_m has 0",
+            one(1, "/pose/orientation_xyzw", json!([0, 0, 0, 2])),
+            "obstacles[0]: ;has length 2",
         ),
         (
             one(
-                "capsule_obstacles",
-                json!({ "ends_m": [[1, 0, 0], [1, 0, 0]] }),
+                0,
+                "/pose",
+                json!({ "position_m": [0, 0, 0], "colour": "red" }),
             ),
-            "capsule_obstacles[0]: ends_m",
+            "obstacles[0].pose.colour: ",
         ),
         (
-            one("capsule_obstacles", json!({ "radius_m": 0 })),
-            "capsule_obstacles[0]: radius_m has 0",
+            one(2, "/shape/cylinder/radius_m", json!(-1)),
+            "obstacles[0]: radius_m has -1",
+        ),
+        (
+            one(2, "/shape/cylinder/length_m", json!(0)),
+            "obstacles[0]: length_m has 0",
+        ),
+        (
+            one(3, "/shape/capsule/length_m", json!(0)),
+            "obstacles[0]: length_m has 0",
+        ),
+        (
+            one(3, "/shape/capsule/radius_m", json!(0)),
+            "obstacles[0]: radius_m has 0",
         ),
         (
             own(json!({ "ignored_pairs": [["panda_link0", "panda_leg"]] })),

@@ -13,7 +13,7 @@ use crate::verify::reference::{gradient, jacobian, rate, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::{One, Zero};
 
-/// Uses five points, which do not fill the lanes; the Lagrangian is silent at one of them.
+/// Uses five points, which do not fill the lanes; the Lagrangian is disabled at one of them.
 pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     const POINTS: usize = 5;
     const SILENT: usize = 3;
@@ -113,7 +113,7 @@ impl Definition<'_> {
         let by_y = jacobian(y, control)?;
         let moved = (&by_y * vector(along)).component_mul(&self.written.weights[0]);
         let two = Gf::one() + Gf::one();
-        // Everything else is quadratic, so that its Hessian is the same everywhere.
+        // Everything else is quadratic, so its Hessian is constant.
         let [_, velocity, acceleration] = &self.written.weights;
         let rest = Written {
             weights: [DVector::zeros(n), velocity.clone(), acceleration.clone()],

@@ -89,7 +89,7 @@ fn is_passive(p: &RandomInstance, joint: usize) -> bool {
     2 * joint >= p.dof()
 }
 
-/// `c` at $[t; x; \dot x]$: the slip, then the control where it is passive, else zero.
+/// `c` at $[t; x; \dot x]$: the slip, then the control at passive joints and zero at the others.
 fn violation<S: AlgebraOver<Gf>>(p: &RandomInstance, x: &[S], xdot: &[S]) -> Result<DVector<S>> {
     let n = p.dof();
     let u = inverse_dynamics(&p.model, &x[..n], &x[n..], &xdot[n..])?;
@@ -103,7 +103,7 @@ fn violation<S: AlgebraOver<Gf>>(p: &RandomInstance, x: &[S], xdot: &[S]) -> Res
 fn step(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node, model) = (p.dof(), p.node(), &p.model);
     let (slip_dual, of_control) = (trajectory(p, 0)?, trajectory(p, 50)?);
-    // The component of a motor plays no part.
+    // The components of actuated joints have no effect.
     let passive = DMatrix::from_fn(n, 4, |i, degree| {
         let here = if is_passive(p, i) {
             Gf::one()
@@ -120,7 +120,7 @@ fn step(p: &RandomInstance) -> Result<Vec<Equality>> {
     };
     let with_penalty = variation(node, |t, x, xdot| augmented.value(model, t, x, xdot, p.k))?;
 
-    // lambda + rho c and its rate along the curve at this time, and a straight line in time with these.
+    // lambda + rho c and its rate along the curve at this time, and the linear function of time with these.
     let moving = violation(p, &dual(node.x, node.xdot), &dual(node.xdot, node.xddot))?;
     let stepped = |i: usize| -> [Gf; 2] {
         let (rho, [lambda, rate]) = match i.checked_sub(n) {

@@ -83,8 +83,8 @@ fn b43(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![Equality::vectors("Omega", &left, &right)])
 }
 
-/// The derivative of the omega_by_definition, and our composition, against the sum of the derivatives of the four
-/// terms.
+/// Compares the derivative of `omega_by_definition`, and the composition of the library, with the sum of the
+/// derivatives of the four terms.
 pub(super) fn of_terms(
     p: &RandomInstance,
     part: Wrt,

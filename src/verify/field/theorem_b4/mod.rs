@@ -3,8 +3,6 @@
 mod by_x;
 mod by_xdot;
 mod composition;
-#[cfg(test)]
-mod literal;
 
 use super::Identity;
 

@@ -1,4 +1,4 @@
-// What all pages are made of.
+// Elements that all pages share.
 
 const header = document.getElementById("header");
 const main = document.getElementById("main");
@@ -40,7 +40,7 @@ const panel = (title, children, open = true) => {
   return made;
 };
 
-// A switch in the header between light and dark, which is as the system has it until somebody says otherwise. `changed` is called after each.
+// A switch in the header between light and dark; the default is the system's. `changed` is called after each change.
 const followTheme = (changed) => {
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const set = (theme) => {

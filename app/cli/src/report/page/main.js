@@ -1,4 +1,4 @@
-// The page: one column of views with a clock that they share, one of plots and tables.
+// The page: a column of views with a shared clock, and a column of plots and tables.
 
 const motions = JSON.parse(document.getElementById("data").textContent);
 
@@ -236,7 +236,7 @@ document.addEventListener("keydown", (event) => {
     r: () => resetButton.click(),
   };
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
-  // A button takes the space bar for itself.
+  // A focused button handles the space bar itself.
   if (!action || (event.key === " " && event.target.tagName === "BUTTON" && event.target !== playButton)) return;
   event.preventDefault();
   action();
@@ -249,7 +249,7 @@ const advance = (seconds) => {
     state.time = Math.min(end, state.time + state.speed * seconds);
     return;
   }
-  // A moment at the end before it begins again.
+  // A pause at the end before the motion is repeated.
   state.pause += seconds;
   if (!state.loop) play(false);
   else if (state.pause > 0.8) seek(0);
@@ -274,5 +274,5 @@ const frame = (now) => {
 fit();
 play(state.playing);
 requestAnimationFrame(frame);
-// For whoever tests or films the page.
+// For tests and recordings of the page.
 window.report = { state, seek, play, views, camera, colors: () => colors, redraw: () => { dirty = true; } };

@@ -17,13 +17,13 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 const unit = (a) => scaled(a, 1 / (norm(a) || 1));
 
-// The vector `v` turned by the quaternion `q`.
+// The vector `v` rotated by the quaternion `q`.
 const turned = (q, v) => {
   const t = scaled(cross(q, v), 2);
   return add(add(v, scaled(t, q[3])), cross(q, t));
 };
 
-// The turn by `b`, then by `a`.
+// The rotation by `b`, then by `a`.
 const product = (a, b) => [
   a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
   a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
@@ -31,7 +31,7 @@ const product = (a, b) => [
   a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
 ];
 
-// The turn that takes the z axis to the unit vector `v`.
+// The rotation of the z axis to the unit vector `v`.
 const turnFromZ = (v) => {
   if (v[2] < -0.999999) return [1, 0, 0, 0];
   const q = [-v[1], v[0], 0, 1 + v[2]];

@@ -1,4 +1,4 @@
-// What is told of a motion in words and tables.
+// The facts of a motion in words and tables.
 
 const table = (className, head, rows) => {
   const cells = (kind, texts) => texts.map((text) => (text instanceof Node ? element(kind, "", "", [text]) : element(kind, "", text)));
@@ -8,7 +8,7 @@ const table = (className, head, rows) => {
   return element("table", className, "", parts);
 };
 
-// Every joint with its values now and its share of the effort. A row that is chosen is shown alone in the plots.
+// Every joint with its current values and its share of the effort. A selected joint is shown alone in the plots.
 class JointTable {
   constructor(motion, values, choose) {
     this.motion = motion;
@@ -64,7 +64,7 @@ const commandPanel = (motion) => {
         await navigator.clipboard.writeText(command);
         copy.textContent = "Copied";
       } catch {
-        // A page from disk may not have the clipboard: the text is selected instead.
+        // A page from a file may have no access to the clipboard: the text is selected instead.
         getSelection().selectAllChildren(code);
         copy.textContent = "Selected";
       }

@@ -1,6 +1,6 @@
-// Plots: SVG of the report, a cursor, values under the pointer, and a click that moves the robot there.
+// Plots: SVG of the report, a cursor, values at the pointer, and a click that moves the clock.
 
-// Beyond these joints the limits of all together would shade the whole plot, so those of a joint show where it is chosen.
+// The limits of more joints would shade the whole plot, so they are shown only for a selected joint.
 const MOST_SHADED = 8;
 
 class PlotCard {

@@ -123,7 +123,8 @@ class Renderer {
     return this.depthProgram.at;
   }
 
-  // The scene: opaque, seeThrough and lists of ghosts; lines; ground; bounds { centre, radius }; camera { eye, matrix }; colours.
+  // The scene: opaque, seeThrough and lists of ghosts; lines; ground; bounds { centre, radius };
+  // camera { eye, matrix }; colours.
   draw(scene) {
     const { gl, canvas } = this;
     const { centre, radius } = scene.bounds;
@@ -178,12 +179,12 @@ class Renderer {
       gl.bindVertexArray(this.quad.array);
       gl.drawElements(gl.TRIANGLES, this.quad.count, gl.UNSIGNED_INT, 0);
     }
-    // Convex solids show one layer each; the far ones come first.
+    // Convex solids have one visible layer each; the distant ones are drawn first.
     const away = (item) => norm(subtract([item.model[12], item.model[13], item.model[14]], scene.camera.eye));
     gl.enable(gl.CULL_FACE);
     this.drawSolids([...scene.seeThrough].sort((a, b) => away(b) - away(a)), solids());
     gl.disable(gl.CULL_FACE);
-    // Of a ghost the nearest layer alone.
+    // Only the nearest layer of a ghost is drawn.
     for (const ghost of scene.ghosts) {
       gl.depthMask(true);
       gl.colorMask(false, false, false, false);
@@ -208,7 +209,7 @@ class Renderer {
       gl.uniform1f(at.width, line.width * scene.pixels);
       gl.uniform1f(at.split, line.split ?? Infinity);
       gl.bindVertexArray(line.path.array);
-      // What is hidden shows faintly.
+      // Hidden parts are drawn faintly.
       for (const [hidden, by] of [[true, 0.28], [false, 1]]) {
         gl.depthFunc(hidden ? gl.GREATER : gl.LEQUAL);
         gl.uniform4fv(at.before, faint(line.color, by));

@@ -1,4 +1,4 @@
-// A plot of points that is drawn anew for each width, with the name of the nearest point under the pointer.
+// A plot of points that is redrawn for each width, with the name of the point nearest to the pointer.
 
 const SVG = "http://www.w3.org/2000/svg";
 const shape = (name, attributes, text = "") => {
@@ -8,7 +8,7 @@ const shape = (name, attributes, text = "") => {
   return made;
 };
 
-// An axis over values: logarithmic where they are positive and differ much. `at` gives its share of the length.
+// An axis for values: logarithmic if they are positive and of different magnitudes. `at` is a fraction of its length.
 class Axis {
   constructor(values, most) {
     let low = Infinity;
@@ -38,7 +38,7 @@ class Axis {
     return ticks;
   }
 
-  // 1, 2 and 5 of each decade, or powers of ten where there are many.
+  // 1, 2 and 5 of each decade, or powers of ten for many decades.
   powers(most) {
     const decades = this.high - this.low;
     const marks = 3 * decades <= most ? [1, 2, 5] : [1];
@@ -49,7 +49,7 @@ class Axis {
   }
 }
 
-// A tick without the digits of rounding.
+// The label of a tick without rounding errors.
 const tickLabel = (x) => {
   const size = Math.abs(x);
   if (x !== 0 && (size < 1e-3 || size >= 1e4)) return x.toExponential().replace("e+", "e");
@@ -115,7 +115,7 @@ class ScatterCard {
     this.plot.groups.forEach((group) => {
       const own = this.points.filter((point) => point.group === group);
       const place = ([a, b]) => `${a.toFixed(1)} ${b.toFixed(1)}`;
-      // Many points are one path: a dot is a line of no length with round ends.
+      // All points of a group are one path: a dot is a line of length zero with round ends.
       const mark = group.failed ? "m-4 -4 l8 8 m0 -8 l-8 8" : "h0";
       const className = group.failed ? "crosses" : "dots";
       parts.push(shape("path", { class: className, stroke: group.color, d: own.map((point) => `M${place(point.at)} ${mark}`).join("") }));
@@ -144,7 +144,7 @@ class ScatterCard {
   }
 }
 
-// Shows a text beside a place of an area, within it.
+// Shows a text beside a point of an area, inside the area.
 const showTip = (tip, area, [x, y], text) => {
   tip.hidden = false;
   tip.textContent = text;

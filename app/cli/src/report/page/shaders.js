@@ -5,7 +5,7 @@ precision highp float;
 precision highp sampler2DShadow;
 `;
 
-// Light that comes through, from 0 to 1: the mean of four smoothed looks at the map of shadows.
+// The unshadowed light, from 0 to 1: the mean of four smoothed samples of the shadow map.
 const LIT = `
 uniform sampler2DShadow shadows;
 uniform mat4 lightMatrix;
@@ -35,7 +35,7 @@ out vec3 own;
 void main() {
   vec4 at = model * vec4(position, 1.0);
   world = at.xyz;
-  // The model is a turn after a scaling: normals scale the other way.
+  // The model is a rotation after a scaling: normals scale inversely.
   outward = mat3(model) * (normal / (scale * scale));
   own = position;
   gl_Position = viewProjection * at;
@@ -53,7 +53,7 @@ uniform float shine;
 uniform vec3 scale;
 uniform float edged;
 out vec4 result;
-// How much of an edge of a box there is: near two of its faces.
+// The weight of an edge of a box: one near two of its faces.
 float edge() {
   vec3 off = (1.0 - abs(own)) * scale;
   float low = min(off.x, min(off.y, off.z));
@@ -75,7 +75,7 @@ void main() {
   result = vec4(pow(shaded * (1.0 - 0.35 * ink), vec3(1.0 / 2.2)), 1.0) * mix(color.a, 0.9, ink);
 }`;
 
-// Depths alone, for shadows and for the shells of ghosts.
+// Depths only, for shadows and for the hulls of ghosts.
 const DEPTH_FRAGMENT = `${COMMON}
 out vec4 result;
 void main() { result = vec4(0.0); }`;

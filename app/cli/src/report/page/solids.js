@@ -37,7 +37,7 @@ const SIDES = 28;
 const ballSolid = () => revolved(arc(-Math.PI / 2, Math.PI / 2, 14), SIDES);
 const domeSolid = () => revolved(arc(0, Math.PI / 2, 7), SIDES);
 const tubeSolid = () => revolved([[1, -1, 1, 0], [1, 1, 1, 0]], SIDES);
-// With lids, whose rims have normals of their own.
+// With flat ends, whose rims have separate normals.
 const cylinderSolid = () => revolved([
   [0, -1, 0, -1], [1, -1, 0, -1], [1, -1, 1, 0], [1, 1, 1, 0], [1, 1, 0, 1], [0, 1, 0, 1],
 ], SIDES);

@@ -1,11 +1,11 @@
-// A table that a click on a column sorts and a text filters.
+// A table that can be sorted by a click on a column and filtered by text.
 
 const ROWS_AT_FIRST = 200;
-// So few rows need no filter.
+// Tables up to this number of rows have no filter.
 const FEW_ROWS = 8;
 const words = new Intl.Collator("en", { numeric: true });
 
-// Numbers before text, and nothing last whichever way it is sorted.
+// Numbers come before text, and empty cells last in both directions.
 const compare = (a, b, direction) => {
   if (a === null || b === null) return (a === null) - (b === null);
   if (typeof a !== typeof b) return typeof a === "number" ? -1 : 1;
@@ -22,7 +22,7 @@ const cellText = (value) => {
   const power = x.toExponential().replace("e+", "e");
   return power.length < plain.length ? power : plain;
 };
-// Beyond these characters a text is broken into lines.
+// A text with more characters is wrapped.
 const LONG = 36;
 
 class SortTable {
@@ -33,7 +33,7 @@ class SortTable {
       const texts = cells.map(cellText);
       return { cells, texts, found: texts.join(" ").toLowerCase(), failed: failures.has(i), tr: null };
     });
-    // Text stands on the left.
+    // Columns of text are left-aligned.
     this.worded = columns.map((_, i) => rows.some((row) => typeof row[i] === "string"));
     this.shown = this.rows;
     this.column = -1;
@@ -83,7 +83,7 @@ class SortTable {
     this.choose();
   }
 
-  // The rows that have all words of the filter, in order.
+  // The rows with all words of the filter, in order.
   choose() {
     const wanted = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
     const failed = this.failures.classList.contains("on");

@@ -15,5 +15,5 @@ const part = (one) => {
   return panel(one.title, [element("div", small ? "grid bars" : "grid large", "", one.plots.map((plot) => card(plot).root))]);
 };
 main.append(element("div", "panels", "", data.parts.map(part)));
-// For whoever tests the page.
+// For tests of the page.
 window.report = { data };

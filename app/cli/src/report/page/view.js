@@ -1,4 +1,4 @@
-// A motion in three dimensions, and the camera that looks at it.
+// A motion in three dimensions, and its camera.
 
 const CAPSULE_PARTS = (item) => {
   const [r, , half] = item.size;
@@ -10,7 +10,7 @@ const CAPSULE_PARTS = (item) => {
 };
 const SOLID_OF = { sphere: "ball", box: "box", cylinder: "cylinder" };
 
-// Positions and turns of bodies over time.
+// Positions and orientations of bodies over time.
 class Track {
   constructor(data) {
     this.data = data;
@@ -22,7 +22,7 @@ class Track {
 
   get end() { return this.times[this.times.length - 1]; }
 
-  // The row before a time, and the share of the way to the next.
+  // The row before a time, and the fraction of the interval to the next one.
   at(time) {
     let [low, high] = [0, this.times.length - 1];
     while (high - low > 1) {
@@ -49,7 +49,7 @@ class Track {
     };
   }
 
-  // Where a point of a body is at all rows, three numbers each.
+  // The positions of a point of a body at all rows, three numbers each.
   path({ body, point }) {
     const all = [];
     for (let row = 0; row < this.data.rows; row += 1) {
@@ -60,17 +60,17 @@ class Track {
   }
 }
 
-// The tangent of half of the angle that is seen along the shorter side of a canvas.
+// The tangent of half of the field of view along the shorter side of a canvas.
 const HALF_VIEW = 0.33;
 
-// Where one looks from: around a target, at a distance.
+// A camera that orbits a target at a distance.
 class Camera {
   constructor(bounds) {
     this.bounds = bounds;
     this.reset(1);
   }
 
-  // Back to where all of the motion is seen on a canvas of this width by height.
+  // Moves to where the whole motion is visible on a canvas with this ratio of width to height.
   reset(aspect) {
     const { centre, points } = this.bounds;
     this.target = [...centre];
@@ -80,7 +80,7 @@ class Camera {
     const forward = unit(subtract(this.target, this.eye));
     const right = unit(cross(forward, [0, 0, 1]));
     const up = cross(right, forward);
-    // Some room for what is written above and below.
+    // A margin for the text above and below.
     const [across, upward] = [0.92 * HALF_VIEW * Math.max(1, aspect), (0.8 * HALF_VIEW) / Math.min(1, aspect)];
     this.distance = 0;
     for (const [point, radius] of points) {
@@ -98,7 +98,7 @@ class Camera {
   }
 
   matrix(aspect) {
-    // On a narrow canvas the width decides what is seen.
+    // On a narrow canvas the width limits the field of view.
     const fov = 2 * Math.atan(HALF_VIEW / Math.min(1, aspect));
     const view = lookAt(this.eye, this.target, [0, 0, 1]);
     return times(perspective(fov, aspect, 0.01 * this.distance, 20 * this.distance + 10 * this.bounds.radius), view);
@@ -236,7 +236,7 @@ class View {
   }
 }
 
-// What a motion takes up: points of the robot at all times and the obstacles near it, with radii, and its lowest point.
+// The extent of a motion: points of the robot at all times and obstacles near it, with radii, and its lowest point.
 const takenUp = (motion, tracks) => {
   let [low, high] = [[0, 0, 0], [0, 0, 0]];
   const points = [];
@@ -259,13 +259,13 @@ const takenUp = (motion, tracks) => {
   for (const item of motion.scene.obstacles) {
     const at = item.pose.slice(0, 3);
     const size = Math.max(...item.size);
-    // A table top that is larger than the robot's reach is not looked at as a whole.
+    // Of a table top beyond the reach of the robot only the near part counts.
     take(at.map((x, i) => clamp(x, low[i] - reach, high[i] + reach)), Math.min(size, 0.5 * reach));
   }
   return { points, lowest };
 };
 
-// A ball about points, each with a radius of its own.
+// A ball about points with individual radii.
 const ballAbout = (points) => {
   const corner = (pick, sign) => points.reduce((m, [p, r]) => m.map((x, i) => pick(x, p[i] + sign * r)), [0, 0, 0]);
   const [low, high] = [corner(Math.min, -1), corner(Math.max, 1)];
