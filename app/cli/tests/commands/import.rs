@@ -122,7 +122,10 @@ fn a_problem_becomes_a_scenario() {
     let post = json!({ "cylinder": { "radius_m": 0.03, "length_m": 0.4 } });
     let post = json!({ "name": "shelf[0]", "shape": post, "pose": pose });
     assert_eq!(file["obstacles"][1], post);
-    let ball = json!({ "name": "shelf[1]", "shape": { "sphere": { "radius_m": 0.05 } }, "pose": { "position_m": [1.0, 0.0, 2.0] } });
+    // The pose of the object turns a sphere too, though nobody sees it.
+    let pose = json!({ "position_m": [1.0, 0.0, 2.0], "orientation_xyzw": [0.0, 0.0, 1.0, 0.0] });
+    let ball =
+        json!({ "name": "shelf[1]", "shape": { "sphere": { "radius_m": 0.05 } }, "pose": pose });
     assert_eq!(file["obstacles"][2], ball);
     assert_eq!(
         file["self_collision"],
