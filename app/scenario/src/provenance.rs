@@ -76,7 +76,7 @@ struct Kept {
 }
 
 impl Solved {
-    /// Loads a solve from a file that [`write_report`](crate::output::write_report) wrote.
+    /// Loads a solve from a file that `aghf_cli::output::write_report` wrote.
     ///
     /// # Errors
     /// Names the file, the key and the fault, among others a change of the robot's file since the solve.
