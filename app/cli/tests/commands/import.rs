@@ -50,8 +50,8 @@ goal_constraints:
       - {joint_name: shoulder, position: 1.0, weight: 1}
 ";
 
-/// A folder with a problem, a part of a file of which is replaced.
-pub fn folder(test: &str, file: &str, good: &str, bad: &str) -> std::path::PathBuf {
+/// A folder with a problem, a part of a file of which is replaced, or all of it.
+pub fn folder(test: &str, file: &str, good: Option<&str>, bad: &str) -> std::path::PathBuf {
     let folder = empty_folder(test);
     let files = [
         ("robot.urdf", ROBOT),
@@ -60,7 +60,8 @@ pub fn folder(test: &str, file: &str, good: &str, bad: &str) -> std::path::PathB
         ("request.yaml", REQUEST),
     ];
     for (name, text) in files {
-        let text = if name == file && !good.is_empty() {
+        let good = good.unwrap_or(text);
+        let text = if name == file {
             assert_eq!(text.matches(good).count(), 1, "{good}");
             text.replace(good, bad)
         } else {
@@ -91,7 +92,7 @@ fn made(folder: &Path) -> Value {
 
 #[test]
 fn a_problem_becomes_a_scenario() {
-    let folder = folder("import", "", "", "");
+    let folder = folder("import", "", None, "");
     let run = aghf(&folder, &IMPORT);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let file = made(&folder);
@@ -138,7 +139,7 @@ fn a_problem_becomes_a_scenario() {
 
 #[test]
 fn the_horizon_is_what_was_asked_for() {
-    let folder = folder("horizon", "", "", "");
+    let folder = folder("horizon", "", None, "");
     let with = |more: &[&str]| {
         let run = aghf(&folder, &[&IMPORT, more, &["--force"]].concat());
         assert_eq!(run.code, Some(0), "{}", run.stderr);
@@ -159,7 +160,7 @@ fn the_horizon_is_what_was_asked_for() {
 
 #[test]
 fn an_end_in_an_obstacle_is_told() {
-    let inside = folder("inside", "scene.yaml", "[0.1, 0, -1]", "[0.1, 0, 0]");
+    let inside = folder("inside", "scene.yaml", Some("[0.1, 0, -1]"), "[0.1, 0, 0]");
     let run = aghf(&inside, &IMPORT);
     assert_eq!(run.code, Some(0));
     assert!(
@@ -171,7 +172,7 @@ fn an_end_in_an_obstacle_is_told() {
 
 #[test]
 fn pairs_are_those_of_the_srdf_or_found() {
-    let folder = folder("pairs", "", "", "");
+    let folder = folder("pairs", "", None, "");
     let printed = aghf(&folder, &["pairs", "robot.urdf"]);
     let found: Value = serde_json::from_str(&printed.stdout).expect("it is JSON");
     let pair = |reason: &str| json!([{ "links": ["arm", "hand"], "reason": reason }]);
@@ -209,7 +210,7 @@ fn pairs_are_those_of_the_srdf_or_found() {
 #[test]
 fn spheres_of_an_srdf_are_written_with_the_robot() {
     let spheres = r#"<link_sphere_approximation link="arm"><sphere center="0.1 0 0" radius="0.06"/></link_sphere_approximation></robot>"#;
-    let folder = folder("spheres", "robot.srdf", "</robot>", spheres);
+    let folder = folder("spheres", "robot.srdf", Some("</robot>"), spheres);
     let run = aghf(
         &folder,
         &[

@@ -136,57 +136,6 @@ fn byte_order_marks_are_no_part_of_a_text() {
     );
 }
 
-#[test]
-fn a_file_of_another_kind_is_told() {
-    let folder = empty_folder("kinds");
-    let robot_of = SCENARIO.replace("pendulum_1", "s.json");
-    write(
-        &folder,
-        &[
-            ("s.json", SCENARIO),
-            ("r.urdf", "<robot name='r'/>"),
-            ("of.json", &robot_of),
-        ],
-    );
-    for (arguments, words) in [
-        (
-            &["solve", "r.urdf"][..],
-            "r.urdf: scenario: it is XML, such as a URDF",
-        ),
-        (
-            &["robots", "s.json"],
-            "s.json: robot: ; it is JSON, such as a scenario",
-        ),
-        (
-            &["solve", "of.json"],
-            "of.json: robot: s.json: robot: ; it is JSON",
-        ),
-        (
-            &["eval", "pendulum_1", "r.urdf"],
-            "r.urdf: input: expected numbers under",
-        ),
-    ] {
-        assert_bad_input(&folder, arguments, words);
-    }
-    write(
-        &folder,
-        &[
-            ("list.json", "[[0], [0], [0], null]"),
-            ("early.json", "{\"q\": [0],\n\"v\": ["),
-        ],
-    );
-    assert_bad_input(
-        &folder,
-        &["eval", "pendulum_1", "list.json"],
-        "list.json: input: expected numbers under",
-    );
-    assert_bad_input(
-        &folder,
-        &["eval", "pendulum_1", "early.json"],
-        "early.json: input: ; line 2",
-    );
-}
-
 /// All that bears on a motion is told wherever a robot is loaded, on the standard error, one line a kind.
 #[test]
 fn notes_on_a_robot_are_told_wherever_it_is_loaded() {

@@ -329,3 +329,32 @@ fn merge(value: &mut Value, by: &Value) {
         other => *value = other.clone(),
     }
 }
+
+#[test]
+fn places_that_cannot_be_written_exit_with_2_and_leave_nothing_half_done() {
+    let folder = empty_folder("unwritable");
+    std::fs::write(folder.join("file"), "mine").expect("writable");
+    for out in ["file", "file/below"] {
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--out", out],
+            &format!("aghf: {out}"),
+        );
+    }
+    assert_eq!(files(&folder), ["file".to_owned()].into());
+    assert_eq!(
+        std::fs::read_to_string(folder.join("file")).expect("it is there"),
+        "mine"
+    );
+    for taken in ["trajectory.csv", "summary.json", "report.html"] {
+        let out = format!("taken_{taken}");
+        std::fs::create_dir_all(folder.join(&out).join(taken)).expect("writable");
+        assert_bad_input(
+            &folder,
+            &["solve", "pendulum_1_swingup", "--out", &out],
+            &format!("aghf: {out}/{taken}: "),
+        );
+    }
+    let left = files(&folder);
+    assert!(!left.iter().any(|f| f.contains("partial")), "{left:?}");
+}

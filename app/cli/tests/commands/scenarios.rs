@@ -1,6 +1,6 @@
 //! Lists, help and standard output of the `aghf` binary.
 
-use crate::command::{aghf, empty_folder};
+use crate::command::{aghf, assert_bad_input, empty_folder, files, parsed};
 use aghf_cli::sweep::builtin_sweeps;
 use aghf_scenario::{builtin_scenarios, generated_scenarios};
 use std::process::{Command, Stdio};
@@ -102,4 +102,29 @@ fn a_reader_that_went_away_is_no_error_and_a_full_disk_is_one() {
         assert_eq!(code, Some(2));
         assert!(message.starts_with("aghf: standard output: "), "{message}");
     }
+}
+
+#[test]
+fn a_robot_is_chosen_for_generated_scenarios_alone() {
+    let folder = empty_folder("chosen_robot");
+    let run = aghf(
+        &folder,
+        &["scenarios", "limits_02", "--robot", "pendulum_3"],
+    );
+    assert_eq!(parsed(&run)["robot"], "pendulum_3");
+    std::fs::write(folder.join("some.json"), run.stdout).expect("writable");
+    for command in ["solve", "scenarios"] {
+        for (scenario, words) in [
+            ("some.json", "some.json: robot: ; names its robot"),
+            ("kinova_free_01", "kinova_free_01: robot: ; names its robot"),
+            ("kinova_gap_01", "kinova_gap_01: robot: ; kinova_gen3 alone"),
+        ] {
+            let arguments = [command, scenario, "--robot", "pendulum_2"];
+            assert_bad_input(&folder, &arguments, words);
+        }
+        let arguments = [command, "limits_01", "--mimic", "maybe"];
+        assert_bad_input(&folder, &arguments, "--mimic; 'maybe'; independent");
+    }
+    assert_bad_input(&folder, &["scenarios", "--robot", "pendulum_2"], "SCENARIO");
+    assert_eq!(files(&folder).len(), 1, "nothing is written");
 }

@@ -8,7 +8,7 @@ use aghf_scenario::{Limit, Scenario, SolveOptions, solve};
 use serde_json::{Value, json};
 
 /// Kinova with two joints locked; the values are those of the five others.
-fn five() -> Value {
+pub fn five() -> Value {
     json!({
         "robot": "kinova_gen3", "locked_joints": { "joint_3": 0.5, "joint_5": -0.25 }, "horizon_s": 3.0,
         "q_start": [0.0, 0.5, 1.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0],
@@ -37,61 +37,6 @@ fn the_joints_that_are_left_are_those_of_the_scenario() {
     let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
     assert!(outcome.summary.success, "{:?}", outcome.summary);
     assert_eq!(outcome.curve.x().nrows(), 10);
-}
-
-#[test]
-fn what_makes_no_sense_is_refused_by_name() {
-    let locked = |joints: Value| with(five(), json!({ "locked_joints": joints })).to_string();
-    let all: serde_json::Map<_, _> = (1..=7)
-        .map(|i| (format!("joint_{i}"), json!(0.0)))
-        .collect();
-    let four = with(five(), json!({ "q_goal": vec![0.0; 7] }));
-    let twice = five().to_string().replace("\"joint_3\":", "\"joint_5\":");
-    assert_ne!(twice, five().to_string());
-    let unknown = with(
-        five(),
-        json!({ "enforced_limits": { "torque": { "joints": ["joint_3"] } } }),
-    );
-    for (text, words) in [
-        (
-            locked(json!({ "elbow": 0.0 })),
-            "locked_joints.elbow: the robot has no such joint",
-        ),
-        (
-            locked(json!({ "joint_2": 2.3 })),
-            "locked_joints: joint 'joint_2': locked at 2.3, outside [-2.25, 2.25]",
-        ),
-        (
-            locked(json!(all)),
-            "locked_joints: robot: all joints are locked",
-        ),
-        (
-            locked(json!({ "joint_2": "up" })),
-            "locked_joints.joint_2: invalid type",
-        ),
-        (
-            locked(json!(["joint_2"])),
-            "locked_joints: invalid type: sequence",
-        ),
-        (twice, "locked_joints: duplicate field `joint_5`"),
-        (
-            four.to_string(),
-            "q_goal: the robot has 5 joints that are not locked, but 7 values are given",
-        ),
-        (
-            unknown.to_string(),
-            "enforced_limits.torque.joints: the robot has no joint 'joint_3' that moves",
-        ),
-    ] {
-        let path = crate::written::folder().join("refused.json");
-        std::fs::write(&path, text).expect("the folder is writable");
-        let path = path.to_str().expect("it is text");
-        let error = Scenario::load(path).expect_err(words).to_string();
-        assert!(
-            error.starts_with(&format!("{path}: {words}")),
-            "{error}; want {words}"
-        );
-    }
 }
 
 /// The balls of the constraints, with their centres in the base frame.

@@ -15,6 +15,7 @@ mod own_terms;
 mod passive;
 mod preflight;
 mod published_flow;
+mod refused;
 mod relaxation;
 mod report;
 mod self_collision;

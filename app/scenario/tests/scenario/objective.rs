@@ -1,8 +1,8 @@
-//! The keys of a scenario that say what the relaxation is to find: read, refused, and solved.
+//! The keys of a scenario that say what the relaxation is to find: read and solved.
 
-use aghf_scenario::{Details, Method, RelaxDetails, Scenario, SolveOptions, SolveReport, solve};
+use crate::written::load;
+use aghf_scenario::{Details, Method, RelaxDetails, SolveOptions, SolveReport, solve};
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// A scenario without what may be left out.
 fn plain() -> Value {
@@ -19,17 +19,6 @@ fn with(keys: Value) -> Value {
         scenario[key] = value.clone();
     }
     scenario
-}
-
-/// Writes a scenario file and loads it; the error is without the name of the file.
-fn load(name: &str, scenario: &Value) -> Result<Scenario, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenario_objective");
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    let path = folder.join(format!("{name}.json"));
-    std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
-    let path = path.to_str().expect("it is text");
-    let error = |e: aghf::Error| e.to_string().replace(&format!("{path}: "), "");
-    Scenario::load(path).map_err(error)
 }
 
 fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
@@ -85,69 +74,6 @@ fn what_a_file_says_is_kept() {
     let file = file.expect("numbers");
     for key in ["free_final_velocity", "running_cost", "free_horizon"] {
         assert_eq!(file.get(key), None, "what is not asked for is not written");
-    }
-}
-
-#[test]
-fn what_makes_no_sense_is_refused_by_name() {
-    let cost = |keys: Value| with(json!({ "running_cost": keys }));
-    let horizon = |shortest: f64, longest: f64, weight: f64| {
-        let keys = json!({ "shortest_s": shortest, "longest_s": longest, "weight": weight });
-        with(json!({ "free_horizon": keys }))
-    };
-    let cases = [
-        (
-            with(json!({ "free_final_velocity": 1 })),
-            "free_final_velocity: invalid type",
-        ),
-        (
-            cost(json!({ "torque": -1.0 })),
-            "running_cost.torque: it is -1, a weight is not negative",
-        ),
-        (
-            cost(json!({ "velocity": [1.0] })),
-            "running_cost.velocity: the robot has 2 joints, but 1",
-        ),
-        (
-            cost(json!({ "acceleration": "no" })),
-            "running_cost.acceleration: a number is needed, or a list",
-        ),
-        (
-            cost(json!({ "torque": 0 })),
-            "running_cost: all are zero, at least one is needed",
-        ),
-        (
-            cost(json!({ "jerk": 1 })),
-            "running_cost.jerk: unknown field `jerk`",
-        ),
-        (
-            horizon(0.0, 3.0, 1.0),
-            "free_horizon.shortest_s: it is 0, a positive time",
-        ),
-        (
-            horizon(0.5, -3.0, 1.0),
-            "free_horizon.longest_s: it is -3, a positive time",
-        ),
-        (
-            horizon(0.5, 3.0, -1.0),
-            "free_horizon.weight: it is -1, a weight is not negative",
-        ),
-        (
-            horizon(2.0, 3.0, 1.0),
-            "free_horizon.shortest_s: it is 2, above the horizon 1.5",
-        ),
-        (
-            horizon(0.5, 1.0, 1.0),
-            "free_horizon.longest_s: it is 1, below the horizon 1.5",
-        ),
-        (
-            with(json!({ "free_horizon": { "weight": 1.0 } })),
-            "free_horizon: missing field `shortest_s`",
-        ),
-    ];
-    for (scenario, words) in cases {
-        let error = load("bad", &scenario).expect_err(words);
-        assert!(error.contains(words), "{error}; want {words}");
     }
 }
 
