@@ -4,13 +4,12 @@
 
 mod common;
 
-use aghf::constraint::{
-    Capsule, CollisionSphere, Constraints, Sphere, SphereClearance, TorqueLimits,
-};
+use aghf::constraint::{CollisionSphere, Constraints, Sphere, SphereClearance, TorqueLimits};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{
     AlgorithmB1, ControlForm, Node, Penalised, Penalty, PenaltyWeights, RightHandSide,
 };
+use aghf::geometry::Capsule;
 use aghf::model::Model;
 use common::{Times, criterion, measure, models, report, wave};
 use criterion::Criterion;

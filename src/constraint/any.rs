@@ -1,10 +1,11 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, DynConstraint, HalfSpaceClearance, PlacedState, RowLabel, SelfClearance,
-    SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, DynConstraint, PlacedState, RowLabel, SelfClearance, SolidClearance,
+    SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
+use crate::geometry::{Obstacle, Scene, Shape, Sphere};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
@@ -14,9 +15,7 @@ use crate::scalar::{AlgebraOver, Scalar};
 pub enum AnyConstraint<C: Scalar = f64> {
     /// Balls outside spheres.
     Spheres(SphereClearance<C>),
-    /// Balls in a half-space.
-    HalfSpace(HalfSpaceClearance<C>),
-    /// Balls outside boxes, cylinders and other solids.
+    /// Balls outside solids of every shape.
     Solids(SolidClearance<C>),
     /// Balls of the robot outside each other.
     SelfCollision(SelfClearance<C>),
@@ -31,13 +30,52 @@ macro_rules! each {
     ($of:expr, $it:ident => $what:expr) => {
         match $of {
             AnyConstraint::Spheres($it) => $what,
-            AnyConstraint::HalfSpace($it) => $what,
             AnyConstraint::Solids($it) => $what,
             AnyConstraint::SelfCollision($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Other($it) => $what,
         }
     };
+}
+
+impl AnyConstraint {
+    /// The constraints that keep the balls of a robot clear of obstacles and of each other: spheres by the squares of
+    /// (A3), then all other obstacles, then the pairs of balls. Balls fixed to the base count for the pairs alone,
+    /// because they never move.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Vec<Self> {
+        let all = &scene.robot().balls;
+        let balls: Vec<_> = all.iter().filter(|b| b.body.is_some()).copied().collect();
+        let (mut spheres, mut solids, mut names) = (Vec::new(), Vec::new(), Vec::new());
+        for Obstacle { name, solid } in scene.obstacles() {
+            if let Shape::Sphere { radius } = solid.shape {
+                let centre = solid.placement.translation;
+                spheres.push(Sphere { centre, radius });
+            } else {
+                solids.push(*solid);
+                names.push(name.clone());
+            }
+        }
+        let mut constraints = Vec::new();
+        if !spheres.is_empty() {
+            let balls = balls.clone();
+            constraints.push(Self::Spheres(SphereClearance { balls, spheres }));
+        }
+        if !solids.is_empty() {
+            constraints.push(Self::Solids(SolidClearance {
+                balls,
+                solids,
+                names,
+            }));
+        }
+        if !scene.pairs().is_empty() {
+            constraints.push(Self::SelfCollision(SelfClearance {
+                balls: all.clone(),
+                pairs: scene.pairs().to_vec(),
+            }));
+        }
+        constraints
+    }
 }
 
 impl<C: Scalar> Constraint<C> for AnyConstraint<C> {

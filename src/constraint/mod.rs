@@ -13,7 +13,6 @@
 mod any;
 mod autodiff;
 mod bounds;
-mod capsules;
 mod clearance;
 mod composition;
 mod dynamic;
@@ -27,8 +26,7 @@ mod weighted_derivatives;
 
 pub use any::AnyConstraint;
 pub use bounds::{Bound, Bounds, Side};
-pub use capsules::Capsule;
-pub use clearance::{CollisionSphere, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance};
+pub use clearance::SphereClearance;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use label::{RowKind, RowLabel};
@@ -37,6 +35,8 @@ pub use solid_clearance::SolidClearance;
 pub(crate) use torque_limits::NONE;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
+
+pub use crate::geometry::{CollisionSphere, Sphere};
 
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;

@@ -1,4 +1,4 @@
-//! Clearances of balls on the robot from boxes, cylinders, capsules and spheres.
+//! Clearances of balls on the robot from solids of every shape.
 
 use super::clearance::clearance;
 use super::label::name_of;

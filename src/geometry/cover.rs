@@ -3,7 +3,7 @@
 //! A shape is divided into cells about as long as the spacing, and each cell gets a ball about its middle that contains
 //! it, so that a point outside the balls is outside the shape.
 
-use super::{Shape, Solid};
+use super::{Shape, Solid, Sphere};
 use crate::error::{Error, Result, plain};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -11,20 +11,11 @@ use std::f64::consts::{PI, TAU};
 /// The largest number of balls that cover one shape.
 const MOST_BALLS: f64 = 1e5;
 
-/// A ball, in m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
-    /// Centre.
-    pub centre: Vector3<f64>,
-    /// Radius.
-    pub radius: f64,
-}
-
 /// Balls that cover a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cover {
     /// The balls.
-    pub balls: Vec<Ball>,
+    pub balls: Vec<Sphere>,
     /// The largest distance of a point of a ball from the shape, m. Exact for primitive shapes, a bound for meshes.
     pub excess: f64,
 }
@@ -121,7 +112,7 @@ impl Cover {
     /// Adds a ball about a point at depth `depth` in the shape. If a convex shape contains a ball of that radius about
     /// the centre, every point of a larger concentric ball is at most the difference of the radii away from the shape.
     fn add(&mut self, centre: Vector3<f64>, radius: f64, depth: f64) {
-        self.balls.push(Ball { centre, radius });
+        self.balls.push(Sphere { centre, radius });
         self.excess = self.excess.max(radius - depth);
     }
 }

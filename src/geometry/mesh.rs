@@ -1,7 +1,7 @@
 //! Triangle meshes, and balls that cover them.
 
 use super::cover::{check, check_number};
-use super::{Ball, Cover};
+use super::{Cover, Sphere};
 use crate::error::{Error, Result, plain};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ pub fn cover_triangles(triangles: &[Triangle], spacing: f64) -> Result<Cover> {
         let distances = || corners.iter().map(|p| (p - centre).norm());
         let radius = distances().fold(0.0, f64::max);
         let nearest = distances().fold(f64::INFINITY, f64::min);
-        cover.balls.push(Ball { centre, radius });
+        cover.balls.push(Sphere { centre, radius });
         cover.excess = cover.excess.max(radius + nearest);
     }
     Ok(cover)

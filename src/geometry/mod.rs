@@ -1,4 +1,4 @@
-//! Shapes in space, and signed distances from them.
+//! Shapes in space, signed distances from them, and robots among obstacles.
 //!
 //! [`Shape::distance`] is the signed distance from the surface in closed form over every scalar, negative inside;
 //! [`Shape::distance_derivatives`] adds its gradient and Hessian. The formulas and their proofs are in
@@ -14,15 +14,22 @@
 //! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. A
 //! direction out of the shape therefore exists everywhere.
 //!
+//! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other, and
+//! answers questions about their distances.
+//!
 //! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, and give the largest excess.
 //!
 //! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
+mod collision;
 mod cover;
 mod mesh;
+mod scene;
 mod shape;
 
-pub use cover::{Ball, Cover};
+pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};
-pub use shape::{Distance, FLAT, Shape, Solid};
+pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
+pub use shape::{Distance, FLAT, Shape, Solid, Sphere};

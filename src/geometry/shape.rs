@@ -1,7 +1,9 @@
 //! Convex shapes, their placements, and the signed distances of points from them.
 
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, apply_constant, apply_constant_transpose, matrix};
+use crate::spatial::{
+    Placement, apply_constant, apply_constant_transpose, matrix, rotation_of_z_to,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// A shape about the origin of its own frame, in m.
@@ -33,6 +35,23 @@ pub enum Shape<C: Scalar = f64> {
     },
     /// All points with $z \le 0$, such as the ground below a floor.
     HalfSpace,
+}
+
+/// A ball, in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere<C: Scalar = f64> {
+    /// Its centre.
+    pub centre: Vector3<C>,
+    /// Its radius.
+    pub radius: C,
+}
+
+impl Sphere {
+    /// The distance from another ball, in m; negative where they overlap.
+    #[must_use]
+    pub fn gap(&self, other: &Self) -> f64 {
+        (self.centre - other.centre).norm() - self.radius - other.radius
+    }
 }
 
 /// A shape with a placement.
@@ -70,6 +89,36 @@ impl Shape<f64> {
             },
             Self::HalfSpace => Shape::HalfSpace,
         }
+    }
+}
+
+impl Solid {
+    /// The half-space $n \cdot p \le \delta$ in m, such as the ground; the normal `n` is a vector of any length but zero
+    /// into the free space, and $\delta$ the offset along the unit normal.
+    #[must_use]
+    pub fn half_space(normal: &Vector3<f64>, offset: f64) -> Self {
+        let rotation = rotation_of_z_to(normal);
+        Self {
+            placement: Placement::new(rotation, rotation.column(2) * offset),
+            shape: Shape::HalfSpace,
+        }
+    }
+
+    /// The point of a segment that is nearest to the solid, in closed form: for spheres and half-spaces; `None` for
+    /// other shapes.
+    #[must_use]
+    pub fn nearest_on_segment(&self, [from, to]: &[Vector3<f64>; 2]) -> Option<Vector3<f64>> {
+        let along = to - from;
+        let fraction = match self.shape {
+            Shape::Sphere { .. } => {
+                let off = self.placement.translation - from;
+                (off.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+            }
+            Shape::HalfSpace if self.distance(to) < self.distance(from) => 1.0,
+            Shape::HalfSpace => 0.0,
+            _ => return None,
+        };
+        Some(from + along * fraction)
     }
 }
 

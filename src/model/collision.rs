@@ -2,10 +2,11 @@
 
 use super::Model;
 use crate::error::{Error, Result};
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{Capsule, CollisionSphere, Shape, Solid};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+use std::collections::HashSet;
 
 /// A shape of a link, from a `<collision>` element of its URDF.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,5 +119,71 @@ impl Collision<f64> {
                 },
             },
         }
+    }
+}
+
+impl<C: Scalar> CollisionSphere<C> {
+    /// The origins of all joint frames as points: the paper's collision model.
+    #[must_use]
+    pub fn joint_frames(model: &Model<C>) -> Vec<Self> {
+        let origin = |body| Self {
+            body: Some(body),
+            centre: Vector3::zeros(),
+            radius: C::zero(),
+        };
+        (0..model.dof()).map(origin).collect()
+    }
+
+    /// A ball about the origin of the frame of a link.
+    ///
+    /// # Errors
+    /// The model has no link of that name.
+    pub fn at_link(model: &Model<C>, link: &str, radius: C) -> Result<Self> {
+        let frame = model.frames().iter().find(|f| f.name == link);
+        let frame = frame.ok_or_else(|| {
+            Error::input(
+                model.name(),
+                format!("link '{link}'"),
+                "there is no such link",
+            )
+        })?;
+        Ok(Self {
+            body: frame.body,
+            centre: frame.placement.translation,
+            radius,
+        })
+    }
+}
+
+impl Capsule {
+    /// Capsules along the whole arm: from the origin of each joint to those of the joints and of the fixed links on its
+    /// body, such as an end effector. A body without such points away from the origin of its joint gets a ball there.
+    #[must_use]
+    pub fn along_links(model: &Model, radius: f64) -> Vec<Self> {
+        let mut capsules = Vec::new();
+        for body in 0..model.dof() {
+            let body = Some(body);
+            let joints = model.joints().iter().filter(|j| j.parent() == body);
+            let joints = joints.map(|j| j.origin().translation);
+            let frames = model.frames().iter().filter(|f| f.body == body);
+            let frames = frames.map(|f| f.placement.translation);
+            let (mut ends, mut known) = (Vec::new(), HashSet::new());
+            for end in joints.chain(frames) {
+                // Zero has two signs.
+                let bits: [u64; 3] = end.map(|x| (x + 0.0).to_bits()).into();
+                if end != Vector3::zeros() && known.insert(bits) {
+                    ends.push(end);
+                }
+            }
+            if ends.is_empty() {
+                ends.push(Vector3::zeros());
+            }
+            capsules.extend(ends.into_iter().map(|end| Self {
+                body,
+                ends: [Vector3::zeros(), end],
+                radius,
+            }));
+        }
+        capsules
     }
 }

@@ -2,7 +2,8 @@
 
 use super::{Motion, apply, apply_to_constant, cross, matrix, multiply};
 use crate::scalar::{AlgebraOver, Scalar};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
 
 /// The placement of a frame B in a frame A: $r_A = R\\, r_B + p$.
 ///
@@ -64,4 +65,13 @@ impl<S: Scalar> Placement<S> {
             apply(&self.rotation, &m.linear) + cross(&self.translation, &angular),
         )
     }
+}
+
+/// A rotation that maps the `z` axis to a direction, a vector of any length but zero.
+#[must_use]
+pub fn rotation_of_z_to(direction: &Vector3<f64>) -> Matrix3<f64> {
+    // Against the axis any half turn will do.
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+    turn.to_rotation_matrix().into_inner()
 }

@@ -2,7 +2,7 @@
 
 use super::elements::{Read, number, numbers};
 use crate::error::{Error, Result, plain};
-use crate::geometry::{Ball, Shape};
+use crate::geometry::{Shape, Sphere};
 use crate::input::read_text;
 use crate::model::{Collision, CollisionShape, Model};
 use crate::spatial::Placement;
@@ -17,7 +17,7 @@ pub struct Srdf {
     pub disabled: Vec<DisabledPair>,
     /// Links with the spheres that represent their shapes, each in the frame of its link; an empty list for a link
     /// without a collision shape.
-    pub spheres: Vec<(String, Vec<Ball>)>,
+    pub spheres: Vec<(String, Vec<Sphere>)>,
 }
 
 /// Two links that are not checked for collisions.
@@ -119,7 +119,7 @@ fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
 }
 
 /// The spheres of a link. A single sphere of radius zero means none.
-fn spheres(node: Node<'_, '_>) -> Read<Vec<Ball>> {
+fn spheres(node: Node<'_, '_>) -> Read<Vec<Sphere>> {
     let mut balls = Vec::new();
     for sphere in node.children().filter(|c| c.has_tag_name("sphere")) {
         let centre = Vector3::from(numbers::<3>(sphere, "center")?);
@@ -131,7 +131,7 @@ fn spheres(node: Node<'_, '_>) -> Read<Vec<Ball>> {
             ));
         }
         if radius > 0.0 {
-            balls.push(Ball { centre, radius });
+            balls.push(Sphere { centre, radius });
         }
     }
     Ok(balls)

@@ -3,16 +3,17 @@
 use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, RowLabel, Side, Sphere, SphereClearance, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel, Side,
+    SolidClearance, Sphere, SphereClearance, Weights,
 };
+use aghf::geometry::Solid;
 use aghf::model::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Six different ones, with another number of rows each.
 type Parts = (
     SphereClearance,
-    HalfSpaceClearance,
+    SolidClearance,
     (Held, Slow),
     Bounds,
     Bounds,
@@ -30,12 +31,10 @@ fn parts(model: &Model) -> Parts {
             balls: balls.clone(),
             spheres: vec![sphere(0.3), sphere(0.7)],
         },
-        HalfSpaceClearance {
+        SolidClearance {
             balls,
-            half_space: HalfSpace {
-                normal: Vector3::z(),
-                offset: 0.2,
-            },
+            solids: vec![Solid::half_space(&Vector3::z(), 0.2)],
+            names: Vec::new(),
         },
         (Held(0.09), Slow(0.5)),
         Bounds::velocities(model),
@@ -156,7 +155,7 @@ fn lists_are_tuples() {
     ];
     let any = [
         AnyConstraint::Spheres(a),
-        AnyConstraint::HalfSpace(b),
+        AnyConstraint::Solids(b),
         AnyConstraint::Other(Box::new(c)),
         AnyConstraint::Bounds(d),
         AnyConstraint::Bounds(e),

@@ -3,17 +3,16 @@
 use crate::common::{any_model, assert_refused, assert_right, config, numbers, robot, wave};
 use crate::solid_clearance::sizes;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, SelfClearance, Side, SolidClearance, Sphere, SphereClearance,
-    Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, PlacedState,
+    SelfClearance, Side, SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::dynamics::forward_kinematics;
-use aghf::geometry::Solid;
+use aghf::geometry::{Capsule, Shape, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use aghf::verify::duals::{CheckOptions, check_constraints};
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
 /// Every built-in kind: several balls on every body and one on the base, several spheres, a slanted floor, and bounds
@@ -53,12 +52,10 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
             balls: balls.clone(),
             spheres: vec![sphere(0.4, 0.1, -0.7, 0.3), sphere(-1.0, 0.8, 0.5, 1.1)],
         }),
-        AnyConstraint::HalfSpace(HalfSpaceClearance {
+        AnyConstraint::Solids(SolidClearance {
             balls: balls.clone(),
-            half_space: HalfSpace {
-                normal: Vector3::new(2.0, -1.0, 2.0) / 3.0,
-                offset: -0.4,
-            },
+            solids: vec![Solid::half_space(&Vector3::new(2.0, -1.0, 2.0), -0.4)],
+            names: Vec::new(),
         }),
         AnyConstraint::Solids(SolidClearance {
             balls: balls.clone(),
@@ -304,15 +301,18 @@ fn clearance_is_exact_and_balls_are_conservative() {
     forward_kinematics(&model, &q, &mut placements).expect("7 joints");
     for i in 0..20 {
         let at = wave(3, 0.31 * f64::from(i + 1));
-        let sphere = Sphere {
-            centre: Vector3::from_column_slice(&at) * 0.8,
-            radius: 0.1,
+        let centre = Vector3::from_column_slice(&at) * 0.8;
+        let sphere = Solid {
+            placement: Placement::new(Matrix3::identity(), centre),
+            shape: Shape::Sphere { radius: 0.1 },
         };
         for capsule in Capsule::along_links(&model, 0.06) {
-            let exact = capsule.clearance(&placements, &sphere).expect("same robot");
+            let nearest = capsule.nearest_ball(&placements, &sphere);
+            let nearest = nearest.expect("same robot").expect("in closed form");
+            let exact = sphere.distance(&nearest.centre) - nearest.radius;
             let point = |p: Vector3<f64>| {
                 let body = &placements[capsule.body.expect("it moves")];
-                (body.rotation * p + body.translation - sphere.centre).norm()
+                (body.rotation * p + body.translation - centre).norm()
             };
             let [from, to] = capsule.ends;
             let sampled = (0..=10_000)

@@ -196,6 +196,32 @@ fn ties_and_the_flat_part() {
     assert_eq!((on_the_top.value, on_the_top.normal), (0.0, Vector3::z()));
 }
 
+/// It is $n \cdot p \le \delta$, and of a segment the lower end is nearest.
+#[test]
+fn a_half_space_ends_at_its_offset_along_its_normal() {
+    for normal in [
+        Vector3::new(2.0, -1.0, 2.0),
+        Vector3::z(),
+        Vector3::new(0.0, 0.0, -3.0),
+    ] {
+        let solid = Solid::half_space(&normal, 0.4);
+        let height = |p: &Vector3<f64>| normal.dot(p) / normal.norm() - 0.4;
+        let ends = [Vector3::new(0.3, -0.7, 1.1), Vector3::new(-0.2, 0.5, 0.8)];
+        for p in &ends {
+            let found = solid.distance_derivatives(p);
+            assert!((found.value - height(p)).abs() < 1e-15);
+            assert!((found.normal - normal.normalize()).norm() < 1e-15);
+            assert_eq!(found.curvature, Matrix3::zeros());
+        }
+        let lower = match height(&ends[0]) < height(&ends[1]) {
+            true => ends[0],
+            false => ends[1],
+        };
+        let nearest = solid.nearest_on_segment(&ends).expect("in closed form");
+        assert!((nearest - lower).norm() < 1e-15);
+    }
+}
+
 /// The rows of solid balls are those of spheres, as distances.
 #[test]
 fn a_solid_ball_is_a_sphere() {

@@ -2,8 +2,8 @@
 
 use crate::common::{assert_refused, config, model_and_node, node, robot, solve_bound, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, Side, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, Side,
+    SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{JacobianKind, NodeBlocks, NodeJacobian};
@@ -11,6 +11,7 @@ use aghf::flow::{
     AghfLagrangian, AlgorithmB1, ControlCost, ControlForm, Lagrangian, LagrangianFlow, Penalised,
     Penalty, PenaltyWeights, RightHandSide, Sum, TorquePenalty, constrained_lagrangian, penalty,
 };
+use aghf::geometry::Solid;
 use aghf::model::{Model, random_tree};
 use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::Vector3;
@@ -35,12 +36,10 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
             balls: balls.clone(),
             spheres: spheres.to_vec(),
         }),
-        AnyConstraint::HalfSpace(HalfSpaceClearance {
+        AnyConstraint::Solids(SolidClearance {
             balls,
-            half_space: HalfSpace {
-                normal: Vector3::new(2.0, -1.0, 2.0) / 3.0,
-                offset: 0.1,
-            },
+            solids: vec![Solid::half_space(&Vector3::new(2.0, -1.0, 2.0), 0.1)],
+            names: Vec::new(),
         }),
     ];
     let near = |entry, side| Bound {

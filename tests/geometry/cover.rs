@@ -90,7 +90,8 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
             for _ in 0..3000 {
                 let p = point(&shape, rng);
                 assert!(shape.distance(&p) < 1e-12, "the test draws points inside");
-                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                let covered =
+                    |b: &aghf::geometry::Sphere| (p - b.centre).norm() <= b.radius + 1e-12;
                 assert!(
                     cover.balls.iter().any(covered),
                     "{shape:?}, {spacing}: {p:?}"
@@ -203,7 +204,8 @@ fn every_point_of_a_surface_is_in_a_ball() {
                     (s, t) = (1.0 - s, 1.0 - t);
                 }
                 let p = a + (b - a) * s + (c - a) * t;
-                let covered = |b: &aghf::geometry::Ball| (p - b.centre).norm() <= b.radius + 1e-12;
+                let covered =
+                    |b: &aghf::geometry::Sphere| (p - b.centre).norm() <= b.radius + 1e-12;
                 assert!(cover.balls.iter().any(covered), "{spacing}: {p:?}");
             }
         }

@@ -3,10 +3,11 @@
 use crate::common::constraint::Held;
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, RowKind, RowLabel, Side, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind, RowLabel, Side,
+    SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
+use aghf::geometry::Solid;
 use aghf::model::Model;
 use aghf::motion::{Violation, sample, violations};
 use nalgebra::{DMatrix, Vector3};
@@ -140,12 +141,10 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
                 .to_vec(),
         }),
         AnyConstraint::Other(Box::new((Held(0.1), Bounds(vec![upper(n, 0.4)])))),
-        AnyConstraint::HalfSpace(HalfSpaceClearance {
+        AnyConstraint::Solids(SolidClearance {
             balls,
-            half_space: HalfSpace {
-                normal: Vector3::z(),
-                offset: 0.2,
-            },
+            solids: vec![Solid::half_space(&Vector3::z(), 0.2)],
+            names: Vec::new(),
         }),
         AnyConstraint::Bounds(Bounds::positions(&model)),
         AnyConstraint::Bounds(Bounds::velocities(&model)),
@@ -247,8 +246,7 @@ fn labels_name_joint_and_unit() {
     );
     let speed = format!("upper velocity limit of joint '{joint}'");
     assert_eq!(label(3 * n + 1), (speed, "rad/s", RowKind::Velocity(0)));
-    let height =
-        format!("distance of link '{link}' from the plane (0.000, 0.000, 1.000) . p = 0.200");
+    let height = format!("distance of link '{link}' from half-space 0");
     assert_eq!(label(3 * n + 2), (height, "m", RowKind::Clearance));
     let position = format!("lower position limit of joint '{joint}'");
     assert_eq!(label(4 * n + 2), (position, "rad", RowKind::Position(0)));

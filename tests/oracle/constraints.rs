@@ -5,9 +5,9 @@ use crate::compare::{BOUND, Comparison, FLOOR, state};
 use crate::python::Quantities;
 use crate::random::any_robot;
 use aghf::constraint::{
-    CollisionSphere, Constraint, Evaluator, HalfSpace, HalfSpaceClearance, Sphere, SphereClearance,
-    Weights,
+    CollisionSphere, Constraint, Evaluator, SolidClearance, Sphere, SphereClearance, Weights,
 };
+use aghf::geometry::Solid;
 use aghf::model::Model;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
@@ -30,12 +30,10 @@ fn constraints(model: &Model, q: &[f64]) -> Quantities {
             radius: 0.25,
         }],
     };
-    let half_space = HalfSpaceClearance {
+    let half_space = SolidClearance {
         balls,
-        half_space: HalfSpace {
-            normal: Vector3::new(0.6, 0.0, 0.8),
-            offset: -0.3,
-        },
+        solids: vec![Solid::half_space(&Vector3::new(0.6, 0.0, 0.8), -0.3)],
+        names: Vec::new(),
     };
     let both = (spheres, half_space);
     let rows = Constraint::<f64>::dim(&both);

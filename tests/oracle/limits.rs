@@ -76,7 +76,7 @@ fn the_line_of_a_generated_scenario_keeps_the_limits_of_any_robot() {
                 .unwrap_or_else(|e| panic!("{robot}: {e}"));
             let clearance = |configurations: &[Vec<f64>]| {
                 let all = configurations.iter().map(Vec::as_slice);
-                let smallest = (scenario.environment).smallest_clearance(&scenario.model, all);
+                let smallest = scenario.smallest_clearance(all);
                 smallest
                     .expect("it is the robot's")
                     .expect("there is an obstacle")

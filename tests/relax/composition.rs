@@ -4,8 +4,9 @@ use crate::common::relax::{degree, solved, solved_within};
 use crate::common::{assert_right, robot};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint,
-    HalfSpace, HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, TorqueLimits,
+    PlacedState, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
+use aghf::geometry::Solid;
 use aghf::model::{Model, random_tree};
 use aghf::motion::Problem;
 use aghf::relax::{
@@ -224,12 +225,10 @@ fn what_holds_constraints_does_not_matter() {
             radius: 0.1,
         }],
     };
-    let half_space = HalfSpaceClearance {
+    let half_space = SolidClearance {
         balls: vec![tip],
-        half_space: HalfSpace {
-            normal: Vector3::z(),
-            offset: -5.0,
-        },
+        solids: vec![Solid::half_space(&Vector3::z(), -5.0)],
+        names: Vec::new(),
     };
     let upper = |entry, value| Bound {
         entry,
@@ -248,7 +247,7 @@ fn what_holds_constraints_does_not_matter() {
     );
     let any = vec![
         AnyConstraint::Spheres(spheres.clone()),
-        AnyConstraint::HalfSpace(half_space.clone()),
+        AnyConstraint::Solids(half_space.clone()),
         AnyConstraint::Bounds(slow.clone()),
     ];
     let boxed: [Box<dyn DynConstraint>; 3] = [

@@ -2,10 +2,11 @@
 
 use crate::common::{config, slider};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, RowKind, Side, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind,
+    Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::dynamics::{Data, rnea};
+use aghf::geometry::Solid;
 use aghf::model::{Model, random_tree};
 use aghf::relax::{Barrier, BarrierCost, HyperDual64, Point, PointCost, PointDerivatives};
 use nalgebra::{DMatrix, Vector3};
@@ -113,10 +114,7 @@ fn constraints(n: usize, rng: &mut ChaCha8Rng) -> Kept {
     let sides = [(Side::Lower, -0.2), (Side::Upper, 0.3)];
     let bounds =
         (0..2 * n).flat_map(|entry| sides.map(|(side, value)| Bound { entry, side, value }));
-    let half_space = HalfSpace {
-        normal: vector().normalize(),
-        offset: 0.1,
-    };
+    let half_space = Solid::half_space(&vector(), 0.1);
     let limit = |i: usize| (i > 0).then(|| 0.5 * (i - 1) as f64);
     Constraints {
         state: vec![
@@ -124,7 +122,11 @@ fn constraints(n: usize, rng: &mut ChaCha8Rng) -> Kept {
                 balls: balls.clone(),
                 spheres,
             }),
-            AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+            AnyConstraint::Solids(SolidClearance {
+                balls,
+                solids: vec![half_space],
+                names: Vec::new(),
+            }),
             AnyConstraint::Bounds(Bounds(bounds.collect())),
         ],
         torque: TorqueLimits((0..n).map(limit).collect()),

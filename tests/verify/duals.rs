@@ -38,7 +38,6 @@ fn everything_passes_on_every_robot() {
         }
         for what in [
             "spheres: weighted Hessian",
-            "half-space: weighted Hessian",
             "solids: weighted Hessian",
             "self-collision: weighted gradient",
             "self-collision: weighted Hessian",

@@ -126,7 +126,7 @@ impl Feasibility {
             false,
             &mut limit_violations,
         )?;
-        let samples = if scenario.environment.is_empty() {
+        let samples = if scenario.scene.is_empty() {
             Vec::new()
         } else {
             sample(model, curve, INTERVALS)?
@@ -135,9 +135,8 @@ impl Feasibility {
         let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
         let passive = scenario.passive();
         let configurations = samples.iter().map(|s| s.q.as_slice());
-        let environment = &scenario.environment;
         Ok(Self {
-            smallest_clearance_m: environment.smallest_clearance(model, configurations)?,
+            smallest_clearance_m: scenario.smallest_clearance(configurations)?,
             limit_violations,
             largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
             largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),

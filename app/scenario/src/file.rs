@@ -8,10 +8,12 @@ use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::provenance::is_summary;
+use super::scene::scene;
 use super::self_collision::in_full;
-use super::{EnforcedLimits, Environment, SolveOptions, Solved};
+use super::{EnforcedLimits, SolveOptions, Solved};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
+use aghf::geometry::Scene;
 use aghf::input::{name_of, read_named};
 use aghf::model::{Model, Reduced};
 use aghf::motion::{Feedback, Guess, Problem};
@@ -138,8 +140,8 @@ pub struct Scenario {
     pub model: Model,
     /// The notes from loading the robot.
     pub load_notes: LoadReport,
-    /// The obstacles.
-    pub environment: Environment,
+    /// The shape of the robot and the obstacles.
+    pub scene: Scene,
     /// The name of the robot if it is built in, otherwise its absolute path.
     pub robot_place: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
@@ -231,8 +233,10 @@ impl Scenario {
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
             file.self_collision = Some(read);
         }
-        let environment = Environment::new(&robot, &file, source.folder(), path)?;
-        let (model, environment) = lock(robot, environment, &file.locked_joints, path)?;
+        let locked = lock(&robot, &file.locked_joints, path)?;
+        let bodies = locked.as_ref().map(|reduced| reduced.bodies.as_slice());
+        let scene = scene(&robot, bodies, &file, source.folder(), path)?;
+        let model = locked.map_or(robot, |reduced| reduced.model);
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -290,7 +294,7 @@ impl Scenario {
             file,
             model,
             load_notes,
-            environment,
+            scene,
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
@@ -335,15 +339,10 @@ impl Scenario {
     }
 }
 
-/// Locks these joints in the robot and in its shape. `path` names the scenario in errors.
-fn lock(
-    robot: Model,
-    environment: Environment,
-    joints: &BTreeMap<String, f64>,
-    path: &str,
-) -> Result<(Model, Environment)> {
+/// The robot with these joints locked; `None` without any. `path` names the scenario in errors.
+fn lock(robot: &Model, joints: &BTreeMap<String, f64>, path: &str) -> Result<Option<Reduced>> {
     if joints.is_empty() {
-        return Ok((robot, environment));
+        return Ok(None);
     }
     let mut locked = Vec::with_capacity(joints.len());
     for (name, position) in joints {
@@ -363,7 +362,7 @@ fn lock(
         } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
         other => other,
     };
-    let Reduced { model, bodies } = robot.reduced(&locked).map_err(named)?;
-    model.check_regular(path).map_err(named)?;
-    Ok((model, environment.reduced(&bodies)))
+    let reduced = robot.reduced(&locked).map_err(named)?;
+    reduced.model.check_regular(path).map_err(named)?;
+    Ok(Some(reduced))
 }

@@ -182,9 +182,7 @@ impl Scenario {
     /// user-defined constraint.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.environment.is_empty()
-            && !self.limits_are_enforced()
-            && self.own.constraints.is_empty()
+        self.scene.is_empty() && !self.limits_are_enforced() && self.own.constraints.is_empty()
     }
 
     /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
@@ -198,7 +196,7 @@ impl Scenario {
     /// # Errors
     /// Those of [`Environment::constraints`](super::Environment::constraints).
     pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
-        let mut constraints = self.environment.constraints()?;
+        let mut constraints = AnyConstraint::of_scene(&self.scene);
         let bound = |limit, joint| self.bound(limit, joint);
         constraints.extend(limits_of_state(self.model.dof(), bound));
         constraints.extend(self.own.constraints.iter().cloned());

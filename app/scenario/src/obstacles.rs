@@ -1,7 +1,7 @@
 //! The obstacles of a scenario file, and the shape of the robot.
 
 use aghf::error::{Error, Result, plain};
-use aghf::geometry::{Shape, Solid};
+use aghf::geometry::{self, Shape, Solid};
 use aghf::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -144,18 +144,6 @@ impl Obstacle {
 }
 
 impl ObstacleShape {
-    /// The name of the shape.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Sphere { .. } => "sphere",
-            Self::Box { .. } => "box",
-            Self::Cylinder { .. } => "cylinder",
-            Self::Capsule { .. } => "capsule",
-            Self::HalfSpace {} => "half-space",
-        }
-    }
-
     /// The shape, the lengths of which must be positive.
     fn checked(&self) -> Checked<Shape> {
         let round = |radius: f64, length: f64| {
@@ -207,22 +195,14 @@ impl Pose {
     }
 }
 
-/// An obstacle in space.
-#[derive(Clone, Debug)]
-pub(super) struct Named<T> {
-    /// The given name, or otherwise its place in the list.
-    pub name: String,
-    pub placed: T,
-}
-
-/// The obstacles in space with their names; `path` names the scenario in errors.
-pub(super) fn placed(list: &[Obstacle], path: &str) -> Result<Vec<Named<Solid>>> {
+/// The obstacles in space; `path` names the scenario in errors.
+pub(super) fn placed(list: &[Obstacle], path: &str) -> Result<Vec<geometry::Obstacle>> {
     let placed = |(i, obstacle): (usize, &Obstacle)| {
         let key = format!("obstacles[{i}]");
         let solid = obstacle.solid();
-        let placed = solid.map_err(|condition| Error::input(path, &key, condition))?;
+        let solid = solid.map_err(|condition| Error::input(path, &key, condition))?;
         let name = obstacle.name.clone().unwrap_or(key);
-        Ok(Named { name, placed })
+        Ok(geometry::Obstacle { name, solid })
     };
     list.iter().enumerate().map(placed).collect()
 }

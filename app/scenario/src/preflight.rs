@@ -1,9 +1,9 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
-use super::environment::Overlap;
 use super::{HorizonBounds, Limit, Scenario};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
+use aghf::geometry::{Collider, Part};
 use aghf::model::Model;
 use aghf::relax::RelaxSettings;
 use aghf::spatial::Placement;
@@ -146,27 +146,27 @@ impl Scenario {
     fn check_clear(&self, end: &End<'_>) -> Result<()> {
         let mut placements = vec![Placement::identity(); self.model.dof()];
         forward_kinematics(&self.model, end.q, &mut placements)?;
-        let deepest = self.environment.deepest(&placements)?;
-        let Some(Overlap {
-            obstacle,
-            body,
-            link,
-            depth,
-        }) = deepest.filter(|overlap| overlap.depth > TOLERANCE)
-        else {
+        let deepest = self.scene.deepest_contact(&placements)?;
+        let Some(contact) = deepest.filter(|contact| -contact.distance > TOLERANCE) else {
             return Ok(());
         };
         // The first frame of a body is that of the link on its joint. Several links may be locked to the base, so it
         // has none.
+        let (Part { body, link }, depth) = (contact.part, -contact.distance);
         let mut frames = self.model.frames().iter();
         let frame = frames.find(|f| f.body == body && body.is_some());
-        let link = link.or_else(|| frame.map(|f| f.name.clone()));
+        let link = link.or_else(|| frame.map(|f| f.name.as_str()));
         let link = link.map_or_else(
             || "a link that is locked to the base".to_owned(),
             |link| format!("link '{link}'"),
         );
-        let mut condition = format!("{link} is {depth:.3e} m inside {obstacle}");
-        let clear = self.environment.clearance(&placements)?;
+        let [_, other] = self.names_of(&contact);
+        let what = match contact.other {
+            Collider::Robot(_) => "link ",
+            Collider::Obstacle(_) => "",
+        };
+        let mut condition = format!("{link} is {depth:.3e} m inside {what}'{other}'");
+        let clear = self.scene.clearance(&placements)?;
         if clear >= 0.0 {
             condition += &format!(
                 " by the balls that cover it, though {clear:.3e} m clear itself; \

@@ -1,10 +1,10 @@
 //! The links of a robot that keep clear of each other.
 
-use super::environment::apart;
+use super::SelfCollision;
 use super::json::read_json;
-use super::{LinkBall, SelfCollision};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
+use aghf::geometry::CollisionGeometry;
 use aghf::input::read_text;
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -67,10 +67,10 @@ impl IgnoredPairs {
     ///
     /// # Errors
     /// A ball belongs to a body that the robot does not have.
-    pub fn by_sampling(model: &Model, balls: &[LinkBall]) -> Result<Self> {
+    pub fn by_sampling(model: &Model, robot: &CollisionGeometry) -> Result<Self> {
         let mut pairs: BTreeMap<[&str; 2], Vec<[usize; 2]>> = BTreeMap::new();
-        for [i, j] in self_pairs(balls, &[]) {
-            let mut links = [i, j].map(|i| balls[i].link.as_str());
+        for [i, j] in robot.pairs(&[]) {
+            let mut links = [i, j].map(|i| robot.links[i].as_str());
             links.sort_unstable();
             pairs.entry(links).or_default().push([i, j]);
         }
@@ -83,7 +83,7 @@ impl IgnoredPairs {
         };
         let parent = |body: usize| model.joints()[body].parent();
         pairs.retain(|links, of_balls| {
-            let [a, b] = of_balls[0].map(|i| balls[i].ball.body);
+            let [a, b] = of_balls[0].map(|i| robot.balls[i].body);
             let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
             let neighbours = follows(a, b) || follows(b, a);
             if neighbours {
@@ -96,19 +96,11 @@ impl IgnoredPairs {
         for _ in 0..CONFIGURATIONS {
             let q = random_configuration(model, &mut rng);
             forward_kinematics(model, &q, &mut placements)?;
-            let mut clear = Vec::new();
-            for (links, of_balls) in &pairs {
-                let mut overlaps = false;
-                for pair in of_balls {
-                    overlaps |= apart(pair.map(|i| &balls[i].ball), &placements)? <= 0.0;
-                }
-                if !overlaps {
-                    clear.push(*links);
-                }
-            }
-            for links in clear {
-                pairs.remove(&links);
-            }
+            let balls = robot.placed(&placements)?;
+            pairs.retain(|_, of_balls| {
+                let mut pairs = of_balls.iter();
+                pairs.any(|[i, j]| balls[*i].gap(&balls[*j]) <= 0.0)
+            });
         }
         for links in pairs.into_keys() {
             let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
@@ -168,25 +160,6 @@ pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> R
         }
     }
     Ok(())
-}
-
-/// The pairs of balls on different bodies whose links are in none of the `ignored` pairs, sorted by pairs of bodies.
-pub(super) fn self_pairs(balls: &[LinkBall], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
-    let same = |pair: &[String; 2], a: &String, b: &String| {
-        (&pair[0] == a && &pair[1] == b) || (&pair[0] == b && &pair[1] == a)
-    };
-    let mut pairs = Vec::new();
-    for (i, first) in balls.iter().enumerate() {
-        for (j, second) in balls.iter().enumerate().skip(i + 1) {
-            let (a, b) = (&first.link, &second.link);
-            let ignore = ignored.iter().any(|pair| same(pair, a, b));
-            if first.ball.body != second.ball.body && a != b && !ignore {
-                pairs.push([i, j]);
-            }
-        }
-    }
-    pairs.sort_by_key(|pair| pair.map(|i| balls[i].ball.body));
-    pairs
 }
 
 /// Random positions within the limits of the joints.

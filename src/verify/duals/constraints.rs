@@ -4,15 +4,14 @@ use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, Capsule, CollisionSphere, Constraint, Constraints, Evaluator,
-    HalfSpace, HalfSpaceClearance, SelfClearance, Side, SolidClearance, Sphere, SphereClearance,
-    TorqueLimits, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator,
+    SelfClearance, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::flow::{Penalised, Penalty, PenaltyWeights};
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{Capsule, Shape, Solid};
 use crate::model::Model;
 use crate::spatial::Placement;
 use crate::verify::reference::{gradient, jacobian};
@@ -78,15 +77,9 @@ const TOLERANCE: Tolerance = Tolerance {
 };
 
 /// The kinds of constraints on the state, in the order of their construction.
-const KINDS: [&str; 5] = [
-    "spheres",
-    "half-space",
-    "solids",
-    "self-collision",
-    "bounds",
-];
+const KINDS: [&str; 4] = ["spheres", "solids", "self-collision", "bounds"];
 
-/// A box, a cylinder, a capsule and a ball about `mean`, rotated, of sizes in proportion to `reach`.
+/// A box, a cylinder, a capsule, a ball and a half-space about `mean`, rotated, of sizes in proportion to `reach`.
 fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
     let size = |part: f64| part * reach;
     let shapes = [
@@ -102,6 +95,7 @@ fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
             half_length: size(0.3),
         },
         Shape::Sphere { radius: size(0.3) },
+        Shape::HalfSpace,
     ];
     let place = |(i, shape): (usize, Shape)| {
         let wave = |f: f64| (f * (i as f64 + 1.0)).sin();
@@ -153,11 +147,6 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         centre: mean + Vector3::new(x, y, z) * reach,
         radius: part * reach,
     };
-    let normal = Vector3::new(2.0, -1.0, 2.0) / 3.0;
-    let half_space = HalfSpace {
-        normal,
-        offset: normal.dot(&mean),
-    };
     let near = |index: usize| Bound {
         entry: index,
         side: if index.is_multiple_of(2) {
@@ -180,10 +169,6 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                 AnyConstraint::Spheres(SphereClearance {
                     balls: balls.clone(),
                     spheres: vec![sphere(0.3, 0.1, -0.2, 0.5), sphere(-0.2, -0.3, 0.1, 0.4)],
-                }),
-                AnyConstraint::HalfSpace(HalfSpaceClearance {
-                    balls: balls.clone(),
-                    half_space,
                 }),
                 AnyConstraint::Solids(SolidClearance {
                     balls: balls.clone(),

@@ -2,17 +2,17 @@
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, HalfSpace,
-    HalfSpaceClearance, PlacedState, Side, Sphere, SphereClearance, TorqueLimits,
-    WeightedDerivatives, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, PlacedState,
+    Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
 use crate::flow::{ControlCost, Penalised, Penalty, PenaltyWeights, TorquePenalty, penalty};
+use crate::geometry::{Shape, Solid};
 use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
 use crate::verify::reference::{jacobian, vector};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use num_traits::Zero;
 
 /// The identities of this file.
@@ -54,9 +54,12 @@ pub(super) fn set(p: &RandomInstance) -> Set {
         side,
         value: s[i],
     };
-    let half_space = HalfSpace {
-        normal: Vector3::new(s[2], s[0], s[1]),
-        offset: s[4],
+    // Only the last axis of a half-space counts, so that the others may be any.
+    let mut axes = Matrix3::from_element(s[3]);
+    axes.set_column(2, &Vector3::new(s[2], s[0], s[1]));
+    let half_space = Solid {
+        placement: Placement::new(axes, Vector3::new(s[4], s[1], s[5])),
+        shape: Shape::HalfSpace,
     };
     Penalised {
         constraints: Constraints {
@@ -65,7 +68,11 @@ pub(super) fn set(p: &RandomInstance) -> Set {
                     balls: balls.clone(),
                     spheres: vec![sphere(0), sphere(3)],
                 }),
-                AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }),
+                AnyConstraint::Solids(SolidClearance {
+                    balls,
+                    solids: vec![half_space],
+                    names: Vec::new(),
+                }),
                 AnyConstraint::Bounds(Bounds(vec![
                     bound(0, Side::Upper, 0),
                     bound(n - 1, Side::Lower, 1),
@@ -197,12 +204,15 @@ fn spheres(p: &RandomInstance) -> Result<Vec<Equality>> {
 fn half_space(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
-    if let AnyConstraint::HalfSpace(HalfSpaceClearance { balls, half_space }) =
-        &set.constraints.state[1]
-    {
+    if let AnyConstraint::Solids(SolidClearance { balls, solids, .. }) = &set.constraints.state[1] {
+        let Placement {
+            rotation,
+            translation,
+        } = &solids[0].placement;
+        let normal = rotation.column(2);
         for ball in balls {
-            let height = half_space.normal.dot(&centre(p, ball)?);
-            values.push(ball.radius + half_space.offset - height);
+            let height = normal.dot(&centre(p, ball)?) - normal.dot(translation);
+            values.push(ball.radius - height);
         }
     }
     kind(p, 1, values)

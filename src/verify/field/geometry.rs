@@ -28,7 +28,7 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// One of each shape, of random sizes.
-fn shapes(p: &RandomInstance) -> [Shape<Gf>; 4] {
+fn shapes(p: &RandomInstance) -> [Shape<Gf>; 5] {
     let s = p.extra;
     [
         Shape::Sphere { radius: s[0] },
@@ -43,6 +43,7 @@ fn shapes(p: &RandomInstance) -> [Shape<Gf>; 4] {
             radius: s[6],
             half_length: s[7],
         },
+        Shape::HalfSpace,
     ]
 }
 

@@ -4,7 +4,7 @@ use super::{UrdfArgs, print, tell_notes};
 use crate::output::{refuse_existing, write_text};
 use aghf::error::Result;
 use aghf::urdf::{RobotSource, Srdf};
-use aghf_scenario::{IgnoredPairs, LinkBall};
+use aghf_scenario::{IgnoredPairs, cover_links};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -45,8 +45,8 @@ impl Pairs {
         let pairs = match &self.srdf {
             Some(path) => IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?),
             None => {
-                let balls = LinkBall::of_model(&model, source.folder(), self.spacing)?;
-                IgnoredPairs::by_sampling(&model, &balls)?
+                let links = cover_links(&model, source.folder(), self.spacing)?;
+                IgnoredPairs::by_sampling(&model, &links)?
             }
         };
         match &self.out {

@@ -295,10 +295,10 @@ pub fn scenario_table() -> Result<String> {
     let mut table = table();
     let builtin = builtin_scenarios().map(str::to_owned);
     for name in builtin.chain(generated_scenarios()) {
-        let Scenario { file, .. } = Scenario::load(&name)?;
+        let Scenario { file, scene, .. } = Scenario::load(&name)?;
         let mut counts: Vec<(&str, usize)> = Vec::new();
-        for obstacle in &file.obstacles {
-            let name = obstacle.shape.name();
+        for obstacle in scene.obstacles() {
+            let name = obstacle.solid.shape.name();
             match counts.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, count)) => *count += 1,
                 None => counts.push((name, 1)),

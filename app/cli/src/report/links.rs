@@ -3,8 +3,8 @@
 use super::scene::{Item, Tip};
 use aghf::geometry::Shape;
 use aghf::model::{JointKind, Model};
-use aghf::spatial::Placement;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use aghf::spatial::{Placement, rotation_of_z_to};
+use nalgebra::Vector3;
 
 /// The radius of a link relative to the reach of the robot, and to its longest link: the smaller one is used.
 const OF_REACH: f64 = 0.042;
@@ -160,7 +160,7 @@ fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
         return None;
     }
     let axis = joint.axis();
-    let middle = Placement::new(along(axis), axis * (0.5 * (lower + upper)));
+    let middle = Placement::new(rotation_of_z_to(axis), axis * (0.5 * (lower + upper)));
     let shape = Shape::Capsule {
         radius,
         half_length: 0.5 * (upper - lower),
@@ -169,22 +169,13 @@ fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
     Some(Item::new(joint.parent(), &placement, &shape))
 }
 
-/// A rotation that maps the `z` axis to this direction.
-fn along(direction: &Vector3<f64>) -> Matrix3<f64> {
-    // Opposite to the axis any half turn will do.
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    });
-    turn.to_rotation_matrix().into_inner()
-}
-
 /// A capsule from the origin of a body to `end`; `None` if that is inside the ball at the joint.
 fn capsule(body: Option<usize>, end: Vector3<f64>, radius: f64) -> Option<Item> {
     let length = end.norm();
     if length < 0.5 * radius {
         return None;
     }
-    let placement = Placement::new(along(&end), end * 0.5);
+    let placement = Placement::new(rotation_of_z_to(&end), end * 0.5);
     let shape = Shape::Capsule {
         radius,
         half_length: 0.5 * length,

@@ -3,12 +3,12 @@
 use super::links::{base_shapes, capsules_along_links};
 use super::mesh::{MeshData, Meshes};
 use aghf::error::Result;
-use aghf::geometry::{Shape, Solid};
+use aghf::geometry::{Obstacle, Shape};
 use aghf::model::{CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::{Visual, load_mesh, read_visuals};
 use aghf_scenario::Scenario;
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
 /// A scene of the page. Lengths in m, in the base frame except for shapes of bodies.
@@ -88,31 +88,22 @@ pub(super) fn pose(placement: &Placement<f64>) -> [f64; 7] {
 
 /// Builds the scene of a scenario.
 pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
-    let environment = &scenario.environment;
-    let names = environment.obstacle_names();
-    let spheres = environment.spheres().map(|sphere| Solid {
-        placement: Placement::new(Matrix3::identity(), sphere.centre),
-        shape: Shape::Sphere {
-            radius: sphere.radius,
-        },
-    });
-    let spheres: Vec<Solid> = spheres.collect();
-    let planes: Vec<_> = environment.half_spaces().collect();
-    // The names are in the order of spheres, half-spaces and other solids.
-    let (of_spheres, others) = names.split_at(spheres.len());
-    let (of_planes, of_solids) = others.split_at(planes.len());
-    let solids = spheres.iter().chain(environment.solids());
-    let named = solids.zip(of_spheres.iter().chain(of_solids));
-    let obstacles = named.map(|(solid, name)| Item {
+    let (planes, solids): (Vec<_>, Vec<_>) = (scenario.scene.obstacles().iter())
+        .partition(|obstacle| obstacle.solid.shape == Shape::HalfSpace);
+    let item = |Obstacle { name, solid }: &Obstacle| Item {
         name: Some(name.clone()),
         ..Item::new(None, &solid.placement, &solid.shape)
-    });
-    let planes = planes.iter().zip(of_planes).map(|(plane, name)| Plane {
-        name: name.clone(),
-        normal: plane.normal.into(),
-        offset: plane.offset,
-    });
-    let (obstacles, planes) = (obstacles.collect(), planes.collect());
+    };
+    let plane = |Obstacle { name, solid }: &Obstacle| {
+        let normal = solid.placement.rotation.column(2);
+        Plane {
+            name: name.clone(),
+            normal: normal.into_owned().into(),
+            offset: normal.dot(&solid.placement.translation),
+        }
+    };
+    let obstacles = solids.into_iter().map(item).collect();
+    let planes = planes.into_iter().map(plane).collect();
     let mut robot = Robot::new(scenario);
     robot.gather();
     Ok(Scene {

@@ -8,7 +8,7 @@ use aghf::error::Result;
 use aghf::model::Model;
 use aghf::motion::{Sample, samples_at};
 use aghf::spatial::Placement;
-use aghf_scenario::{Distances, Scenario};
+use aghf_scenario::Scenario;
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -109,9 +109,6 @@ impl Clearance {
 
     /// Computes the clearance at these placements; `None` without obstacles or pairs of links.
     pub fn new(scenario: &Scenario, placements: &[Vec<Placement<f64>>]) -> Result<Option<Self>> {
-        let Some(distances) = Distances::new(scenario)? else {
-            return Ok(None);
-        };
         let mut numbers = HashMap::new();
         let mut clearance = Self {
             values: String::new(),
@@ -122,15 +119,18 @@ impl Clearance {
         };
         let mut points = Vec::new();
         for placements in placements {
-            let nearest = distances.nearest(placements)?;
+            let Some(pair) = scenario.scene.closest_pair(placements)? else {
+                return Ok(None);
+            };
+            let names = scenario.names_of(&pair);
             let next = numbers.len();
-            let number = *numbers.entry(nearest.names.clone()).or_insert(next);
+            let number = *numbers.entry(names).or_insert(next);
             if number == next {
-                clearance.pairs.push(nearest.names);
+                clearance.pairs.push(names.map(str::to_owned));
             }
             clearance.pair.push(number);
-            clearance.distances.push(nearest.clearance);
-            points.extend(nearest.points.iter().flat_map(|p| p.iter().copied()));
+            clearance.distances.push(pair.distance);
+            points.extend(pair.points.iter().flat_map(|p| p.iter().copied()));
         }
         clearance.values = of_f32(clearance.distances.iter().copied());
         clearance.points = of_f32(points);

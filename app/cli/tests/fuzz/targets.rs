@@ -1,8 +1,8 @@
 //! The use that is made of an input of each format.
 
-use aghf::constraint::{Capsule, Constraint};
+use aghf::constraint::Constraint;
 use aghf::dynamics::{Data, crba, rnea};
-use aghf::geometry::cover_triangles;
+use aghf::geometry::{Capsule, cover_triangles};
 use aghf::model::Model;
 use aghf::motion::sample;
 use aghf::urdf::{

@@ -77,7 +77,7 @@ fn clearances_are_those_of_the_surroundings_and_have_names() {
             forward_kinematics(&scenario.model, &x.as_slice()[..n], &mut placements)
                 .expect("of this robot");
             let known = scenario
-                .environment
+                .scene
                 .clearance(&placements)
                 .expect("of this robot");
             assert!(

@@ -1,11 +1,11 @@
 //! The space that the links of a robot sweep on the line between two configurations and on a bent path next to it.
 
 use super::witness::Witness;
-use aghf::constraint::{Capsule, HalfSpace, Sphere};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
+use aghf::geometry::{Capsule, Shape, Solid};
 use aghf::spatial::Placement;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// The number of places at which the paths are sampled.
 const PLACES: usize = 61;
@@ -66,27 +66,25 @@ impl Swept {
 
     /// The distance of the sphere from the swept space, m.
     pub(super) fn clearance(&self, centre: Vector3<f64>, radius: f64) -> Result<f64> {
-        let sphere = Sphere { centre, radius };
-        self.smallest(|capsule, placements| capsule.clearance(placements, &sphere))
+        self.distance(&Solid {
+            placement: Placement::new(Matrix3::identity(), centre),
+            shape: Shape::Sphere { radius },
+        })
     }
 
     /// The lowest point of the swept space, m.
     pub(super) fn lowest(&self) -> Result<f64> {
-        let ground = HalfSpace {
-            normal: Vector3::z(),
-            offset: 0.0,
-        };
-        self.smallest(|capsule, placements| capsule.height(placements, &ground))
+        self.distance(&Solid::half_space(&Vector3::z(), 0.0))
     }
 
-    fn smallest(
-        &self,
-        measure: impl Fn(&Capsule, &[Placement<f64>]) -> Result<f64>,
-    ) -> Result<f64> {
+    /// The distance of a sphere or a half-space from the swept space, m.
+    fn distance(&self, solid: &Solid) -> Result<f64> {
         let mut smallest = f64::INFINITY;
         for placements in &self.places {
             for capsule in &self.capsules {
-                smallest = smallest.min(measure(capsule, placements)?);
+                if let Some(ball) = capsule.nearest_ball(placements, solid)? {
+                    smallest = smallest.min(solid.distance(&ball.centre) - ball.radius);
+                }
             }
         }
         Ok(smallest)

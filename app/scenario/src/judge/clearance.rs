@@ -2,11 +2,8 @@
 
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::Scenario;
-use aghf::constraint::CollisionSphere;
 use aghf::error::Result;
-use aghf::geometry::{Shape, Solid};
-use aghf::spatial::Placement;
-use nalgebra::{Matrix3, Vector3};
+use aghf::geometry::{CollisionGeometry, CollisionSphere, Obstacle};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
@@ -17,12 +14,6 @@ const PLACING: usize = 20;
 
 /// The relative accuracy of a positive least clearance.
 const PRECISION: f64 = 0.05;
-
-/// An obstacle.
-enum Obstacle {
-    Solid(Solid),
-    HalfSpace { normal: Vector3<f64>, offset: f64 },
-}
 
 /// A pair that must not overlap.
 enum Gap {
@@ -35,11 +26,12 @@ enum Gap {
     },
 }
 
-/// The robot and its surroundings.
-struct Scene<'a> {
-    balls: Vec<CollisionSphere>,
+/// The robot and its surroundings. Balls are placed and their gaps computed here once more, apart from
+/// [`aghf::geometry::Scene`] on purpose: an error there must not hide from the judge.
+struct Surroundings<'a> {
+    balls: &'a [CollisionSphere],
     paths: Vec<Vec<usize>>,
-    obstacles: Vec<Obstacle>,
+    obstacles: &'a [Obstacle],
     intervals: &'a Intervals,
 }
 
@@ -49,27 +41,14 @@ pub(super) fn clearances(
     intervals: &Intervals,
     overlap: f64,
 ) -> Result<Vec<Row>> {
-    let (model, environment) = (&scenario.model, &scenario.environment);
-    let balls = environment.balls()?;
-    let spheres = environment.spheres().map(|sphere| {
-        Obstacle::Solid(Solid {
-            placement: Placement::new(Matrix3::identity(), sphere.centre),
-            shape: Shape::Sphere {
-                radius: sphere.radius,
-            },
-        })
-    });
-    let half_spaces = environment.half_spaces().map(|half| Obstacle::HalfSpace {
-        normal: half.normal,
-        offset: half.offset,
-    });
-    let solids = environment.solids().copied().map(Obstacle::Solid);
-    let scene = Scene {
+    let model = &scenario.model;
+    let CollisionGeometry { balls, links, .. } = scenario.scene.robot();
+    let scene = Surroundings {
         paths: balls
             .iter()
             .map(|ball| carriers(model, ball.body))
             .collect(),
-        obstacles: spheres.chain(half_spaces).chain(solids).collect(),
+        obstacles: scenario.scene.obstacles(),
         balls,
         intervals,
     };
@@ -77,23 +56,27 @@ pub(super) fn clearances(
     let obstacles = moving.flat_map(|ball| {
         (0..scene.obstacles.len()).map(move |obstacle| Gap::Obstacle { ball, obstacle })
     });
-    let pairs = environment.self_pairs().into_iter().map(|balls| {
+    let pairs = scenario.scene.pairs().iter().map(|balls| {
         let alone = |of: usize, other: usize| {
             let shared = &scene.paths[balls[other]];
             let path = scene.paths[balls[of]].iter();
             path.filter(|i| !shared.contains(i)).copied().collect()
         };
         let paths = [alone(0, 1), alone(1, 0)];
-        Gap::Balls { balls, paths }
+        Gap::Balls {
+            balls: *balls,
+            paths,
+        }
     });
-    let names = environment.obstacle_names();
-    let part = |ball: usize| match (environment.link_of_ball(ball), scene.balls[ball].body) {
+    let part = |ball: usize| match (links.get(ball), balls[ball].body) {
         (Some(link), _) => format!("link '{link}'"),
         (None, Some(body)) => format!("the body of joint '{}'", model.joints()[body].name()),
         (None, None) => "the base".to_owned(),
     };
     let place = |gap: &Gap| match gap {
-        Gap::Obstacle { ball, obstacle } => format!("{} and {}", part(*ball), names[*obstacle]),
+        Gap::Obstacle { ball, obstacle } => {
+            format!("{} and '{}'", part(*ball), scene.obstacles[*obstacle].name)
+        }
         Gap::Balls { balls: [a, b], .. } => format!("{} and {}", part(*a), part(*b)),
     };
     let mut rows = Vec::new();
@@ -128,7 +111,7 @@ fn known(bound: f64) -> f64 {
 
 /// The search for the least gap over time.
 struct Search<'a> {
-    scene: &'a Scene<'a>,
+    scene: &'a Surroundings<'a>,
     reach: Reach<'a>,
     gaps: &'a [Gap],
     overlap: f64,
@@ -145,7 +128,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(scene: &'a Scene<'a>, reach: Reach<'a>, gaps: &'a [Gap], overlap: f64) -> Self {
+    fn new(scene: &'a Surroundings<'a>, reach: Reach<'a>, gaps: &'a [Gap], overlap: f64) -> Self {
         Self {
             scene,
             reach,
@@ -235,11 +218,8 @@ impl<'a> Search<'a> {
         let centre = |i: usize| self.reach.centre(ball(i));
         match gap {
             Gap::Obstacle { ball: i, obstacle } => {
-                let from = match &self.scene.obstacles[*obstacle] {
-                    Obstacle::Solid(solid) => solid.distance(&centre(*i)),
-                    Obstacle::HalfSpace { normal, offset } => normal.dot(&centre(*i)) - offset,
-                };
-                from - ball(*i).radius
+                let solid = &self.scene.obstacles[*obstacle].solid;
+                solid.distance(&centre(*i)) - ball(*i).radius
             }
             Gap::Balls { balls: [a, b], .. } => {
                 (centre(*a) - centre(*b)).norm() - ball(*a).radius - ball(*b).radius

@@ -25,7 +25,7 @@
 //! bound. Intervals are halved until this excludes a new least gap, to within a tenth of the accepted overlap or a
 //! twentieth of the least clearance, whichever is larger. Therefore no collision is missed, however thin the obstacle.
 //! Only balls on moving bodies are checked, and the pairs of
-//! [`Environment::self_pairs`](crate::Environment::self_pairs). If the work exceeds a limit, the check is
+//! [`Scene::pairs`](aghf::geometry::Scene::pairs). If the work exceeds a limit, the check is
 //! undecided, and reports the proved bound.
 //!
 //! An excess up to the [`Tolerances`] passes.

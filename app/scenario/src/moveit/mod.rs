@@ -6,8 +6,8 @@ mod yaml;
 
 use super::preflight::slowest;
 use super::{
-    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, LinkBall, RobotShape, Scenario,
-    ScenarioFile, SelfCollision,
+    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, RobotShape, Scenario,
+    ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
@@ -148,8 +148,8 @@ impl MoveIt {
         if let Some(path) = &self.srdf {
             return Ok(IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?));
         }
-        let balls = LinkBall::of_model(model, source.folder(), self.spacing)?;
-        IgnoredPairs::by_sampling(model, &balls)
+        let links = cover_links(model, source.folder(), self.spacing)?;
+        IgnoredPairs::by_sampling(model, &links)
     }
 
     /// The initial horizon, and its bounds if it is free.

@@ -116,7 +116,7 @@ fn every_horizon_is_the_least_and_some_more() {
 fn without_an_obstacle_the_line_keeps_all_limits() {
     for seed in 1..=SEEDS {
         let scenario = load("limits", seed);
-        assert!(scenario.environment.is_empty());
+        assert!(scenario.scene.is_empty());
         let line = motion(&scenario, &vec![0.0; scenario.model.dof()]);
         let [velocity, torque] = shares(&scenario.model, &line);
         // Close to the limits, else the scenario is none of this family; between the generator's times there may be a
@@ -134,8 +134,7 @@ fn around_an_obstacle_there_is_a_motion_within_all_limits() {
         let scenario = load("limits_obstacle", seed);
         let clearance = |motion: &[State]| {
             let configurations = motion.iter().map(|[q, ..]| q.as_slice());
-            let smallest =
-                (scenario.environment).smallest_clearance(&scenario.model, configurations);
+            let smallest = scenario.smallest_clearance(configurations);
             let smallest = smallest.expect("it is the robot's");
             smallest.expect("there is an obstacle")
         };

@@ -1,13 +1,14 @@
 //! Generated scenarios: the line between their ends hits something, the ends are free, and a seed always makes the
 //! same.
 
-use aghf::constraint::{AnyConstraint, Capsule, CollisionSphere, SphereClearance};
+use aghf::constraint::{AnyConstraint, CollisionSphere, SphereClearance};
+use aghf::geometry::Capsule;
 use aghf_scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};
 
 /// The smallest clearance of configurations, m.
 fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
     let configurations = configurations.iter().map(Vec::as_slice);
-    let smallest = (scenario.environment).smallest_clearance(&scenario.model, configurations);
+    let smallest = scenario.smallest_clearance(configurations);
     smallest
         .expect("it is the robot's")
         .expect("there are obstacles")

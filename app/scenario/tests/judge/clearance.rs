@@ -108,12 +108,7 @@ fn dense(scenario: &Scenario, motion: &Trajectory) -> f64 {
             let cubic = |i| Cubic::new(ends(&motion.q, i), ends(&motion.v, i), interval);
             let q: Vec<f64> = (0..3).map(|i| cubic(i).position(s)).collect();
             forward_kinematics(&scenario.model, &q, &mut placements).expect("three joints");
-            least = least.min(
-                scenario
-                    .environment
-                    .clearance(&placements)
-                    .expect("they fit"),
-            );
+            least = least.min(scenario.scene.clearance(&placements).expect("they fit"));
         }
     }
     least

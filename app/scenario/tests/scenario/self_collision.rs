@@ -4,32 +4,33 @@ use crate::surroundings::panda;
 use crate::written::{folder, load, with};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::urdf::{Srdf, builtin_robot};
-use aghf_scenario::{IgnoredPairs, LinkBall};
+use aghf_scenario::{IgnoredPairs, cover_links};
 use serde_json::json;
 use std::path::Path;
 
 #[test]
 fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
     let scenario = load("own", &panda()).expect("it is good");
-    let balls = scenario.environment.balls().expect("good balls");
-    let pairs = scenario.environment.self_pairs();
+    let balls = &scenario.scene.robot().balls;
+    let pairs = scenario.scene.pairs();
     let model = builtin_robot("panda").expect("built in");
-    let links = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let robot = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    assert_eq!(balls, &robot.balls);
     let ignored = [
         ("panda_link0", "panda_link1"),
         ("panda_link6", "panda_hand"),
     ];
     let mut expected = 0;
-    for (i, a) in links.iter().enumerate() {
-        for b in &links[i + 1..] {
-            let names = (a.link.as_str(), b.link.as_str());
-            let ignore = ignored.contains(&names) || ignored.contains(&(names.1, names.0));
-            expected += usize::from(a.ball.body != b.ball.body && !ignore);
+    for i in 0..balls.len() {
+        for j in i + 1..balls.len() {
+            let [a, b] = [i, j].map(|i| robot.links[i].as_str());
+            let ignore = ignored.contains(&(a, b)) || ignored.contains(&(b, a));
+            expected += usize::from(balls[i].body != balls[j].body && !ignore);
         }
     }
     assert_eq!(pairs.len(), expected);
     assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
-    let rows = scenario.environment.constraints().expect("good balls");
+    let rows = AnyConstraint::of_scene(&scenario.scene);
     assert!(
         matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected)
     );
@@ -44,7 +45,7 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
 #[test]
 fn pairs_that_a_file_names_are_part_of_the_scenario() {
     let model = builtin_robot("panda").expect("built in");
-    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
     let pairs = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
     assert_eq!(
         pairs,
@@ -108,7 +109,7 @@ fn neighbours_and_links_that_always_overlap_may() {
     let joints = joint("ab", "a", "b") + &joint("bc", "b", "c") + &joint("cd", "c", "d");
     let text = format!(r#"<robot name="four">{links}{joints}</robot>"#);
     let (model, _) = aghf::urdf::parse_urdf(&text, "four.urdf").expect("it is good");
-    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
+    let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
     let found = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
     let found: Vec<_> = found
         .ignored_pairs

@@ -1,12 +1,12 @@
 //! Obstacles of every shape and the collision shapes of the robot.
 
 use crate::written::{load, with};
-use aghf::constraint::Constraint;
+use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
-use aghf::geometry::Shape;
+use aghf::geometry::{Shape, Sphere};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{LinkBall, Scenario};
+use aghf_scenario::{Scenario, cover_links};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -35,7 +35,7 @@ pub fn panda() -> Value {
 #[test]
 fn obstacles_are_placed_as_the_keys_say() {
     let scenario = load("placed", &panda()).expect("it is good");
-    let solids: Vec<_> = scenario.environment.solids().copied().collect();
+    let solids: Vec<_> = scenario.scene.obstacles().iter().map(|o| o.solid).collect();
     let half_extents = Vector3::new(0.1, 0.2, 0.3);
     assert_eq!(solids[0].shape, Shape::Cuboid { half_extents });
     assert_eq!(solids[0].placement.translation, Vector3::new(0.0, 0.0, 2.0));
@@ -54,28 +54,34 @@ fn obstacles_are_placed_as_the_keys_say() {
         let found: f64 = solids[3].distance(&Vector3::new(0.0, -2.0, z));
         assert!((found - distance).abs() < 1e-15, "{found}, {distance}");
     }
-    assert_eq!(scenario.file.obstacles[1].name.as_deref(), Some("lid"));
+    let names: Vec<_> = scenario
+        .scene
+        .obstacles()
+        .iter()
+        .map(|o| &*o.name)
+        .collect();
+    assert_eq!(names, ["obstacles[0]", "lid", "post", "obstacles[3]"]);
 }
 
 /// The clearance is that of the nearest ball, and a ball that touches an obstacle is told by link and obstacle.
 #[test]
 fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
     let model = builtin_robot("panda").expect("built in");
-    let balls = LinkBall::of_model(&model, Path::new(""), 0.05).expect("spheres");
-    assert_eq!(balls.len(), 59);
+    let robot = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    assert_eq!((robot.balls.len(), robot.links.len()), (59, 59));
     let mut placements = vec![Placement::identity(); 7];
     forward_kinematics(&model, &READY, &mut placements).expect("lengths agree");
     // A box below the lowest ball of the hand.
-    let centre = |b: &LinkBall| {
-        let placement = b.ball.body.map_or(Placement::identity(), |i| placements[i]);
-        placement.rotation * b.ball.centre + placement.translation
-    };
-    let bottom = |b: &LinkBall| centre(b).z - b.ball.radius;
-    let in_front = balls.iter().filter(|b| centre(b).x > 0.3);
-    let lowest = in_front.min_by(|a, b| bottom(a).total_cmp(&bottom(b)));
-    let lowest = lowest.expect("there is one");
+    let balls = robot.placed(&placements).expect("lengths agree");
+    let bottom = |b: &Sphere| b.centre.z - b.radius;
+    let in_front = balls
+        .iter()
+        .zip(&robot.links)
+        .filter(|(b, _)| b.centre.x > 0.3);
+    let lowest = in_front.min_by(|(a, _), (b, _)| bottom(a).total_cmp(&bottom(b)));
+    let (lowest, link) = lowest.expect("there is one");
     let table = |gap: f64| {
-        let [x, y, _]: [f64; 3] = centre(lowest).into();
+        let [x, y, _]: [f64; 3] = lowest.centre.into();
         let center = [x, y, bottom(lowest) - gap - 0.05];
         json!({ "name": "table", "shape": { "box": { "size_m": [0.2, 0.2, 0.1] } }, "pose": { "position_m": center } })
     };
@@ -85,22 +91,16 @@ fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
         load("clearance", &with(alone, json!({ "self_collision": null }))).expect("it is good")
     };
     let clear = scenario(0.02);
-    let found = clear
-        .environment
-        .clearance(&placements)
-        .expect("lengths agree");
+    let found = clear.scene.clearance(&placements).expect("lengths agree");
     assert!((found - 0.02).abs() < 1e-12, "{found}");
     clear.check_feasible().expect("it is clear of the table");
     let error = scenario(-0.01)
         .check_feasible()
         .expect_err("it is in the table")
         .to_string();
-    let words = format!(
-        "q_start: link '{}' is 1.000e-2 m inside 'table'",
-        lowest.link
-    );
+    let words = format!("q_start: link '{link}' is 1.000e-2 m inside 'table'");
     assert!(error.contains(&words), "{error}; {words}");
-    let rows = clear.environment.constraints().expect("good balls");
+    let rows = AnyConstraint::of_scene(&clear.scene);
     // The ball of the base is none.
     assert_eq!(rows.iter().map(Constraint::dim).sum::<usize>(), 58 * 2);
 }
@@ -112,7 +112,7 @@ fn a_robot_with_locked_joints_keeps_its_shapes() {
         let mut placements = vec![Placement::identity(); scenario.model.dof()];
         forward_kinematics(&scenario.model, &scenario.file.q_start, &mut placements)
             .expect("lengths agree");
-        let found = scenario.environment.clearance(&placements);
+        let found = scenario.scene.clearance(&placements);
         found.expect("lengths agree")
     };
     let near = json!({ "shape": { "sphere": { "radius_m": 0.05 } }, "pose": { "position_m": [0.3, 0.1, 0.3] } });
@@ -249,11 +249,7 @@ fn problems_of_motion_bench_maker_are_scenarios() {
         let path = entry.expect("readable").path();
         let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
         assert_eq!(scenario.file.robot, "panda");
-        assert!(
-            scenario.environment.solids().count() > 2,
-            "{}",
-            path.display()
-        );
+        assert!(scenario.scene.obstacles().len() > 2, "{}", path.display());
         scenario
             .check_feasible()
             .unwrap_or_else(|e| panic!("{}: {e}", path.display()));

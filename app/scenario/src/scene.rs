@@ -1,0 +1,102 @@
+//! The robot of a scenario among its obstacles.
+
+use super::obstacles::placed;
+use super::robot_shape::collision_geometry;
+use super::self_collision::check_links;
+use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
+use aghf::dynamics::forward_kinematics;
+use aghf::error::{Error, Result};
+use aghf::geometry::{ClosestPair, Collider, Part, Scene};
+use aghf::model::Model;
+use aghf::spatial::Placement;
+use std::path::Path;
+
+/// The largest number of distances between a ball and an obstacle: each is a row of the constraints, which takes about
+/// 10 kB at degree 16.
+const MOST_DISTANCES: usize = 50_000;
+
+/// Builds the scene of a scenario; `path` names the scenario in errors. Meshes are looked for from `folder`. If joints
+/// of the robot are locked, `bodies` has per body of `robot` the one of the reduced robot that contains it, and its
+/// placement there.
+pub(super) fn scene(
+    robot: &Model,
+    bodies: Option<&[(Option<usize>, Placement<f64>)]>,
+    file: &ScenarioFile,
+    folder: &Path,
+    path: &str,
+) -> Result<Scene> {
+    let obstacles = placed(&file.obstacles, path)?;
+    let geometry = collision_geometry(robot, bodies, file.robot_shape, folder, path)?;
+    let refuse = |key: &str, condition: String| Err(Error::input(path, key, condition));
+    let ignored_pairs = match &file.self_collision {
+        None => None,
+        Some(SelfCollision::IgnoredPairs(pairs)) => Some(pairs.as_slice()),
+        Some(SelfCollision::IgnoredPairsFile(_)) => {
+            let condition = "a file is read when a scenario is, and not here";
+            return refuse("self_collision", condition.to_owned());
+        }
+    };
+    if let Some(pairs) = ignored_pairs {
+        check_links(pairs, robot, path)?;
+        if !matches!(file.robot_shape, RobotShape::Collision { .. }) {
+            let condition = "links are told apart with the robot_shape 'collision' only";
+            return refuse("self_collision", condition.to_owned());
+        }
+    }
+    let scene = Scene::new(geometry, obstacles, ignored_pairs);
+    let (balls, obstacles) = (scene.robot().balls.len(), scene.obstacles().len());
+    let pairs = scene.pairs().len();
+    if balls * obstacles + pairs > MOST_DISTANCES {
+        let key = match obstacles {
+            0 => "robot_shape",
+            _ => "obstacles",
+        };
+        let own = match pairs {
+            0 => String::new(),
+            pairs => format!(", {pairs} pairs of these included"),
+        };
+        let condition = format!(
+            "{obstacles} obstacles and {balls} balls of the robot have more than {MOST_DISTANCES} distances between them{own}"
+        );
+        return refuse(key, condition);
+    }
+    Ok(scene)
+}
+
+impl Scenario {
+    /// The smallest [clearance](Scene::clearance) over configurations, in m; `None` without obstacles or pairs of
+    /// links.
+    ///
+    /// # Errors
+    /// A configuration has the wrong length.
+    pub fn smallest_clearance<'q>(
+        &self,
+        configurations: impl Iterator<Item = &'q [f64]>,
+    ) -> Result<Option<f64>> {
+        if self.scene.is_empty() {
+            return Ok(None);
+        }
+        let mut placements = vec![Placement::identity(); self.model.dof()];
+        let mut smallest = f64::INFINITY;
+        for q in configurations {
+            forward_kinematics(&self.model, q, &mut placements)?;
+            smallest = smallest.min(self.scene.clearance(&placements)?);
+        }
+        Ok(Some(smallest))
+    }
+
+    /// The names of a part of the robot, its link or otherwise the joint that moves it, and of the obstacle or part that
+    /// is closest to it.
+    #[must_use]
+    pub fn names_of<'a>(&'a self, pair: &ClosestPair<'a>) -> [&'a str; 2] {
+        let name = |part: Part<'a>| {
+            let joint = part.body.map(|body| self.model.joints()[body].name());
+            part.link.or(joint).unwrap_or("base")
+        };
+        let other = match pair.other {
+            Collider::Obstacle(name) => name,
+            Collider::Robot(part) => name(part),
+        };
+        [name(pair.part), other]
+    }
+}

@@ -1,0 +1,188 @@
+//! A robot among obstacles: the pairs that keep clear of each other, and their distances.
+
+use super::collision::CollisionGeometry;
+use super::{Solid, Sphere};
+use crate::error::Result;
+use crate::spatial::Placement;
+use nalgebra::Vector3;
+
+/// An obstacle at rest in the base frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Its name in reports.
+    pub name: String,
+    /// The solid.
+    pub solid: Solid,
+}
+
+/// A robot among obstacles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    robot: CollisionGeometry,
+    obstacles: Vec<Obstacle>,
+    pairs: Vec<[usize; 2]>,
+}
+
+/// A part of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part<'a> {
+    /// The body; `None` is the base.
+    pub body: Option<usize>,
+    /// The link; `None` if the balls of the robot belong to no links.
+    pub link: Option<&'a str>,
+}
+
+/// A part of the robot or an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Collider<'a> {
+    /// A part of the robot.
+    Robot(Part<'a>),
+    /// An obstacle, by its name.
+    Obstacle(&'a str),
+}
+
+/// A part of the robot and an obstacle or another part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPair<'a> {
+    /// The distance of the pair, m; negative in an overlap.
+    pub distance: f64,
+    /// The part of the robot.
+    pub part: Part<'a>,
+    /// The obstacle or other part.
+    pub other: Collider<'a>,
+    /// The closest point of each, in the base frame.
+    pub points: [Vector3<f64>; 2],
+}
+
+impl Scene {
+    /// A robot with these obstacles. With `ignored_pairs` its links keep clear of each other, except for these pairs;
+    /// with `None` they may overlap.
+    #[must_use]
+    pub fn new(
+        robot: CollisionGeometry,
+        obstacles: Vec<Obstacle>,
+        ignored_pairs: Option<&[[String; 2]]>,
+    ) -> Self {
+        Self {
+            pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
+            robot,
+            obstacles,
+        }
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &CollisionGeometry {
+        &self.robot
+    }
+
+    /// The obstacles.
+    #[must_use]
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// The pairs of balls of the robot that keep clear of each other, as [`CollisionGeometry::pairs`] sorts them.
+    #[must_use]
+    pub fn pairs(&self) -> &[[usize; 2]] {
+        &self.pairs
+    }
+
+    /// Returns true if the robot has no obstacle and no other link to keep clear of.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.obstacles.is_empty() && self.pairs.is_empty()
+    }
+
+    /// Finds the closest pair with the bodies at `placements`; `None` if the scene is [empty](Self::is_empty). The
+    /// distances of capsules from spheres and half-spaces are exact; all others are those of the balls. Cost: one
+    /// distance per pair.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    pub fn closest_pair(&self, placements: &[Placement<f64>]) -> Result<Option<ClosestPair<'_>>> {
+        self.closest(placements, true)
+    }
+
+    /// Finds the [closest pair](Self::closest_pair) by the balls alone, as the constraints do.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    pub fn deepest_contact(
+        &self,
+        placements: &[Placement<f64>],
+    ) -> Result<Option<ClosestPair<'_>>> {
+        self.closest(placements, false)
+    }
+
+    /// The distance of the [closest pair](Self::closest_pair), m; infinite if the scene is empty.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    pub fn clearance(&self, placements: &[Placement<f64>]) -> Result<f64> {
+        let closest = self.closest_pair(placements)?;
+        Ok(closest.map_or(f64::INFINITY, |pair| pair.distance))
+    }
+
+    fn closest(
+        &self,
+        placements: &[Placement<f64>],
+        by_capsules: bool,
+    ) -> Result<Option<ClosestPair<'_>>> {
+        let CollisionGeometry {
+            balls,
+            links,
+            capsules,
+        } = &self.robot;
+        let part = |i: usize, body| Part {
+            body,
+            link: links.get(i).map(String::as_str),
+        };
+        let placed = self.robot.placed(placements)?;
+        let mut closest: Option<ClosestPair> = None;
+        let is_closer = |distance: f64, closest: &Option<ClosestPair>| {
+            closest.is_none_or(|known| distance < known.distance)
+        };
+        for Obstacle { name, solid } in &self.obstacles {
+            let nearest = match by_capsules {
+                true => self.robot.nearest_balls(placements, solid)?,
+                false => None,
+            };
+            for (i, ball) in nearest.as_ref().unwrap_or(&placed).iter().enumerate() {
+                let distance = solid.distance(&ball.centre) - ball.radius;
+                if is_closer(distance, &closest) {
+                    let body = match nearest {
+                        Some(_) => capsules[i].body,
+                        None => balls[i].body,
+                    };
+                    let normal = solid.distance_derivatives(&ball.centre).normal;
+                    closest = Some(ClosestPair {
+                        distance,
+                        part: part(i, body),
+                        other: Collider::Obstacle(name),
+                        points: along(ball, &normal, distance),
+                    });
+                }
+            }
+        }
+        for [i, j] in &self.pairs {
+            let distance = placed[*i].gap(&placed[*j]);
+            if is_closer(distance, &closest) {
+                let between = placed[*i].centre - placed[*j].centre;
+                let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
+                closest = Some(ClosestPair {
+                    distance,
+                    part: part(*i, balls[*i].body),
+                    other: Collider::Robot(part(*j, balls[*j].body)),
+                    points: along(&placed[*i], &normal, distance),
+                });
+            }
+        }
+        Ok(closest)
+    }
+}
+
+/// The point of a ball that is nearest to a surface with this outer normal, and that of the surface.
+fn along(ball: &Sphere, normal: &Vector3<f64>, distance: f64) -> [Vector3<f64>; 2] {
+    [0.0, distance].map(|further| ball.centre - normal * (ball.radius + further))
+}
