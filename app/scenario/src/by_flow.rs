@@ -19,7 +19,7 @@ pub(super) fn solve_by_flow(
     let settings = options.flow_settings(scenario);
     let penalty = options.penalty(scenario);
     let constraints = Penalised {
-        constraints: scenario.constraints()?,
+        constraints: scenario.constraints(),
         weights: PenaltyWeights {
             state: penalty,
             torque: penalty,
@@ -89,7 +89,7 @@ pub(super) fn solve_by_flow_to_rest(
     let problem = scenario.problem()?;
     let settings = options.rest_settings(scenario);
     let tolerance = settings.tolerance;
-    let constraints = &scenario.constraints()?;
+    let constraints = &scenario.constraints();
     let lagrangian = options.lagrangian(scenario)?;
     let started = Instant::now();
     let solution = FlowToRest::new(&problem, &lagrangian)

@@ -116,7 +116,7 @@ impl Feasibility {
     /// The robot of the curve has another number of joints, or a torque limit is negative.
     pub fn of(scenario: &Scenario, curve: &Curve) -> Result<Self> {
         let model = &scenario.model;
-        let enforced = scenario.constraints()?;
+        let enforced = scenario.constraints();
         let mut limit_violations = Vec::new();
         add(scenario, curve, &enforced, true, &mut limit_violations)?;
         add(

@@ -192,26 +192,22 @@ impl Scenario {
     }
 
     /// The constraints on the state: clearance from obstacles, enforced limits, and user-defined constraints.
-    ///
-    /// # Errors
-    /// Those of [`Environment::constraints`](super::Environment::constraints).
-    pub fn state_constraints(&self) -> Result<Vec<AnyConstraint>> {
+    #[must_use]
+    pub fn state_constraints(&self) -> Vec<AnyConstraint> {
         let mut constraints = AnyConstraint::of_scene(&self.scene);
         let bound = |limit, joint| self.bound(limit, joint);
         constraints.extend(limits_of_state(self.model.dof(), bound));
         constraints.extend(self.own.constraints.iter().cloned());
-        Ok(constraints)
+        constraints
     }
 
     /// All constraints on a motion.
-    ///
-    /// # Errors
-    /// Those of [`state_constraints`](Self::state_constraints).
-    pub fn constraints(&self) -> Result<Constraints<Vec<AnyConstraint>>> {
-        Ok(Constraints {
-            state: self.state_constraints()?,
+    #[must_use]
+    pub fn constraints(&self) -> Constraints<Vec<AnyConstraint>> {
+        Constraints {
+            state: self.state_constraints(),
             torque: self.torque_limits(),
-        })
+        }
     }
 
     /// The enforced torque limits, zero for passive joints; empty if there are none.

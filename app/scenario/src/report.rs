@@ -89,7 +89,7 @@ fn solve_by_relaxation(
     let problem = scenario.problem()?;
     let settings = &options.relax_settings(scenario);
     let started = Instant::now();
-    let constraints = scenario.constraints()?;
+    let constraints = scenario.constraints();
     let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
     let solution = Relaxation::new(&problem)
         .cost(scenario.running_cost()?)

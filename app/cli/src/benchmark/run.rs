@@ -135,7 +135,7 @@ fn solve(problem: &Problem) -> Result<Row> {
         return Ok(row);
     }
     let began = Instant::now();
-    let (posed, kept) = (scenario.problem()?, scenario.constraints()?);
+    let (posed, kept) = (scenario.problem()?, scenario.constraints());
     let solution = Relaxation::new(&posed)
         .constraints(&kept)
         .settings(settings_of(&scenario))

@@ -39,7 +39,7 @@ fn of_robot(limits: &Limits, limit: Limit) -> [f64; 2] {
 
 /// The number of rows of each constraint on the state, and of those on the control.
 fn rows(scenario: &Scenario) -> (Vec<usize>, usize) {
-    let constraints = scenario.state_constraints().expect("good");
+    let constraints = scenario.state_constraints();
     let rows = constraints.iter().map(|constraint| match constraint {
         AnyConstraint::Bounds(bounds) => bounds.0.len(),
         other => panic!("{other:?}"),

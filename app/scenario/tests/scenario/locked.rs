@@ -43,7 +43,7 @@ fn the_joints_that_are_left_are_those_of_the_scenario() {
 fn balls(scenario: &Scenario, q: &[f64]) -> Vec<([f64; 3], f64)> {
     let mut placements = vec![Placement::identity(); scenario.model.dof()];
     forward_kinematics(&scenario.model, q, &mut placements).expect("lengths agree");
-    let constraints = scenario.state_constraints().expect("good");
+    let constraints = scenario.state_constraints();
     let [AnyConstraint::Spheres(clearance), ..] = &constraints[..] else {
         panic!("{constraints:?}");
     };

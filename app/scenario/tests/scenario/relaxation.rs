@@ -63,7 +63,7 @@ fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
             free_horizon,
             ..RelaxSettings::constrained()
         };
-        let kept = scenario.constraints().expect("valid");
+        let kept = scenario.constraints();
         let problem = scenario.problem().expect("valid");
         let solution = solved_within(&problem, &settings, &kept);
         assert!(solution.converged, "{solution:?}");
