@@ -3,8 +3,8 @@
 use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel, Side,
-    SolidClearance, Sphere, SphereClearance, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel,
+    Side, SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::geometry::Solid;
 use aghf::model::Model;

@@ -3,8 +3,8 @@
 use crate::common::constraint::Held;
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind, RowLabel, Side,
-    SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind,
+    RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
 use aghf::geometry::Solid;
