@@ -36,7 +36,7 @@ fn main() {
         };
         let mut omega = vec![0.0; 2 * n];
         let mut control = ControlForm::<f64, f64>::new(model);
-        measure(&mut criterion, &mut times, "omega control-form", n, || {
+        measure(&mut criterion, &mut times, "omega control_form", n, || {
             control
                 .omega(black_box(node), K, &mut omega)
                 .expect("lengths agree");

@@ -67,7 +67,7 @@ PAPER = {
     "Digit, obstacles": {"degree": 6, "k": 1e7, "s_max": 1.0, "k_cons": 1e5, "c_cons": 200.0},
 }
 
-VARIANTS = ["published", "rest", "duals", "two-phases", "relax"]
+VARIANTS = ["published", "rest", "duals", "two_phases", "relax"]
 SWING_UPS = ["acrobot_swingup", "pendubot_swingup", "cart_pole_swingup"]
 PASSIVE = {"underactuated": [*SWING_UPS, "rotorcraft_shift_01", "rotorcraft_flip_01"]}
 FAMILIES = {"pendulums": PENDULUMS, **FREE, **OBSTACLES, **HARDER, **PASSIVE}
@@ -90,10 +90,10 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = [
-    Quantity("Omega, control form", "omega control-form", 4, 3, ""),
+    Quantity("Omega, control form", "omega control_form", 4, 3, ""),
     Quantity("Omega, Algorithm B1", "omega algorithm-b1", 4, 3, "about N^2"),
-    Quantity("Jacobian, control form", "jacobian control-form", 5, 4, ""),
-    Quantity("Jacobian, Theorem B4", "jacobian theorem-b4", 5, 4, "about N^3"),
+    Quantity("Jacobian, control form", "jacobian control_form", 5, 4, ""),
+    Quantity("Jacobian, Theorem B4", "jacobian theorem_b4", 5, 4, "about N^3"),
 ]
 
 

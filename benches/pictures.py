@@ -109,7 +109,7 @@ def obstacles():
     """Paths of the third joint of the pendulum with and without a sphere."""
     centre, radius = [-1.35, 0.0, 0.3], 0.15
     sphere = {"shape": {"sphere": {"radius_m": radius}}, "pose": {"position_m": centre}}
-    clear = {**SWING, "obstacles": [sphere], "robot_shape": {"swept-links": {"radius_m": 0.05}}}
+    clear = {**SWING, "obstacles": [sphere], "robot_shape": {"swept_links": {"radius_m": 0.05}}}
     figure, ax = plt.subplots(figsize=(4.6, 3.6), layout="constrained")
     for scenario, colour, label in [(SWING, BLUE, "free"), (clear, ORANGE, "clear of the sphere")]:
         motion, summary = solved(scenario)

@@ -172,7 +172,7 @@ def omega(model: Model, x, xdot, xddot, k: float) -> np.ndarray:
     return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)[0]
 
 
-def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control-form") -> OmegaJacobian:
+def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control_form") -> OmegaJacobian:
     """The Jacobian of `omega` by an implementation named in `jacobians`, each (2 N, 2 N) or (B, 2 N, 2 N)."""
     arguments = array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot")
     return OmegaJacobian(*_aghf.omega_jacobian(model._own, *arguments, k, jacobian))

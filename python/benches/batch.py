@@ -24,8 +24,8 @@ RUST = {
     "rnea_derivatives": ("dynamics", "rnea_derivatives"),
     "aba_derivatives": ("dynamics", "aba_derivatives"),
     "rnea_second_derivatives": ("dynamics", "rnea_second_derivatives"),
-    "omega": ("flow", "omega control-form"),
-    "omega_jacobian": ("flow", "jacobian control-form"),
+    "omega": ("flow", "omega control_form"),
+    "omega_jacobian": ("flow", "jacobian control_form"),
 }
 
 

@@ -38,7 +38,7 @@ impl Chebyshev {
     /// `p` is below 2, so that there is no interior node, or above [`LARGEST_DEGREE`](Self::LARGEST_DEGREE), or the
     /// horizon is not positive and finite.
     pub fn new(p: usize, horizon: f64) -> Result<Self> {
-        Self::check_degree(p).map_err(|condition| Error::input("settings", "p", condition))?;
+        Self::check_degree(p).map_err(|condition| Error::input("settings", "degree", condition))?;
         if !(horizon.is_finite() && horizon > 0.0) {
             let condition = format!("it is {horizon}, a positive time is needed");
             return Err(Error::input("settings", "horizon", condition));

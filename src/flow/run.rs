@@ -157,7 +157,7 @@ impl<'a> Flow<'a> {
         let model = problem.model();
         let form = self.form?;
         settings.check(model.dof())?;
-        let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
+        let chebyshev = Chebyshev::new(settings.degree, problem.horizon())?;
         let guess = problem.guess(settings.guess, &chebyshev);
         let collocation = Collocation::new(&chebyshev, problem.start(), problem.goal())?;
         let interior = guess.columns_range(collocation.interior());

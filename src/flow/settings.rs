@@ -1,6 +1,7 @@
 //! The parameters of the flow.
 
 use super::jacobian::JacobianKind;
+use crate::curve::Chebyshev;
 use crate::error::{Error, Result, check_positive};
 use crate::motion::{Guess, Interrupt};
 use crate::ode::IntegratorKind;
@@ -13,7 +14,7 @@ const MOST_UNKNOWNS: usize = 10_000;
 #[derive(Clone, Debug)]
 pub struct FlowSettings {
     /// The degree of the polynomial.
-    pub p: usize,
+    pub degree: usize,
     /// The penalty on $\dot x_{P1} \ne x_{P2}$ in (11).
     pub k: f64,
     /// The value of `s` at which the flow stops.
@@ -38,9 +39,9 @@ impl FlowSettings {
 
     /// Settings with the default tolerance, guess, Jacobian and integrator.
     #[must_use]
-    pub fn new(p: usize, k: f64, s_max: f64) -> Self {
+    pub fn new(degree: usize, k: f64, s_max: f64) -> Self {
         Self {
-            p,
+            degree,
             k,
             s_max,
             tolerance: Self::TOLERANCE,
@@ -52,15 +53,19 @@ impl FlowSettings {
         }
     }
 
+    /// Refuses values out of range.
+    ///
     /// # Errors
-    /// A number is not positive and finite, or the Jacobian of a robot with `dof` joints does not fit into memory.
-    pub(super) fn check(&self, dof: usize) -> Result<()> {
-        let (p, unknowns) = (self.p, dof * 2 * self.p.saturating_sub(1));
+    /// A number is out of range, or the Jacobian of a robot with `dof` joints does not fit into memory.
+    pub fn check(&self, dof: usize) -> Result<()> {
+        Chebyshev::check_degree(self.degree)
+            .map_err(|condition| Error::input("settings", "degree", condition))?;
+        let (p, unknowns) = (self.degree, dof * 2 * self.degree.saturating_sub(1));
         if unknowns > MOST_UNKNOWNS {
             let condition = format!(
                 "it is {p}, with {dof} joints {unknowns} unknowns; at most {MOST_UNKNOWNS}"
             );
-            return Err(Error::input("settings", "p", condition));
+            return Err(Error::input("settings", "degree", condition));
         }
         for (what, value) in [
             ("k", self.k),

@@ -111,8 +111,8 @@ crate::names::named_enum! {
 /// A first guess at a trajectory. The ends are always the boundary states.
 pub enum Guess("guess") {
     /// `q` linear in time and `v = D q`, its constant slope, as the paper's released code does.
-    LineConfiguration = "line-configuration",
+    LineConfiguration = "line_configuration",
     /// `q` and `v` both linear in time, as the paper's text says.
-    LineState = "line-state",
+    LineState = "line_state",
 }
 }

@@ -27,7 +27,7 @@ pub struct RelaxSettings {
     /// The largest relative difference between the quadrature and a finer one.
     pub quadrature_tolerance: f64,
     /// The number of starts: the straight line, and bent ones.
-    pub num_starts: usize,
+    pub starts: usize,
     /// The seed of the bends of the starts.
     pub seed: u64,
     /// The time after which the search stops with the best motion so far. Further starts are tried until then.
@@ -76,7 +76,7 @@ impl Default for RelaxSettings {
             tolerance: 1e-8,
             iterations: 500,
             quadrature_tolerance: 1e-3,
-            num_starts: 16,
+            starts: 16,
             seed: 0,
             time_limit: None,
             interrupt: Interrupt::default(),
@@ -98,7 +98,7 @@ impl RelaxSettings {
     pub const LARGEST_SIZE: usize = 256;
     /// The largest number of starts: the record of each, a cost and about fifty iterations, takes up to 4 kB, 400 MB in
     /// all.
-    pub const LARGEST_NUM_STARTS: usize = 100_000;
+    pub const LARGEST_STARTS: usize = 100_000;
     /// The largest number of iterations at one degree, each of which is recorded.
     pub const MOST_ITERATIONS: usize = 100_000;
     /// The largest number of threads: more than the cores of any machine, and within the limits of operating systems.
@@ -112,7 +112,7 @@ impl RelaxSettings {
     pub fn constrained() -> Self {
         Self {
             tolerance: 1e-6,
-            num_starts: 1,
+            starts: 1,
             start_amplitude: 1.0,
             ..Self::default()
         }
@@ -209,9 +209,11 @@ impl RelaxSettings {
         Ok(())
     }
 
+    /// Refuses values out of range.
+    ///
     /// # Errors
     /// A setting is out of range.
-    pub(super) fn check(&self, problem: &Problem<'_>) -> Result<()> {
+    pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
         Self::check_size(self.degree, self.segments)?;
         for (what, value) in [
             ("tolerance", self.tolerance),
@@ -224,7 +226,7 @@ impl RelaxSettings {
             let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
             return Err(Error::input("settings", "start_amplitude", condition));
         }
-        check_count("num_starts", self.num_starts, 1..=Self::LARGEST_NUM_STARTS)?;
+        check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
         check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
         check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
         if let Some(free) = &self.free_horizon {

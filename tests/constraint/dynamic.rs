@@ -130,7 +130,7 @@ fn flow_and_relaxation_take_boxed_constraints() {
     }
     let settings = RelaxSettings {
         degree: 8,
-        num_starts: 1,
+        starts: 1,
         ..RelaxSettings::constrained()
     };
     let boxed = Constraints {

@@ -30,10 +30,10 @@ fn settings_that_make_no_sense_are_refused() {
     }
     refused(
         &RestSettings {
-            guesses: 0,
+            starts: 0,
             ..degree(9)
         },
-        "guesses",
+        "starts",
     );
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         refused(

@@ -213,7 +213,7 @@ fn bad_problems_and_settings_are_errors() {
     refused(&state, &state, -1.0, "horizon: it is -1");
     let problem = Problem::new(&model, state.clone(), state, 1.0).expect("valid");
     let bad = [
-        (FlowSettings::new(1, 1.0, 1.0), "p: it is 1"),
+        (FlowSettings::new(1, 1.0, 1.0), "degree: it is 1"),
         (FlowSettings::new(5, 0.0, 1.0), "k: it is 0"),
         (FlowSettings::new(5, 1.0, f64::NAN), "s_max: it is NaN"),
         (
@@ -229,7 +229,7 @@ fn bad_problems_and_settings_are_errors() {
     }
     let long = pendulum(26).expect("it has links");
     let (problem, settings) = (swing_up(&long), FlowSettings::new(200, 1.0, 1.0));
-    let words = "p: it is 200, with 26 joints 10348 unknowns; at most 10000";
+    let words = "degree: it is 200, with 26 joints 10348 unknowns; at most 10000";
     assert_refused(Flow::new(&problem, settings).run(), words);
     let other = robot("pendulum_2");
     let (curve, words) = (consistent(&model, 0.1), "expected 2 entries, found 1");

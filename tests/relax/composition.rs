@@ -273,7 +273,7 @@ fn what_holds_constraints_does_not_matter() {
 fn within<K: Constraint + Sync>(problem: &Problem<'_>, state: K) -> RelaxSolution {
     let settings = RelaxSettings {
         degree: 9,
-        num_starts: 3,
+        starts: 3,
         threads: 2,
         ..RelaxSettings::constrained()
     };

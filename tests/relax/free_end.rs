@@ -85,7 +85,7 @@ fn a_free_final_velocity_costs_no_more() {
     let problem = scenario.problem();
     let fixed = RelaxSettings {
         degree: 9,
-        num_starts: 1,
+        starts: 1,
         ..Default::default()
     };
     let fixed = solved(&problem, &fixed);
@@ -101,7 +101,7 @@ fn a_free_final_velocity_costs_no_more() {
     let bent = solved(
         &problem,
         &RelaxSettings {
-            num_starts: 4,
+            starts: 4,
             ..arriving_anyhow(9)
         },
     );
@@ -176,7 +176,7 @@ fn the_neighbours_of_a_free_horizon_cost_more() {
     });
     let weight = 40.0;
     let settings = RelaxSettings {
-        num_starts: 1,
+        starts: 1,
         quadrature_tolerance: 1e-8,
         ..horizon(0.2, 5.0, weight)
     };
@@ -218,7 +218,7 @@ fn a_free_horizon_within_constraints() {
     };
     let weight = 100.0;
     let settings = RelaxSettings {
-        num_starts: 1,
+        starts: 1,
         ..RelaxSettings::constrained()
     };
     let run = |t: f64, settings: &RelaxSettings| solved_within(&problem(t), settings, &kept);
@@ -254,7 +254,7 @@ fn a_horizon_at_the_limit_of_what_is_possible_is_told() {
     };
     for (weight, limited) in [(100.0, false), (1e7, true)] {
         let settings = RelaxSettings {
-            num_starts: 1,
+            starts: 1,
             free_horizon: horizon(0.2, 4.0, weight).free_horizon,
             ..RelaxSettings::constrained()
         };

@@ -39,7 +39,7 @@ fn a_search_without_time_is_its_first_guess() {
     let problem = scenario.problem();
     let settings = RelaxSettings {
         time_limit: Some(Duration::ZERO),
-        num_starts: 3,
+        starts: 3,
         ..degree(16)
     };
     let solution = solved(&problem, &settings);
@@ -54,8 +54,8 @@ fn a_search_without_time_is_its_first_guess() {
 
 #[test]
 fn what_was_found_before_the_interrupt_is_kept() {
-    let settings = |num_starts| RelaxSettings {
-        num_starts,
+    let settings = |starts| RelaxSettings {
+        starts,
         ..degree(9)
     };
     let scenario = Scenario::load("pendulum_3_swingup");
@@ -78,7 +78,7 @@ fn what_was_found_before_the_interrupt_is_kept() {
 fn a_search_that_is_stopped_on_the_way_ends_at_its_degree() {
     let solution = stopped_when(
         RelaxSettings {
-            num_starts: 2,
+            starts: 2,
             ..degree(16)
         },
         |_| true,
@@ -101,7 +101,7 @@ fn the_best_horizon_until_the_interrupt_is_kept() {
         weight: 30.0,
     };
     let settings = RelaxSettings {
-        num_starts: 1,
+        starts: 1,
         free_horizon: Some(free),
         ..degree(9)
     };
@@ -127,7 +127,7 @@ fn a_seed_bends_the_starts() {
     let of = |seed| {
         let settings = RelaxSettings {
             seed,
-            num_starts: 3,
+            starts: 3,
             ..degree(6)
         };
         solved(&problem, &settings).start_costs

@@ -107,7 +107,7 @@ fn more_starts_are_no_worse() {
         solved(
             &problem,
             &RelaxSettings {
-                num_starts: starts,
+                starts,
                 ..degree(7)
             },
         )
@@ -221,10 +221,10 @@ fn bad_settings_are_errors() {
         ),
         (
             RelaxSettings {
-                num_starts: 0,
+                starts: 0,
                 ..base.clone()
             },
-            "num_starts: it is 0, at least 1",
+            "starts: it is 0, at least 1",
         ),
         (
             RelaxSettings {
@@ -254,7 +254,7 @@ fn too_few_iterations_are_told() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let settings = RelaxSettings {
         iterations: 1,
-        num_starts: 1,
+        starts: 1,
         ..degree(9)
     };
     let solution = solved(&scenario.problem(), &settings);

@@ -44,9 +44,9 @@ fn more_starts_never_cost_more() {
     for name in ["pendulum_2_swingup", "kinova_free_01"] {
         let scenario = Scenario::load(name);
         let problem = scenario.problem();
-        let of = |num_starts| {
+        let of = |starts| {
             let settings = RelaxSettings {
-                num_starts,
+                starts,
                 ..degree(9)
             };
             solved(&problem, &settings)
@@ -80,7 +80,7 @@ fn any_number_of_threads_finds_the_same_bits() {
         let of = |threads| {
             let settings = RelaxSettings {
                 threads,
-                num_starts: 11,
+                starts: 11,
                 ..degree(9)
             };
             let settings = if constrained {

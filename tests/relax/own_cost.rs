@@ -112,7 +112,7 @@ fn a_saddle_is_left() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![0.0; 2], 4.0).expect("valid");
     let settings = RelaxSettings {
-        num_starts: 1,
+        starts: 1,
         ..degree(12)
     };
     let relaxation = Relaxation::new(&problem).cost(TwoWells).settings(settings);

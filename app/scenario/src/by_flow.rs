@@ -1,22 +1,27 @@
 //! Solving a scenario by a flow.
 
-use super::report::{Record, Solution, SolveReport, Trace, report_of};
+use super::report::{Record, Solution, Trace};
 use super::summary::{Details, FlowDetails, RestDetails};
-use super::{Scenario, SolveOptions};
+use super::{FlowOptions, Method, RestOptions, Scenario};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::error::Result;
-use aghf::flow::rest::FlowToRest;
-use aghf::flow::{Flow, FlowSolution, Penalised, PenaltyWeights, effort_of};
+use aghf::flow::rest::{FlowToRest, RestSettings};
+use aghf::flow::{Flow, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of};
+use aghf::motion::Interrupt;
 use std::time::Instant;
 
 /// Solves by the published flow.
 pub(super) fn solve_by_flow(
     scenario: &Scenario,
-    options: &SolveOptions,
+    options: &FlowOptions,
+    interrupt: Interrupt,
     observe: &mut dyn FnMut(&Record),
-) -> Result<SolveReport> {
+) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = options.flow_settings(scenario);
+    let settings = FlowSettings {
+        interrupt,
+        ..options.settings(scenario)?
+    };
     let penalty = options.penalty(scenario);
     let constraints = Penalised {
         constraints: scenario.constraints(),
@@ -41,7 +46,7 @@ pub(super) fn solve_by_flow(
         statistics,
     } = solution;
     let effort = effort_of(&scenario.model, &curve, settings.k)?;
-    let interior = settings.p - 1;
+    let interior = settings.degree - 1;
     let details = Details::Flow(FlowDetails {
         jacobian: settings.jacobian,
         integrator: settings.integrator,
@@ -53,7 +58,7 @@ pub(super) fn solve_by_flow(
         c_cons: (!scenario.is_free()).then_some(penalty.c_cons),
         action: effort.action,
         action_at_nodes: effort.action_at_nodes,
-        action_at_nodes_of_guess: history.first().map_or(f64::NAN, |r| r.action_at_nodes),
+        action_at_nodes_of_guess: history.first().map(|r| r.action_at_nodes),
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
         omega_evaluations: statistics.rhs_evaluations * interior,
@@ -61,9 +66,9 @@ pub(super) fn solve_by_flow(
         factorisations: statistics.factorisations,
     });
     let history = history.into_iter().map(Record::Flow).collect();
-    let chebyshev = Chebyshev::new(settings.p, problem.horizon())?;
+    let chebyshev = Chebyshev::new(settings.degree, problem.horizon())?;
     let guess = problem.guess(settings.guess, &chebyshev);
-    let found = Solution {
+    Ok(Solution {
         curve,
         effort,
         history,
@@ -76,18 +81,22 @@ pub(super) fn solve_by_flow(
             first_guess: Some(Curve::new(chebyshev, guess)?),
             ..Trace::default()
         },
-    };
-    report_of(scenario, options, found)
+    })
 }
 
 /// Solves by a flow to rest.
 pub(super) fn solve_by_flow_to_rest(
     scenario: &Scenario,
-    options: &SolveOptions,
+    options: &RestOptions,
+    method: Method,
+    interrupt: Interrupt,
     observe: &mut dyn FnMut(&Record),
-) -> Result<SolveReport> {
+) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = options.rest_settings(scenario);
+    let settings = RestSettings {
+        interrupt,
+        ..options.settings(scenario, method)?
+    };
     let tolerance = settings.tolerance;
     let constraints = &scenario.constraints();
     let lagrangian = options.lagrangian(scenario)?;
@@ -106,21 +115,20 @@ pub(super) fn solve_by_flow_to_rest(
         ),
     });
     let details = Details::Rest(RestDetails {
-        variant: options.variant.unwrap_or_default(),
         k: lagrangian.k,
         tolerance,
         gradient_norm: solution.gradient_norm,
         action: solution.action,
         slip: solution.slip,
         largest_violation: (!scenario.is_free()).then_some(solution.violation),
-        guess: solution.guess,
-        guesses: solution.guesses,
+        best_start: solution.guess,
+        starts_tried: solution.starts,
         steps: solution.steps,
         factorisations: solution.factorisations,
         dual_updates: solution.rounds,
     });
     let effort = effort_of(&scenario.model, &solution.curve, lagrangian.k)?;
-    let found = Solution {
+    Ok(Solution {
         curve: solution.curve,
         effort,
         history: solution.history.into_iter().map(Record::Rest).collect(),
@@ -130,6 +138,5 @@ pub(super) fn solve_by_flow_to_rest(
         note: None,
         stopped: solution.stopped,
         trace: Trace::default(),
-    };
-    report_of(scenario, options, found)
+    })
 }

@@ -5,7 +5,7 @@ use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::motion::{Violation, largest_torques, sample, violations};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The smallest number of time intervals on which a motion is checked.
@@ -15,7 +15,7 @@ const INTERVALS: usize = 2000;
 const NAMED: usize = 3;
 
 /// A report on whether a motion can be carried out.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Feasibility {
     /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
     /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
@@ -31,7 +31,7 @@ pub struct Feasibility {
 }
 
 /// A violated limit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitViolation {
     /// The joint, for a limit of a joint.
     pub joint: Option<String>,
@@ -42,7 +42,7 @@ pub struct LimitViolation {
     /// The largest excess over the limit, or over the enforced share of it; see [`Violation::by`].
     pub by: f64,
     /// The unit of the excess: rad or m, rad/s or m/s, N m or N.
-    pub unit: &'static str,
+    pub unit: String,
     /// The time of the largest excess, s.
     pub at_s: f64,
     /// `true` if the scenario enforces the limit.
@@ -80,8 +80,8 @@ fn three_figures(x: f64) -> String {
 }
 
 /// The kind of a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// The position of a joint.
     Position,
@@ -213,7 +213,7 @@ fn add<K: Constraint>(
             limit,
             name,
             by,
-            unit,
+            unit: unit.to_owned(),
             at_s,
             enforced,
         };

@@ -9,6 +9,7 @@ use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::provenance::is_summary;
 use super::scene::scene;
+use super::schema::{FeedbackKeys, one_of};
 use super::self_collision::in_full;
 use super::{EnforcedLimits, SolveOptions, Solved};
 use aghf::curve::Chebyshev;
@@ -18,21 +19,23 @@ use aghf::input::{name_of, read_named};
 use aghf::model::{Model, Reduced};
 use aghf::motion::{Feedback, Guess, Problem};
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The parameters of the flow for a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FlowParameters {
     /// Degree of the polynomial.
-    pub p: usize,
+    pub degree: usize,
     /// Penalty of (11).
     pub k: f64,
     /// The value of `s` at which the flow stops.
     pub s_max: f64,
     /// The initial curve.
+    #[schemars(schema_with = "one_of::<Guess>")]
     pub guess: Guess,
     /// Weight of the constraints in (A2).
     pub k_cons: f64,
@@ -45,7 +48,7 @@ impl Default for FlowParameters {
     /// without.
     fn default() -> Self {
         Self {
-            p: 9,
+            degree: 9,
             k: 1e9,
             s_max: 0.1,
             guess: Guess::default(),
@@ -56,13 +59,17 @@ impl Default for FlowParameters {
 }
 
 /// A scenario as written in a file. Angles in rad, lengths in m, times in s.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioFile {
+    /// The path or the address of the JSON Schema of scenarios, by which an editor completes keys; it has no effect.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// The name of a built-in robot, or the path of a URDF file relative to the scenario file.
     pub robot: String,
     /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(schema_with = "one_of::<Mimic>")]
     pub mimic: Mimic,
     /// The locked joints with their positions; they are not among the `N` joints of the keys below.
     #[serde(
@@ -111,6 +118,7 @@ pub struct ScenarioFile {
     pub flow: FlowParameters,
     /// The gains of the forward simulation; by default the paper's for Kinova, 10 and 10.
     #[serde(default = "kinova_gains")]
+    #[schemars(with = "FeedbackKeys")]
     pub feedback: Feedback,
     /// The final error below which a solve is a success; by default the paper's 0.05.
     #[serde(default = "paper_threshold")]
@@ -200,7 +208,7 @@ impl Scenario {
         };
         if is_summary(&text) {
             let solved = Solved::parse(&text, name_or_path, mimic)?;
-            return Ok((solved.scenario, solved.options));
+            return Ok((solved.scenario, solved.summary.provenance.options));
         }
         let mut file: ScenarioFile = read_json(&text, name_or_path)?;
         file.mimic = mimic.unwrap_or(file.mimic);
@@ -284,8 +292,8 @@ impl Scenario {
         }
         Problem::check_horizon(file.horizon_s)
             .map_err(|condition| Error::input(path, "horizon_s", condition))?;
-        Chebyshev::check_degree(file.flow.p)
-            .map_err(|condition| Error::input(path, "flow.p", condition))?;
+        Chebyshev::check_degree(file.flow.degree)
+            .map_err(|condition| Error::input(path, "flow.degree", condition))?;
         check_objective(&file, model.dof(), path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;

@@ -3,7 +3,7 @@
 use aghf::error::{Error, Result};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
 use serde::{Deserializer, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -62,6 +62,14 @@ const FORMER_OBSTACLES: [(&str, &str); 5] = [
     ),
     ("half_spaces", "\"half_space\": {}"),
 ];
+
+/// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
+pub(crate) fn read_keys<T: DeserializeOwned>(keys: Map<String, Value>, file: &str) -> Result<T> {
+    serde_path_to_error::deserialize(Value::Object(keys)).map_err(|error| {
+        let key = error.path().to_string();
+        Error::input(file, key, error.inner().to_string())
+    })
+}
 
 const NO_OBJECT: &str = "it is a list, not an object with keys";
 

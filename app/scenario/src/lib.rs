@@ -21,11 +21,13 @@ mod obstacles;
 mod options;
 mod own_terms;
 mod passive;
+mod patch;
 mod preflight;
 mod provenance;
 mod report;
 mod robot_shape;
 mod scene;
+mod schema;
 mod self_collision;
 mod summary;
 
@@ -38,12 +40,15 @@ pub use limits::{Enforced, EnforcedLimits};
 pub use moveit::{MoveIt, MoveItHorizon};
 pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
 pub use obstacles::{Obstacle, ObstacleShape, Pose, RobotShape, SelfCollision};
-pub use options::{FlowVariant, Method, SolveOptions};
+pub use options::{FlowOptions, Method, RelaxOptions, RestOptions, SolveOptions};
 pub use own_terms::SharedCost;
 pub use passive::{PASSIVE_TORQUE_SHARE, effort_of_joints};
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
-pub use report::{Record, SolveReport, Trace, solve};
+pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::cover_links;
+pub use schema::{
+    DescribedOption, described_options, option_keys, scenario_keys, scenario_schema,
+};
 pub use self_collision::{IgnoredPair, IgnoredPairs};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary};

@@ -4,11 +4,12 @@ use super::{Limit, Scenario};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{JointKind, Model};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The joint limits that act as constraints; by default all limits of the robot. Violations of the others are only
 /// reported.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -26,8 +27,9 @@ pub struct EnforcedLimits {
 /// The enforced part of one kind of limit.
 ///
 /// In JSON: `true`, `false`, a share, or an object with the optional keys `share` and `joints`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Written", into = "Written")]
+#[schemars(with = "Written")]
 pub enum Enforced {
     /// No limit.
     No,
@@ -264,23 +266,29 @@ fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) 
 }
 
 /// The JSON form of an [`Enforced`].
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
     expecting = "true, false, a share such as 0.8, or an object with the keys share and joints is needed"
 )]
+#[schemars(inline)]
 enum Written {
+    /// All limits, or none.
     All(bool),
+    /// A share of all limits.
     Share(f64),
+    /// A share of the limits of some joints.
     Part(Part),
 }
 
 /// A part of the limits, as an object.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Part {
+    /// The share, above 0 and at most 1.
     #[serde(default = "whole")]
     share: f64,
+    /// The names of the joints; by default all.
     #[serde(default)]
     joints: Option<Vec<String>>,
 }

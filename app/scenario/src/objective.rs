@@ -1,12 +1,13 @@
 //! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
-use super::{Method, Scenario, ScenarioFile, SolveOptions};
+use super::{Method, Scenario, ScenarioFile};
 use aghf::error::{Error, Result};
 use aghf::relax::{FreeHorizon, WeightedSquares};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunningCostWeights {
     /// Weights of squared torques or forces, one by default.
@@ -44,7 +45,7 @@ impl RunningCostWeights {
 }
 
 /// One number per joint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
     expecting = "a number is needed, or a list with one for each joint"
@@ -57,7 +58,7 @@ pub enum PerJoint {
 }
 
 /// The bounds and the price of a free horizon.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object with the keys shortest_s, longest_s and weight"
@@ -109,32 +110,32 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 
 impl Scenario {
     /// The keys of this scenario that the method ignores, in words.
-    pub(super) fn notes(&self, options: &SolveOptions) -> Vec<String> {
+    pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let mut notes = Vec::new();
-        let published = options.method == Method::Flow && !options.flows_to_rest();
-        if published && self.file.running_cost.is_some() {
+        if method == Method::Flow && self.file.running_cost.is_some() {
             let note = "running_cost: the published flow minimises the control effort alone";
             notes.push(note.to_owned());
         }
         notes
     }
 
-    /// Refuses keys that a flow does not support: those of the relaxation alone, and passive joints unless the flow
-    /// goes to rest.
-    pub(super) fn check_for_flow(&self, to_rest: bool) -> Result<()> {
+    /// Refuses keys that the method does not support: those of the relaxation alone, and passive joints in the
+    /// published flow.
+    pub(super) fn check_for(&self, method: Method) -> Result<()> {
         let file = &self.file;
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("free_horizon", file.free_horizon.is_some()),
             ("running cost of one's own", self.own.running_cost.is_some()),
         ];
-        if let Some((key, _)) = keys.iter().find(|(_, given)| *given) {
-            let condition = "the method 'flow' does not know it, only 'relax' does";
+        let unknown = keys.iter().find(|(_, given)| *given);
+        if let (Some((key, _)), true) = (unknown, method != Method::Relax) {
+            let condition = format!("the method '{method}' does not know it, only 'relax' does");
             return Err(Error::input(&self.name, *key, condition));
         }
-        if !to_rest && !file.passive.is_empty() {
+        if method == Method::Flow && !file.passive.is_empty() {
             let condition =
-                "the published flow does not know it; the variants 'duals' and 'two-phases' do";
+                "the published flow does not know it; the methods 'duals' and 'two_phases' do";
             return Err(Error::input(&self.name, "passive", condition));
         }
         Ok(())

@@ -4,6 +4,7 @@ use aghf::error::{Error, Result, plain};
 use aghf::geometry::{self, Shape, Solid};
 use aghf::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The largest length, m: far beyond any robot. Squared distances must neither overflow nor lose the size of the
@@ -14,7 +15,7 @@ pub(super) const LARGEST_LENGTH: f64 = 1e6;
 const NOT_UNIT: f64 = 1e-3;
 
 /// An obstacle: a shape at a pose, which the robot keeps clear of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {
     /// Name in reports; by default the place in the list, such as `obstacles[2]`.
@@ -27,7 +28,7 @@ pub struct Obstacle {
 }
 
 /// The shape of an obstacle, about the origin of its own frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ObstacleShape {
     /// A sphere.
@@ -59,7 +60,7 @@ pub enum ObstacleShape {
 }
 
 /// A position and an orientation in the base frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// The position, m.
@@ -70,8 +71,8 @@ pub struct Pose {
 }
 
 /// The parts of the robot that keep clear of obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RobotShape {
     /// The origins of all joint frames: the paper's measure.
     #[default]
@@ -97,7 +98,7 @@ fn default_spacing() -> f64 {
 }
 
 /// The pairs of links that may overlap; all others keep clear of each other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "WrittenPairs")]
 pub enum SelfCollision {
     /// A list of pairs of links.
@@ -108,13 +109,16 @@ pub enum SelfCollision {
 }
 
 /// The JSON form of a [`SelfCollision`].
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
+#[schemars(inline)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object with the key ignored_pairs or ignored_pairs_file"
 )]
 struct WrittenPairs {
+    /// Pairs of links.
     ignored_pairs: Option<Vec<[String; 2]>>,
+    /// The path of a file with such pairs, as written by `aghf pairs`, relative to the scenario.
     ignored_pairs_file: Option<String>,
 }
 

@@ -69,11 +69,6 @@ impl Scenario {
         Ok(())
     }
 
-    /// Returns true if the objective is not the control effort.
-    pub(super) fn has_running_cost(&self) -> bool {
-        self.own.running_cost.is_some() || self.file.running_cost.is_some()
-    }
-
     /// The running cost that is minimised, without the weight of time.
     pub(super) fn running_cost(&self) -> Result<ScenarioCost<'_>> {
         let model = &self.model;

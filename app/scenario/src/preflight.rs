@@ -170,7 +170,7 @@ impl Scenario {
         if clear >= 0.0 {
             condition += &format!(
                 " by the balls that cover it, though {clear:.3e} m clear itself; \
-                 a smaller robot_shape.swept-links.spacing_m makes them smaller"
+                 a smaller robot_shape.swept_links.spacing_m makes them smaller"
             );
         }
         self.refuse(end.keys[0], condition)

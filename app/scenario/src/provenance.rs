@@ -1,7 +1,7 @@
 //! All inputs of a solve, so that it can be repeated.
 
 use super::json::read_json;
-use super::{CurveFile, Scenario, ScenarioFile, SolveOptions};
+use super::{Scenario, ScenarioFile, SolveOptions, Summary};
 use aghf::curve::Curve;
 use aghf::error::{Error, Result};
 use aghf::input::read_named;
@@ -31,10 +31,10 @@ pub struct Provenance {
 
 impl Provenance {
     /// The provenance of a solve with these options.
-    pub(super) fn new(scenario: &Scenario, options: &SolveOptions) -> Self {
+    pub(super) fn new(scenario: &Scenario, options: &SolveOptions) -> Result<Self> {
         let mut file = scenario.file.clone();
         file.robot.clone_from(&scenario.robot_place);
-        Self {
+        Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: git_version::git_version!(
                 args = [
@@ -47,9 +47,9 @@ impl Provenance {
             )
             .to_owned(),
             robot_xxh64: scenario.robot_xxh64.clone(),
-            options: options.in_full(scenario),
+            options: options.in_full(scenario)?,
             scenario: file,
-        }
+        })
     }
 }
 
@@ -58,21 +58,10 @@ impl Provenance {
 pub struct Solved {
     /// The scenario.
     pub scenario: Scenario,
-    /// The options.
-    pub options: SolveOptions,
     /// The motion.
     pub curve: Curve,
-    /// The reason of a failure; `None` for a success.
-    pub failure: Option<String>,
-}
-
-/// The part of a summary that is needed to repeat a solve.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    scenario: String,
-    failure: Option<String>,
-    provenance: Provenance,
-    curve: CurveFile,
+    /// The contents of the file.
+    pub summary: Summary,
 }
 
 impl Solved {
@@ -91,40 +80,30 @@ impl Solved {
 
     /// Parses the summary of a solve, with another treatment of mimic joints if given; `path` names it in errors.
     pub(super) fn parse(text: &str, path: &str, mimic: Option<Mimic>) -> Result<Self> {
-        let Kept {
-            scenario: name,
-            failure,
-            provenance,
-            curve,
-        } = read_json(text, path)?;
-        let Provenance {
-            robot_xxh64,
-            options,
-            scenario: mut file,
-            ..
-        } = provenance;
+        let summary: Summary = read_json(text, path)?;
+        let (name, provenance) = (&summary.scenario, &summary.provenance);
+        let mut file = provenance.scenario.clone();
         file.mimic = mimic.unwrap_or(file.mimic);
         let mut scenario = Scenario::new(file, path, Path::new(""))?;
-        scenario.name = match Path::new(&name).file_name() {
+        scenario.name = match Path::new(name).file_name() {
             Some(name) => name.to_string_lossy().into_owned(),
             None => {
                 let condition = format!("'{name}' is no name");
                 return Err(Error::input(path, "scenario", condition));
             }
         };
-        if scenario.robot_xxh64 != robot_xxh64 {
+        if scenario.robot_xxh64 != provenance.robot_xxh64 {
             let condition = format!(
-                "its text is not what it was: the hash is {}, that of the solve {robot_xxh64}",
-                scenario.robot_xxh64
+                "its text is not what it was: the hash is {}, that of the solve {}",
+                scenario.robot_xxh64, provenance.robot_xxh64
             );
             return Err(Error::input(path, scenario.robot_place, condition));
         }
-        let curve = curve.curve(&scenario.model, path)?;
+        let curve = summary.curve.curve(&scenario.model, path)?;
         Ok(Self {
             scenario,
-            options,
             curve,
-            failure,
+            summary,
         })
     }
 }

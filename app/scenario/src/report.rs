@@ -3,12 +3,12 @@
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
 use super::summary::{Details, RelaxDetails, Summary};
-use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions};
+use super::{CurveFile, Feasibility, Method, Provenance, RelaxOptions, Scenario, SolveOptions};
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::flow::rest::RestRecord;
 use aghf::flow::{EffortSummary, FlowRecord, effort_of};
-use aghf::motion::{Feedback, Stopped, replay_error, simulate};
+use aghf::motion::{Feedback, Interrupt, Stopped, replay_error, simulate};
 use aghf::relax::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
@@ -57,37 +57,101 @@ pub struct Trace {
     pub best_start: Option<usize>,
 }
 
-/// Solves `scenario` and tests the result by forward simulation. `observe` is called with the progress.
+/// A solve of a scenario, whose result is tested by forward simulation.
 ///
-/// # Errors
-/// Invalid input, such as a scenario that [has no solution for an obvious reason](Scenario::check_feasible). A failed
-/// solve is not an error: its summary gives the reason.
-pub fn solve(
-    scenario: &Scenario,
-    options: &SolveOptions,
-    observe: &mut dyn FnMut(&Record),
-) -> Result<SolveReport> {
-    options.check()?;
-    scenario.check_feasible()?;
-    match options.method {
-        Method::Flow => {
-            scenario.check_for_flow(options.flows_to_rest())?;
-            if options.flows_to_rest() {
-                return solve_by_flow_to_rest(scenario, options, observe);
-            }
-            solve_by_flow(scenario, options, observe)
+/// ```
+/// use aghf_scenario::{RelaxOptions, Scenario, Solve};
+///
+/// let scenario = Scenario::load("pendulum_1_swingup")?;
+/// let mut iterations = 0;
+/// let report = Solve::new(&scenario)
+///     .options(RelaxOptions { starts: Some(2), ..RelaxOptions::default() })
+///     .observe(|_| iterations += 1)
+///     .run()?;
+/// assert!(report.summary.success);
+/// assert_eq!(iterations, report.history.len());
+/// # Ok::<(), aghf::Error>(())
+/// ```
+pub struct Solve<'a> {
+    scenario: &'a Scenario,
+    options: SolveOptions,
+    interrupt: Interrupt,
+    observe: Box<dyn FnMut(&Record) + 'a>,
+}
+
+impl<'a> Solve<'a> {
+    /// A solve with default options.
+    #[must_use]
+    pub fn new(scenario: &'a Scenario) -> Self {
+        Self {
+            scenario,
+            options: SolveOptions::default(),
+            interrupt: Interrupt::default(),
+            observe: Box::new(|_| {}),
         }
-        Method::Relax => solve_by_relaxation(scenario, options, observe),
+    }
+
+    /// Replaces the method and its options.
+    #[must_use]
+    pub fn options(self, options: impl Into<SolveOptions>) -> Self {
+        let options = options.into();
+        Self { options, ..self }
+    }
+
+    /// Sets the handle by which another thread stops the solve, as a time limit does.
+    #[must_use]
+    pub fn interrupt(self, interrupt: Interrupt) -> Self {
+        Self { interrupt, ..self }
+    }
+
+    /// Sets a function that is called with the progress.
+    #[must_use]
+    pub fn observe(self, observe: impl FnMut(&Record) + 'a) -> Self {
+        let observe = Box::new(observe);
+        Self { observe, ..self }
+    }
+
+    /// Solves the scenario.
+    ///
+    /// # Errors
+    /// Invalid input, such as a scenario that [has no solution for an obvious reason](Scenario::check_feasible). A
+    /// failed solve is not an error: its summary gives the reason.
+    pub fn run(self) -> Result<SolveReport> {
+        let Self {
+            scenario,
+            options,
+            interrupt,
+            mut observe,
+        } = self;
+        options.check(scenario)?;
+        scenario.check_feasible()?;
+        scenario.check_for(options.method())?;
+        let observe = &mut *observe;
+        let found = match &options {
+            SolveOptions::Relax(own) => solve_by_relaxation(scenario, own, interrupt, observe)?,
+            SolveOptions::Flow(own) => solve_by_flow(scenario, own, interrupt, observe)?,
+            SolveOptions::Rest(own)
+            | SolveOptions::Duals(own)
+            | SolveOptions::TwoPhases(own) => {
+                let method = options.method();
+                solve_by_flow_to_rest(scenario, own, method, interrupt, observe)?
+            }
+        };
+        report_of(scenario, &options, found)
     }
 }
 
 fn solve_by_relaxation(
     scenario: &Scenario,
-    options: &SolveOptions,
+    options: &RelaxOptions,
+    interrupt: Interrupt,
     observe: &mut dyn FnMut(&Record),
-) -> Result<SolveReport> {
+) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = &options.relax_settings(scenario);
+    let settings = &RelaxSettings {
+        interrupt,
+        ..options.settings(scenario)?
+    };
     let started = Instant::now();
     let constraints = scenario.constraints();
     let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
@@ -121,13 +185,11 @@ fn solve_by_relaxation(
         minima: solution.minima_curves,
         best_start: solution.best_start,
     };
-    // The cost is reported only if it is not the control effort alone.
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
-    let other = time.is_some() || scenario.has_running_cost();
     let details = Details::Relax(RelaxDetails {
         horizon_s: horizon,
-        cost: other.then(|| solution.cost + time.unwrap_or(0.0)),
+        cost: solution.cost + time.unwrap_or(0.0),
         tolerance: settings.tolerance,
         gradient_norm: solution.gradient_norm,
         smallest_curvature: solution.smallest_curvature,
@@ -136,7 +198,8 @@ fn solve_by_relaxation(
         replay_error_inf: replay_error(&scenario.model, &curve, &scenario.passive())?,
         adapted: solution.adapted,
         quadrature_points: solution.points,
-        efforts_of_starts: solution.start_costs,
+        starts_tried: solution.start_costs.len(),
+        start_costs: solution.start_costs,
         complementarity: (!scenario.is_free()).then_some(solution.complementarity),
         minima: solution.minima,
         iterations: iterations.len(),
@@ -145,7 +208,7 @@ fn solve_by_relaxation(
     let history = iterations.into_iter().map(Record::Relax).collect();
     // No reported value depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
-    let found = Solution {
+    Ok(Solution {
         curve,
         effort,
         history,
@@ -155,8 +218,7 @@ fn solve_by_relaxation(
         note,
         stopped,
         trace,
-    };
-    report_of(scenario, options, found)
+    })
 }
 
 /// The reason why a relaxation found no minimum, if it found none.
@@ -225,7 +287,7 @@ pub(super) struct Solution {
 }
 
 /// The report of a curve, independent of the method.
-pub(super) fn report_of(
+fn report_of(
     scenario: &Scenario,
     options: &SolveOptions,
     found: Solution,
@@ -250,9 +312,10 @@ pub(super) fn report_of(
     let success_threshold = scenario.file.success_threshold;
     let reached = final_error_inf.is_some_and(|e| e < success_threshold);
     let feasibility = Feasibility::of(scenario, &curve)?;
-    let (method, tolerance) = match details {
-        Details::Flow(_) | Details::Rest(_) => (Method::Flow, LIMIT_TOLERANCE),
-        Details::Relax(_) => (Method::Relax, RelaxSettings::FEASIBLE),
+    let method = options.method();
+    let tolerance = match method {
+        Method::Relax => RelaxSettings::FEASIBLE,
+        Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => LIMIT_TOLERANCE,
     };
     let feasible = feasibility.holds(tolerance);
     let missed = (!reached).then(|| match final_error_inf {
@@ -264,9 +327,9 @@ pub(super) fn report_of(
     let completed = failure.is_none();
     // After a flow the simulation decides on success. After the relaxation it only measures sensitivity, except with
     // passive joints, where it shows whether zero torque there suffices.
-    let simulated = method == Method::Flow || !passive.is_empty();
+    let simulated = method != Method::Relax || !passive.is_empty();
     let success = completed && feasible && (reached || !simulated);
-    let mut notes = scenario.notes(options);
+    let mut notes = scenario.notes(method);
     notes.extend(note);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
@@ -285,8 +348,8 @@ pub(super) fn report_of(
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
         method,
-        p: curve.chebyshev().degree(),
-        pieces: curve.segments(),
+        degree: curve.chebyshev().degree(),
+        segments: curve.segments(),
         success,
         success_threshold,
         final_error_inf,
@@ -301,7 +364,7 @@ pub(super) fn report_of(
         feasibility,
         outside_limits: scenario.outside_limits(),
         notes,
-        provenance: Provenance::new(scenario, options),
+        provenance: Provenance::new(scenario, options)?,
         curve: CurveFile::new(&curve, joints.collect()),
     };
     Ok(SolveReport {

@@ -89,7 +89,7 @@ pub(super) fn collision_geometry(
             }
             let capsules = Capsule::along_links(model, radius_m);
             let count = capsules.iter().map(|c| c.pieces(spacing_m) + 1.0).sum();
-            check_count("swept-links", spacing_m, count, path)?;
+            check_count("swept_links", spacing_m, count, path)?;
             (capsules, spacing_m)
         }
         RobotShape::Collision { spacing_m } => {

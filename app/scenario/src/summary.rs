@@ -1,14 +1,14 @@
 //! The result of a solve in numbers.
 
-use super::{CurveFile, Feasibility, FlowVariant, Method, Provenance};
+use super::{CurveFile, Feasibility, Method, Provenance};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::motion::{Feedback, Guess};
 use aghf::ode::IntegratorKind;
 use aghf::relax::{DegreeRefinement, LocalMinimum};
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The result of a solve in numbers. `None` if a simulation could not be completed.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
     /// The name of the scenario.
     pub scenario: String,
@@ -17,9 +17,9 @@ pub struct Summary {
     /// The method.
     pub method: Method,
     /// Degree of the polynomial, or of each segment.
-    pub p: usize,
-    /// The number of polynomials.
-    pub pieces: usize,
+    pub degree: usize,
+    /// The number of polynomials on equal parts of the horizon.
+    pub segments: usize,
     /// True if the method terminated normally and the curve is free of collisions, satisfies the enforced limits, and
     /// leaves passive joints without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any
     /// method, the simulation with feedback must also end within the threshold of the goal.
@@ -57,7 +57,7 @@ pub struct Summary {
 }
 
 /// The method-specific part of a summary.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Details {
     /// Details of the published flow.
@@ -69,7 +69,7 @@ pub enum Details {
 }
 
 /// The parameters and the work of a flow.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FlowDetails {
     /// The method of computing the Jacobian.
     pub jacobian: JacobianKind,
@@ -88,11 +88,12 @@ pub struct FlowDetails {
     /// Sharpness of their activation in (A3).
     pub c_cons: Option<f64>,
     /// The action on 2001 times.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub action: f64,
     /// The action by quadrature over the nodes, which the flow minimises.
     pub action_at_nodes: f64,
-    /// The action at the nodes before the flow.
-    pub action_at_nodes_of_guess: f64,
+    /// The action at the nodes before the flow; `None` if the flow could not begin.
+    pub action_at_nodes_of_guess: Option<f64>,
     /// Accepted steps of the integrator.
     pub steps: usize,
     /// Rejected steps.
@@ -106,27 +107,28 @@ pub struct FlowDetails {
 }
 
 /// The result and the work of a flow to rest.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RestDetails {
-    /// The variant.
-    pub variant: FlowVariant,
     /// Penalty of (11).
     pub k: f64,
     /// The requested gradient norm, relative to the action.
     pub tolerance: f64,
     /// The final gradient norm.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub gradient_norm: f64,
     /// The action with the terms of the duals, which vanish where the constraints hold.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub action: f64,
     /// The largest slip at the points of the quadrature, rad/s or m/s.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub slip: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
-    /// The number of the guess that led to this result, counted from zero.
-    pub guess: usize,
-    /// The number of guesses.
-    pub guesses: usize,
-    /// Steps in `s`, over all guesses and degrees.
+    /// The number of the start that led to this result, counted from zero.
+    pub best_start: usize,
+    /// The number of starts.
+    pub starts_tried: usize,
+    /// Steps in `s`, over all starts and degrees.
     pub steps: usize,
     /// Cholesky factorisations.
     pub factorisations: usize,
@@ -135,17 +137,20 @@ pub struct RestDetails {
 }
 
 /// The result and the work of a relaxation.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RelaxDetails {
     /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
     pub horizon_s: f64,
-    /// The minimised cost, running cost and price of the horizon together; `None` if it is the control effort.
-    pub cost: Option<f64>,
+    /// The minimised cost: the control effort or the running cost, and the cost of a free horizon.
+    #[serde(deserialize_with = "not_finite_for_null")]
+    pub cost: f64,
     /// The requested gradient norm, relative to the effort.
     pub tolerance: f64,
     /// The final gradient norm.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub gradient_norm: f64,
     /// The smallest eigenvalue of the Hessian in the Gauss-Newton metric: positive at a minimum.
+    #[serde(deserialize_with = "not_finite_for_null")]
     pub smallest_curvature: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.
     pub largest_violation: Option<f64>,
@@ -158,8 +163,11 @@ pub struct RelaxDetails {
     pub adapted: Option<DegreeRefinement>,
     /// The number of quadrature points per segment.
     pub quadrature_points: usize,
-    /// The efforts, or integrals of another running cost, of the starts at the lowest degree, ascending.
-    pub efforts_of_starts: Vec<f64>,
+    /// The number of starts.
+    pub starts_tried: usize,
+    /// The costs of the starts at the lowest degree, without that of a free horizon, ascending.
+    #[serde(deserialize_with = "not_finite_in_list")]
+    pub start_costs: Vec<f64>,
     /// The minima found from the starts, by cost.
     pub minima: Vec<LocalMinimum>,
     /// The relative excess of the cost over that of the minimum with exact complementarity; `None` without constraints.
@@ -168,4 +176,15 @@ pub struct RelaxDetails {
     pub iterations: usize,
     /// Cholesky factorisations.
     pub factorisations: usize,
+}
+
+/// Reads a number that JSON has no name for, written as null, as not a number.
+fn not_finite_for_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
+}
+
+/// Reads the numbers of a list in the same way.
+fn not_finite_in_list<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+    let list = Vec::<Option<f64>>::deserialize(from)?.into_iter();
+    Ok(list.map(|x| x.unwrap_or(f64::NAN)).collect())
 }

@@ -12,9 +12,9 @@ crate::names::named_enum! {
 /// The built-in implementations.
 pub enum JacobianKind("jacobian") {
     /// Analytic, by contracted second derivatives of inverse dynamics.
-    ControlForm = "control-form",
+    ControlForm = "control_form",
     /// Analytic, composed from explicit tensors as Theorem B4 has it: the reference.
-    TheoremB4 = "theorem-b4",
+    TheoremB4 = "theorem_b4",
     /// Dual numbers, eight tangents at a time.
     Dual = "dual",
     /// Central differences of order four, for comparison only.

@@ -65,9 +65,9 @@ pub struct RestSettings {
     pub steps: usize,
     /// The largest number of dual updates in one basis.
     pub rounds: usize,
-    /// The number of guesses, the cubic between the ends and bent ones; more are tried while none leads to a motion
+    /// The number of starts, the cubic between the ends and bent ones; more are tried while none leads to a motion
     /// within the constraints.
-    pub guesses: usize,
+    pub starts: usize,
     /// The seed of the bends.
     pub seed: u64,
     /// An initial curve, used directly in the final basis.
@@ -90,7 +90,7 @@ impl Default for RestSettings {
             feasible: 1e-5,
             steps: 100,
             rounds: 40,
-            guesses: 1,
+            starts: 1,
             seed: 0,
             start: None,
             time_limit: None,
@@ -104,19 +104,21 @@ impl RestSettings {
     pub const LARGEST_DEGREE: usize = 64;
     /// The bound beyond which the Hessians of a large robot do not fit into memory.
     pub const LARGEST_SIZE: usize = 512;
-    /// The largest number of guesses.
-    pub const LARGEST_GUESSES: usize = 100_000;
+    /// The largest number of starts.
+    pub const LARGEST_STARTS: usize = 100_000;
     /// The largest number of steps between two updates of the duals, each of which is recorded, and of updates.
     pub const MOST_STEPS: usize = 100_000;
 
+    /// Refuses values out of range.
+    ///
     /// # Errors
     /// A setting is out of range, or the start is not a curve of the problem.
-    fn check(&self, problem: &Problem<'_>) -> Result<()> {
+    pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
         check_count("degree", self.degree, degrees)?;
         let segments = 1..=Self::LARGEST_SIZE / self.degree;
         check_count("segments", self.segments, segments)?;
-        check_count("guesses", self.guesses, 1..=Self::LARGEST_GUESSES)?;
+        check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
         check_count("steps", self.steps, 1..=Self::MOST_STEPS)?;
         check_count("rounds", self.rounds, 1..=Self::MOST_STEPS)?;
         for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
@@ -228,8 +230,8 @@ pub struct RestSolution {
     pub at_rest: bool,
     /// The number of the guess that led to this result.
     pub guess: usize,
-    /// The number of guesses that were tried.
-    pub guesses: usize,
+    /// The number of starts that were tried.
+    pub starts: usize,
     /// Steps, factorisations and dual updates, summed over all guesses and stages.
     pub steps: usize,
     /// Factorisations, summed as [`steps`](Self::steps).
@@ -351,19 +353,19 @@ impl<'a, K: Constraint> FlowToRest<'a, K> {
                 Some(best) if !is_better(&found, &best) => best,
                 _ => found,
             };
-            now.guesses = number + 1;
+            now.starts = number + 1;
             [now.steps, now.factorisations, now.rounds] = work;
             let enough = kind == 0 || now.at_rest;
             let over = watch.stopped().is_some() || settings.start.is_some();
             let most = if enough {
-                settings.guesses
+                settings.starts
             } else {
-                settings.guesses.max(MOST_GUESSES)
+                settings.starts.max(MOST_GUESSES)
             };
-            if over || now.guesses >= most {
+            if over || now.starts >= most {
                 return Ok(now);
             }
-            number = now.guesses;
+            number = now.starts;
             best = Some(now);
         }
     }

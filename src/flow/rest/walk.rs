@@ -109,7 +109,7 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
             passive_share: outcome.passive_share,
             at_rest: outcome.at_rest,
             guess,
-            guesses: 1,
+            starts: 1,
             steps,
             factorisations,
             rounds,

@@ -4,7 +4,7 @@ use crate::curve::Basis;
 use crate::error::Result;
 use crate::relax::RelaxSettings;
 use crate::relax::interior_point::Candidate;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The degrees of an adaptive relaxation.
 ///
@@ -13,7 +13,7 @@ use serde::Serialize;
 /// interval with the control interpolated at the nodes, [`replay_error`](crate::motion::replay_error), is reported but
 /// is not a criterion either, because at degree 64 it is still tens of rad/s for a Kinova with its light wrist. To
 /// replay a stored control, sample it at more times than the nodes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DegreeRefinement {
     /// The largest relative change of the cost between two degrees.
     pub tolerance: f64,
@@ -23,7 +23,6 @@ pub struct DegreeRefinement {
     pub costs: Vec<f64>,
     /// True if the last change is within the tolerance and the search converged at both degrees. If false, this was not
     /// reached up to the largest degree, or up to one at which the search did not converge.
-    #[serde(rename = "settled")]
     pub converged: bool,
 }
 

@@ -13,13 +13,13 @@ use crate::relax::tuning::{
     STRONG_BARRIER, WAVE,
 };
 use crate::relax::{CostWithControl, Iteration, RelaxSettings, RelaxSolution};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
 
 /// A local minimum found by the starts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LocalMinimum {
     /// The integral of the running cost.
     pub cost: f64,
@@ -86,7 +86,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let found_before = ends.iter().any(is_found);
         // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
         let wave = match settings.time_limit {
-            _ if next < settings.num_starts => next..settings.num_starts.min(next + WAVE),
+            _ if next < settings.starts => next..settings.starts.min(next + WAVE),
             Some(_) => next..next + WAVE,
             None => next..(next + MORE_STARTS).min(MOST_STARTS),
         };
@@ -173,8 +173,8 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         ends.extend(climbing);
         let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
-            Some(_) => next < RelaxSettings::LARGEST_NUM_STARTS,
-            None => next < settings.num_starts || (constrained && !found && next < MOST_STARTS),
+            Some(_) => next < RelaxSettings::LARGEST_STARTS,
+            None => next < settings.starts || (constrained && !found && next < MOST_STARTS),
         };
         if stopped() || context.watch.is_late(share) || !more {
             break;

@@ -50,13 +50,13 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The number of the path of a planned start.
     fn number(&self, start: usize) -> Option<u64> {
         let first = u64::from(self.first.is_some());
-        let beyond = start.checked_sub(self.settings.num_starts)?;
+        let beyond = start.checked_sub(self.settings.starts)?;
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
     /// The number of the bends of a start that is not planned.
     pub fn bends(&self, start: usize) -> u64 {
-        let beyond = start.saturating_sub(self.settings.num_starts);
+        let beyond = start.saturating_sub(self.settings.starts);
         let planned = if self.wanted { beyond.div_ceil(2) } else { 0 };
         (start - planned - usize::from(self.first.is_some())) as u64
     }

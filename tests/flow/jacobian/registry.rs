@@ -27,8 +27,8 @@ fn a_jacobian_is_registered_by_name() {
         .to_string();
     for word in [
         "'magic'",
-        "control-form",
-        "theorem-b4",
+        "control_form",
+        "theorem_b4",
         "dual",
         "difference",
         "mine",
@@ -60,7 +60,7 @@ fn names_are_read_and_written() {
         .expect_err("no such name")
         .to_string();
     assert!(
-        error.contains("jacobian: 'magic' is none of control-form, theorem-b4"),
+        error.contains("jacobian: 'magic' is none of control_form, theorem_b4"),
         "{error}"
     );
 }

@@ -23,7 +23,7 @@ const BEFORE: f64 = 1e-4;
 
 /// The outcome of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum End {
     /// A motion was found, and the judge accepts it.
     Valid,

@@ -7,6 +7,7 @@ mod compare;
 mod eval;
 mod import;
 mod judge;
+mod options;
 mod output;
 mod pairs;
 mod progress;
@@ -55,7 +56,7 @@ const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a traject
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Solve(solve::Solve),
+    Solve(solve::SolveArgs),
     View(view::View),
     Compare(compare::Compare),
     Sample(sample::Sample),
@@ -155,7 +156,7 @@ fn tell_notes_of<'a>(scenarios: impl IntoIterator<Item = &'a Scenario>) {
 #[must_use]
 pub fn main() -> ExitCode {
     let command = Cli::parse().command;
-    let command = command.unwrap_or_else(|| Command::Solve(solve::Solve::default()));
+    let command = command.unwrap_or_else(|| Command::Solve(solve::SolveArgs::default()));
     let result = signals::listen().and_then(|()| match command {
         Command::Solve(solve) => solve.run(),
         Command::View(view) => view.run(),

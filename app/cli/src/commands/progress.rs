@@ -1,7 +1,8 @@
 //! The progress line of a solve on a terminal.
 
+use aghf::error::Result;
 use aghf::relax::{Iteration, RelaxSettings};
-use aghf_scenario::{Method, Record, Scenario, SolveOptions};
+use aghf_scenario::{Record, Scenario, SolveOptions};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
@@ -22,20 +23,25 @@ pub(super) struct Progress {
 
 impl Progress {
     /// The progress line of a solve of `scenario`; `hidden` if the output has other lines, or none.
-    pub fn new(scenario: &Scenario, options: &SolveOptions, hidden: bool) -> Self {
-        let to_rest = options.flows_to_rest();
-        let (bar, starts) = match options.method {
+    ///
+    /// # Errors
+    /// The time limit is out of range.
+    pub fn new(scenario: &Scenario, options: &SolveOptions, hidden: bool) -> Result<Self> {
+        let (bar, starts) = match options {
             _ if hidden => (ProgressBar::hidden(), 0),
-            Method::Flow if !to_rest => (bar(options.flow_settings(scenario).s_max), 1),
-            Method::Flow => (spinner(), options.rest_settings(scenario).guesses),
-            Method::Relax => (spinner(), options.relax_settings(scenario).num_starts),
+            SolveOptions::Flow(own) => (bar(own.settings(scenario)?.s_max), 1),
+            SolveOptions::Rest(own) | SolveOptions::Duals(own) | SolveOptions::TwoPhases(own) => {
+                let settings = own.settings(scenario, options.method())?;
+                (spinner(), settings.starts)
+            }
+            SolveOptions::Relax(own) => (spinner(), own.settings(scenario)?.starts),
         };
-        Self {
+        Ok(Self {
             bar,
             starts,
             begun: 0,
             least: None,
-        }
+        })
     }
 
     /// Updates the line with a record.

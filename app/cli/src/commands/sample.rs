@@ -33,10 +33,9 @@ impl Sample {
         let Solved {
             scenario,
             curve,
-            failure,
-            ..
+            summary,
         } = Solved::load(&self.summary)?;
-        let (model, failure) = (&scenario.model, failure.as_deref());
+        let (model, failure) = (&scenario.model, summary.failure.as_deref());
         let times = self.sampling.sampling().times(curve.horizon())?;
         match &self.out {
             Some(path) => {

@@ -5,6 +5,7 @@ mod files;
 mod folder;
 mod json;
 mod judgement;
+mod rows;
 mod table;
 mod trajectory;
 
@@ -14,6 +15,8 @@ pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::judgement_table;
+pub(crate) use rows::csv_cell;
+pub use rows::csv_of;
 pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
 pub(crate) use table::{short, summary_rows, table};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

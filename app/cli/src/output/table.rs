@@ -49,9 +49,9 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         Details::Rest(d) => rest_rows(d),
         Details::Relax(d) => relax_rows(d),
     };
-    let degree = match s.pieces {
-        1 => format!("p {}", s.p),
-        pieces => format!("{pieces} pieces of p {}", s.p),
+    let degree = match s.segments {
+        1 => format!("degree {}", s.degree),
+        segments => format!("{segments} segments of degree {}", s.degree),
     };
     let settings = format!("{}, {degree}, {settings}", s.method);
     let gains = format!(
@@ -109,7 +109,8 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
         "jacobian {}, integrator {}, k {:e}, s_max {:e}, tolerance {:e}, guess {}",
         d.jacobian, d.integrator, d.k, d.s_max, d.tolerance, d.guess
     );
-    let nodes = [d.action_at_nodes_of_guess, d.action_at_nodes].map(short);
+    let before = d.action_at_nodes_of_guess.map_or("-".to_owned(), short);
+    let nodes = [before, short(d.action_at_nodes)];
     let work = format!(
         "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
         d.steps, d.rejected_steps, d.omega_evaluations, d.jacobian_evaluations, d.factorisations
@@ -124,10 +125,10 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
 
 /// The parameters and the results that only a flow to rest has.
 fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
-    let settings = format!("{}, k {:e}, tolerance {:e}", d.variant, d.k, d.tolerance);
+    let settings = format!("k {:e}, tolerance {:e}", d.k, d.tolerance);
     let work = format!(
-        "{} steps, {} factorisations, {} updates of the duals, {} guesses",
-        d.steps, d.factorisations, d.dual_updates, d.guesses
+        "{} steps, {} factorisations, {} updates of the duals, {} starts",
+        d.steps, d.factorisations, d.dual_updates, d.starts_tried
     );
     let mut rows = vec![
         ("action", short(d.action)),
@@ -149,9 +150,9 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "tolerance {:e}, {} starts",
         d.tolerance,
-        d.efforts_of_starts.len().max(1)
+        d.starts_tried.max(1)
     );
-    let all = &d.efforts_of_starts;
+    let all = &d.start_costs;
     let mut starts: Vec<_> = all.iter().take(SHOWN).map(|x| short(*x)).collect();
     if all.len() > SHOWN {
         starts.push(format!("and {} more", all.len() - SHOWN));
@@ -163,10 +164,8 @@ fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
     let stopped = || "the simulation stopped".to_owned();
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
-    if let Some(cost) = d.cost {
-        rows.push(("cost that was minimised", short(cost)));
-        rows.push(("horizon", format!("{} s", short(d.horizon_s))));
-    }
+    rows.push(("cost that was minimised", short(d.cost)));
+    rows.push(("horizon", format!("{} s", short(d.horizon_s))));
     if let Some(adapted) = &d.adapted {
         rows.push(("effort by degree", efforts_by_degree(adapted)));
     }
@@ -190,9 +189,9 @@ fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
         .map(|(p, x)| format!("{} at {p}", short(*x)))
         .collect();
     let verdict = if adapted.converged {
-        "settled"
+        "converged"
     } else {
-        "NOT settled"
+        "NOT converged"
     };
     let tolerance = adapted.tolerance;
     format!("{}: {verdict} to {tolerance}", efforts.join(", "))

@@ -1,11 +1,10 @@
 //! The data of a page.
 
 use super::encode::of_f32;
+use super::facts::SolveFacts;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
-use super::told::{Told, commands, method, told_in};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
-use crate::output::summary_rows;
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::model::{JointKind, Model};
@@ -25,7 +24,7 @@ pub struct Motion<'a> {
     pub curve: &'a Curve,
     /// The reason of a failure; `None` for a success.
     pub failure: Option<&'a str>,
-    told: Told,
+    facts: SolveFacts,
     /// The report of its solve.
     outcome: Option<&'a SolveReport>,
 }
@@ -39,13 +38,7 @@ impl<'a> Motion<'a> {
             scenario,
             curve: &outcome.curve,
             failure: summary.failure.as_deref(),
-            told: Told {
-                facts: summary_rows(summary),
-                commands: commands(summary),
-                method: method(&summary.provenance.options),
-                effort: Some(summary.control_effort),
-                least_clearance: summary.feasibility.smallest_clearance_m,
-            },
+            facts: SolveFacts::of_solve(summary),
             outcome: Some(outcome),
         }
     }
@@ -58,8 +51,8 @@ impl<'a> Motion<'a> {
         Ok(Self {
             scenario: &solved.scenario,
             curve: &solved.curve,
-            failure: solved.failure.as_deref(),
-            told: told_in(path, &solved.options)?,
+            failure: solved.summary.failure.as_deref(),
+            facts: SolveFacts::of_file(&solved.summary, path),
             outcome: None,
         })
     }
@@ -166,21 +159,21 @@ impl MotionData {
         Ok(Self {
             name: scenario.name.clone(),
             robot: scenario.file.robot.clone(),
-            method: motion.told.method.clone(),
+            method: motion.facts.method.clone(),
             horizon: motion.curve.horizon(),
             failure: motion.failure.map(str::to_owned),
-            facts: motion.told.facts.clone(),
-            commands: motion.told.commands.clone(),
+            facts: motion.facts.facts.clone(),
+            commands: motion.facts.commands.clone(),
             made_by: made_by(motion),
             joints: joints.collect(),
             scene: scene_of(scenario)?,
             tracks,
             values: of_f32(values),
             clearance,
-            least_clearance: motion.told.least_clearance.or(at_rows),
+            least_clearance: motion.facts.least_clearance.or(at_rows),
             plots,
             minima,
-            effort: motion.told.effort.unwrap_or(efforts.iter().sum()),
+            effort: motion.facts.effort,
         })
     }
 }

@@ -8,12 +8,12 @@
 mod convergence;
 mod data;
 mod encode;
+mod facts;
 mod links;
 mod mesh;
 mod plots;
 mod scene;
 mod tables;
-mod told;
 mod track;
 
 pub use data::Motion;

@@ -2,7 +2,7 @@
 
 use super::plots::{COLOURS, css};
 use super::{escaped, filled};
-use crate::output::write_text;
+use crate::output::{csv_of, write_text};
 use aghf::error::{Error, Result};
 use serde::Serialize;
 use serde_json::Value;
@@ -168,13 +168,8 @@ impl Table {
         rows: &[T],
         fails: impl Fn(&T) -> bool,
     ) -> Result<Self> {
-        let refused = |e: String| Error::input(file, "table", e);
         let shown = &rows[..rows.len().min(MOST_ROWS)];
-        let mut csv = csv::Writer::from_writer(Vec::new());
-        for row in shown {
-            csv.serialize(row).map_err(|e| refused(e.to_string()))?;
-        }
-        let text = csv.into_inner().map_err(|e| refused(e.to_string()))?;
+        let text = csv_of(shown, true)?;
         let table = Self::of_csv(title, file, &text, |i| shown.get(i).is_some_and(&fails))?;
         let all = rows.len();
         Ok(Self { all, ..table })

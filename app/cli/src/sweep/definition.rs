@@ -1,14 +1,13 @@
 //! A sweep with its scenarios and its sets.
 
-use super::SweepFile;
-use super::grid::Parameters;
+use super::{Grid, SweepFile};
 use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of, read_named};
 use aghf::urdf::builtin_robot_text;
 use aghf_scenario::{
     Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
 };
-use std::borrow::Cow;
+use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::Duration;
 
@@ -35,20 +34,23 @@ const SWEEPS: [(&str, &str); 9] = sweeps!(
 /// The largest number of sets of a grid, all of whose rows are kept in memory.
 const MOST_SETS: usize = 1_000_000;
 
+/// The largest number of scenarios with other keys, each of which is kept with its robot.
+const MOST_VARIANTS: usize = 10_000;
+
 /// The names of the built-in sweeps.
 pub fn builtin_sweeps() -> impl Iterator<Item = &'static str> {
     SWEEPS.iter().map(|(name, _)| *name)
 }
 
 /// One solve of a sweep.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterSet {
     /// Index in the sweep, from 0.
     pub index: usize,
     /// Index of its scenario in [`Sweep::scenarios`].
     pub scenario: usize,
-    /// Parameters.
-    pub parameters: Parameters,
+    /// Index of its point in the grid.
+    pub point: usize,
 }
 
 /// A sweep with its scenarios, checked.
@@ -60,6 +62,8 @@ pub struct Sweep {
     pub file: SweepFile,
     /// The scenarios.
     pub scenarios: Vec<Scenario>,
+    /// Each scenario in turn at all points of the keys of scenarios.
+    variants: Vec<Scenario>,
     /// The grid: each scenario in turn with all parameters, in the same order.
     pub sets: Vec<ParameterSet>,
 }
@@ -93,15 +97,16 @@ impl Sweep {
 
     /// Builds a sweep from its keys; the arguments are those of [`parse`](Self::parse).
     fn new(file: SweepFile, path: &str, folder: &Path) -> Result<Self> {
-        let name = file.name.clone().unwrap_or_else(|| name_of(path));
-        let too_many = || {
-            let condition = format!("the grid has more than {MOST_SETS} sets");
+        let name = file.head.name.clone();
+        let name = name.unwrap_or_else(|| name_of(path));
+        let too_many = |most: usize, what: &str| {
+            let condition = format!("the grid has more than {most} {what}");
             Error::input(path, "sweep", condition)
         };
         let points = file.grid.count().filter(|points| *points <= MOST_SETS);
-        let points = points.ok_or_else(too_many)?;
+        let points = points.ok_or_else(|| too_many(MOST_SETS, "sets"))?;
         let mut scenarios = Vec::<Scenario>::new();
-        for (i, entry) in file.scenarios.iter().enumerate() {
+        for (i, entry) in file.head.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
             let refuse = |condition: String| Error::input(path, &key, condition);
             for place in named(entry, folder).map_err(refuse)? {
@@ -109,12 +114,22 @@ impl Sweep {
                 if scenarios.iter().any(|other| other.name == scenario.name) {
                     return Err(refuse(format!("'{}' is there already", scenario.name)));
                 }
-                file.grid.check_for(&scenario).map_err(refuse)?;
                 scenarios.push(scenario);
             }
         }
+        let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
+        let variants = keys.count().map(|count| count.saturating_mul(scenarios.len()));
         if points.saturating_mul(scenarios.len()) > MOST_SETS {
-            return Err(too_many());
+            return Err(too_many(MOST_SETS, "sets"));
+        }
+        if variants.is_none_or(|count| count > MOST_VARIANTS) {
+            return Err(too_many(MOST_VARIANTS, "scenarios"));
+        }
+        let refuse = |(key, condition)| Error::input(path, key, condition);
+        let mut variants = Vec::new();
+        for scenario in &scenarios {
+            options.check_options(file.head.method, scenario).map_err(refuse)?;
+            variants.extend(keys.variants(scenario).map_err(refuse)?);
         }
         let sets = (0..scenarios.len())
             .flat_map(|scenario| (0..points).map(move |point| (scenario, point)))
@@ -122,13 +137,14 @@ impl Sweep {
             .map(|(index, (scenario, point))| ParameterSet {
                 index,
                 scenario,
-                parameters: file.grid.point(point),
+                point,
             })
             .collect();
         Ok(Self {
             name,
             file,
             scenarios,
+            variants,
             sets,
         })
     }
@@ -142,27 +158,63 @@ impl Sweep {
     /// The method of all solves.
     #[must_use]
     pub fn method(&self) -> Method {
-        self.file.grid.method()
+        self.file.head.method
     }
 
-    /// The scenario of one set, with the running cost and the limits of that set.
+    /// The scenario of one set, with the keys of that set.
     #[must_use]
-    pub fn scenario(&self, set: &ParameterSet) -> Cow<'_, Scenario> {
-        set.parameters.over(&self.scenarios[set.scenario])
+    pub fn scenario(&self, set: &ParameterSet) -> &Scenario {
+        let count = self.variants.len() / self.scenarios.len();
+        &self.variants[set.scenario * count + self.file.grid.scenario_point(set.point)]
+    }
+
+    /// The parameters of one set, by name.
+    #[must_use]
+    pub fn parameters(&self, set: &ParameterSet) -> Map<String, Value> {
+        self.file.grid.point(set.point)
     }
 
     /// The options with which one set is solved. They have no time limit, because a relaxation would use all of it for
     /// further starts.
-    #[must_use]
-    pub fn options(&self, parameters: &Parameters) -> SolveOptions {
-        parameters.options()
+    ///
+    /// # Errors
+    /// None for a set of this sweep.
+    pub fn options(&self, set: &ParameterSet) -> Result<SolveOptions> {
+        let keys = self.file.grid.parameters().iter();
+        let mut own = self.parameters(set);
+        for parameter in keys.filter(|parameter| parameter.of_scenario) {
+            own.shift_remove(&parameter.name);
+        }
+        Grid::options(self.method(), own)
     }
 
     /// The wall time after which a solve is stopped.
     #[must_use]
-    pub fn timeout(&self) -> Duration {
+    pub fn time_limit(&self) -> Duration {
         // It was checked when it was read.
-        Duration::from_secs_f64(self.file.timeout_s)
+        Duration::from_secs_f64(self.file.head.time_limit_s)
+    }
+
+    /// All data on which the results depend: the version of this library, the grid, the scenarios and their robots. The
+    /// name changes no result.
+    #[must_use]
+    pub fn identity(&self) -> Value {
+        let lists = self.file.grid.parameters().iter();
+        let grid: Map<_, _> = lists.map(|p| (p.name.clone(), json!(p.values))).collect();
+        let scenarios = self.scenarios.iter().map(|scenario| {
+            json!({
+                "name": scenario.name,
+                "file": scenario.file,
+                "robot_xxh64": scenario.robot_xxh64,
+            })
+        });
+        json!({
+            "aghf": env!("CARGO_PKG_VERSION"),
+            "method": self.method(),
+            "time_limit_s": self.file.head.time_limit_s,
+            "grid": grid,
+            "scenarios": scenarios.collect::<Vec<_>>(),
+        })
     }
 }
 
@@ -205,12 +257,12 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
 
 /// Loads a scenario of a sweep in `folder`.
 fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario> {
-    let robot = file.robot.as_deref();
+    let robot = file.head.robot.as_deref();
     let path = robot.map(|robot| match builtin_robot_text(robot) {
         Some(_) => robot.to_owned(),
         None => folder.join(robot).to_string_lossy().into_owned(),
     });
-    let mut scenario = Scenario::load_for(name_or_path, path.as_deref(), file.mimic)?;
+    let mut scenario = Scenario::load_for(name_or_path, path.as_deref(), file.head.mimic)?;
     if let Some(robot) = robot {
         // As it is in the sweep, which has the same results wherever it lies.
         scenario.file.robot = robot.to_owned();

@@ -1,16 +1,28 @@
 //! Reading of sweep files.
 
-use super::grid::{Grid, Refusal, RelaxGrid};
+use super::grid::{Grid, Parameter, Refusal};
 use aghf::error::{Error, Result, plain};
 use aghf::urdf::Mimic;
-use aghf_scenario::{Method, SolveOptions};
+use aghf_scenario::{Method, SolveOptions, scenario_schema};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use toml::{Table, Value};
+use serde_json::Value;
+use toml::Table;
 
 /// A sweep as written in a file. Its grid is every combination of the entries of its lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepFile {
+    /// The keys that are no lists of parameters.
+    pub head: Head,
+    /// The lists of parameters.
+    pub grid: Grid,
+}
+
+/// The keys of a sweep beside its lists of parameters.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Head {
+    /// The method of all solves.
+    #[serde(default)]
+    pub method: Method,
     /// The name of the folder of results; by default the file name without its extension.
     pub name: Option<String>,
     /// Built-in or generated scenarios, or paths relative to the sweep of files or of folders of them; `kinova_free_*`
@@ -20,51 +32,38 @@ pub struct SweepFile {
     pub robot: Option<String>,
     /// The treatment of mimic joints; by default that of the scenario.
     pub mimic: Option<Mimic>,
-    /// The wall time after which a solve is stopped, s.
-    pub timeout_s: f64,
-    /// The lists of parameters.
-    pub grid: Grid,
-}
-
-/// The key that determines which others are valid.
-#[derive(Deserialize)]
-struct Chosen {
-    #[serde(default = "flow")]
-    method: Method,
-}
-
-/// The other keys that sweeps of all methods have.
-#[derive(Deserialize)]
-struct Head {
-    name: Option<String>,
-    scenarios: Vec<String>,
-    robot: Option<String>,
-    mimic: Option<Mimic>,
-    timeout_s: f64,
+    /// The wall time after which a solve is stopped, s. Unlike the option of a solve it leaves a relaxation no time for
+    /// further starts.
+    pub time_limit_s: f64,
 }
 
 /// The names of all these keys.
-const HEAD: [&str; 6] = ["method", "name", "scenarios", "robot", "mimic", "timeout_s"];
-
-/// The default method.
-fn flow() -> Method {
-    Method::Flow
-}
+const HEAD: [&str; 6] = [
+    "method",
+    "name",
+    "scenarios",
+    "robot",
+    "mimic",
+    "time_limit_s",
+];
 
 impl SweepFile {
     /// The wall time, s, of one solve in the sweep of [all](Self::of_all) scenarios of a folder.
-    const TIMEOUT: f64 = 60.0;
+    const TIME_LIMIT_S: f64 = 60.0;
 
     /// The sweep of all scenarios of its folder by the relaxation with default options.
     #[must_use]
     pub fn of_all(name: String) -> Self {
         Self {
-            name: Some(name),
-            scenarios: vec![".".to_owned()],
-            robot: None,
-            mimic: None,
-            timeout_s: Self::TIMEOUT,
-            grid: Grid::Relax(RelaxGrid::default()),
+            head: Head {
+                method: Method::Relax,
+                name: Some(name),
+                scenarios: vec![".".to_owned()],
+                robot: None,
+                mimic: None,
+                time_limit_s: Self::TIME_LIMIT_S,
+            },
+            grid: Grid::default(),
         }
     }
 
@@ -78,80 +77,121 @@ impl SweepFile {
             let line = 1 + before.matches('\n').count();
             Error::input(path, format!("line {line}"), e.message())
         })?;
-        let refuse = |(key, condition): Refusal| Error::input(path, key, condition);
-        let Chosen { method } = read(&table).map_err(refuse)?;
-        check_keys(&table, method).map_err(refuse)?;
-        let head: Head = read(&table).map_err(refuse)?;
-        let grid = match method {
-            Method::Flow => Grid::Flow(read(&table).map_err(refuse)?),
-            Method::Relax => Grid::Relax(read(&table).map_err(refuse)?),
-        };
-        let file = Self {
-            name: head.name,
-            scenarios: head.scenarios,
-            robot: head.robot,
-            mimic: head.mimic,
-            timeout_s: head.timeout_s,
-            grid,
-        };
-        file.check().map_err(refuse)?;
-        Ok(file)
+        Self::read(table).map_err(|(key, condition)| Error::input(path, key, condition))
     }
 
-    /// Checks the values; the error names the faulty key and the reason.
-    fn check(&self) -> std::result::Result<(), Refusal> {
-        if let Some(name) = &self.name {
-            let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-            if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
-                let condition = format!("'{name}': letters, digits, '_', '-' and '.' are needed");
-                return Err(("name".into(), condition));
+    fn read(table: Table) -> std::result::Result<Self, Refusal> {
+        let is_head = |(key, _): &(String, toml::Value)| HEAD.contains(&key.as_str());
+        let (head, lists): (Vec<_>, Vec<_>) = table.into_iter().partition(is_head);
+        let head = Table::from_iter(head);
+        // The method determines which lists are valid, and an unknown key may be a missing one written otherwise.
+        let method = match head.get("method") {
+            None => Method::default(),
+            Some(name) => name.clone().try_into().map_err(|e: toml::de::Error| {
+                ("method".to_owned(), e.message().to_owned())
+            })?,
+        };
+        let options = SolveOptions::schema_of(method);
+        let (options, scenario) = (&options["properties"], &scenario_schema()["properties"]);
+        let mut parameters = Vec::new();
+        for (key, value) in lists {
+            let of_scenario = options.get(&key).is_none();
+            if of_scenario && scenario.get(&key).is_none() {
+                let condition = format!(
+                    "it is no key of a sweep ({}), no option of the method '{method}' ({}) and no key of a scenario",
+                    HEAD.join(", "),
+                    names(options)
+                );
+                return Err((key, condition));
             }
+            add_lists(key, value, of_scenario, &mut parameters)?;
         }
-        let longest = SolveOptions::LONGEST_TIME_LIMIT.as_secs_f64();
-        if !(self.timeout_s > 0.0 && self.timeout_s <= longest) {
-            let timeout = plain(self.timeout_s);
-            let condition =
-                format!("it is {timeout}, a positive time of at most {longest} s is needed");
-            return Err(("timeout_s".into(), condition));
-        }
-        if self.scenarios.is_empty() {
-            return Err(("scenarios".into(), "it is an empty list".into()));
-        }
-        self.grid.check()
+        let head: Head = serde_path_to_error::deserialize(head).map_err(|e| {
+            let key = match e.path().to_string().as_str() {
+                "." => "sweep".to_owned(),
+                path => path.to_owned(),
+            };
+            (key, e.inner().message().to_owned())
+        })?;
+        check(&head)?;
+        let grid = Grid::new(parameters)?;
+        Ok(Self { head, grid })
     }
 }
 
-/// Refuses unknown keys, and those of another method.
-fn check_keys(table: &Table, method: Method) -> std::result::Result<(), Refusal> {
-    let own = Grid::keys(method);
-    // Of a list serde would take the entries for those of the keys in order.
-    for key in ["running_cost", "enforced_limits"] {
-        if table.get(key).is_some_and(Value::is_array) {
-            let condition = "it is a list, not a table with keys";
-            return Err((key.to_owned(), condition.to_owned()));
+/// Checks the values of the head; the error names the faulty key and the reason.
+fn check(head: &Head) -> std::result::Result<(), Refusal> {
+    if let Some(name) = &head.name {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            let condition = format!("'{name}': letters, digits, '_', '-' and '.' are needed");
+            return Err(("name".into(), condition));
         }
     }
-    let known = |key: &&String| HEAD.contains(&key.as_str()) || own.contains(&key.as_str());
-    let Some(key) = table.keys().find(|key| !known(key)) else {
-        return Ok(());
-    };
-    let mut others = Method::by_name().flat_map(|(_, other)| Grid::keys(other));
-    let condition = if others.any(|other| other == key) {
-        format!("the method '{method}' has no such parameter")
-    } else {
-        let keys = [&HEAD, own].concat().join(", ");
-        format!("unknown field `{key}`, expected one of {keys}")
-    };
-    Err((key.clone(), condition))
+    let (limit, longest) = (head.time_limit_s, SolveOptions::LONGEST_TIME_LIMIT_S);
+    if !(limit > 0.0 && limit <= longest) {
+        let limit = plain(limit);
+        let condition = format!("it is {limit}, a positive time of at most {longest} s is needed");
+        return Err(("time_limit_s".into(), condition));
+    }
+    if head.scenarios.is_empty() {
+        return Err(("scenarios".into(), "it is an empty list".into()));
+    }
+    Ok(())
 }
 
-/// Reads the keys of a type from a table; an error names the faulty key.
-fn read<T: DeserializeOwned>(table: &Table) -> std::result::Result<T, Refusal> {
-    serde_path_to_error::deserialize(table.clone()).map_err(|e| {
-        let key = match e.path().to_string().as_str() {
-            "." => "sweep".to_owned(),
-            path => path.to_owned(),
-        };
-        (key, e.inner().message().to_owned())
+/// The names of properties in a schema.
+fn names(properties: &Value) -> String {
+    let keys = properties.as_object().into_iter().flat_map(|all| all.keys());
+    keys.map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+/// Adds the list of a key, or the lists of the keys in its table.
+fn add_lists(
+    name: String,
+    value: toml::Value,
+    of_scenario: bool,
+    parameters: &mut Vec<Parameter>,
+) -> std::result::Result<(), Refusal> {
+    match value {
+        toml::Value::Table(table) if of_scenario => {
+            for (key, inner) in table {
+                add_lists(format!("{name}.{key}"), inner, of_scenario, parameters)?;
+            }
+            Ok(())
+        }
+        toml::Value::Array(values) => {
+            let mut all = Vec::with_capacity(values.len());
+            for (i, value) in values.into_iter().enumerate() {
+                all.push(json(value).map_err(|condition| (format!("{name}[{i}]"), condition))?);
+            }
+            parameters.push(Parameter {
+                name,
+                values: all,
+                of_scenario,
+            });
+            Ok(())
+        }
+        other => Err((name, format!("it is a {}, a list of values is needed", other.type_str()))),
+    }
+}
+
+/// A value of TOML in JSON, which has neither dates nor numbers that are not finite.
+fn json(value: toml::Value) -> std::result::Result<Value, String> {
+    Ok(match value {
+        toml::Value::String(text) => Value::from(text),
+        toml::Value::Integer(number) => Value::from(number),
+        toml::Value::Boolean(truth) => Value::from(truth),
+        toml::Value::Float(number) if number.is_finite() => Value::from(number),
+        toml::Value::Array(values) => values.into_iter().map(json).collect::<std::result::Result<_, _>>()?,
+        toml::Value::Table(table) => {
+            let pairs = table.into_iter();
+            let pairs = pairs.map(|(key, value)| Ok((key, json(value)?)));
+            Value::Object(pairs.collect::<std::result::Result<_, String>>()?)
+        }
+        toml::Value::Float(number) => {
+            return Err(format!("it is {number}, a finite number is needed"));
+        }
+        toml::Value::Datetime(date) => return Err(format!("it is the date {date}")),
     })
 }

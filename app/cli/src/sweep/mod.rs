@@ -1,9 +1,9 @@
-//! Sweeps: scenarios solved with every combination of parameters of a method, with resumable results and a ranking.
+//! Sweeps: scenarios solved with every combination of options and of keys of the scenario, with resumable results and a
+//! ranking.
 
 mod definition;
 mod file;
 mod grid;
-mod identity;
 mod page;
 mod ranking;
 mod results;
@@ -13,12 +13,10 @@ mod shard;
 
 pub use definition::{ParameterSet, Sweep, builtin_sweeps};
 pub use file::SweepFile;
-pub use grid::{
-    CostLists, FlowGrid, FlowPoint, Grid, LimitLists, Parameters, RelaxGrid, RelaxPoint,
-};
+pub use grid::{Grid, Parameter};
 pub use page::sweep_page;
 pub use ranking::{Ranked, best, ranking, ranking_table, write_ranking};
 pub use results::{Results, merge, shard_files, write_rows};
-pub use row::{FlowWork, RelaxWork, Row, RowOutcome, Work};
+pub use row::{Row, RowOutcome};
 pub use run::run;
 pub use shard::Shard;

@@ -1,10 +1,10 @@
 //! The page of a sweep.
 
+use super::grid::in_table;
 use super::{Ranked, Row, RowOutcome, Sweep};
 use crate::output::short;
 use crate::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
 use aghf::error::Result;
-use aghf_scenario::Method;
 use std::collections::HashMap;
 
 /// The largest number of bars of a plot.
@@ -52,11 +52,7 @@ pub fn sweep_page(sweep: &Sweep, rows: &[Row], ranking: &[Ranked]) -> Result<Tab
     )?));
     Ok(TablePage {
         title: sweep.name.clone(),
-        about: match sweep.method() {
-            Method::Flow => "sweep of the flow",
-            Method::Relax => "sweep of the relaxation",
-        }
-        .to_owned(),
+        about: format!("sweep of the method {}", sweep.method()),
         figures: figures.map(|(name, value)| [name.to_owned(), value]).into(),
         parts,
     })
@@ -69,12 +65,12 @@ fn succeeds(row: &Row) -> bool {
 /// One point per set that led to a motion, in the colour of its outcome.
 fn efforts(rows: &[Row]) -> Scatter {
     let point = |row: &Row| {
-        let effort = row.control_effort?;
+        let effort = row.result("control_effort")?;
         let time = 1e3 * row.solve_seconds;
         let mut name = format!("set {}: {}\n", row.set, row.scenario);
-        let cells = row.parameters.cells().into_iter();
-        let given = cells.filter(|(_, value)| value != "-");
-        let given: Vec<String> = given.map(|(key, value)| format!("{key} {value}")).collect();
+        let cells = row.parameters.iter();
+        let given = cells.map(|(key, value)| format!("{key} {}", in_table(value)));
+        let given: Vec<String> = given.collect();
         name += &given.join(", ");
         name += &format!("\neffort {}, {time:.1} ms", short(effort));
         if let Some(reason) = &row.reason {
@@ -97,7 +93,7 @@ fn efforts(rows: &[Row]) -> Scatter {
         });
     let without = rows
         .iter()
-        .filter(|row| row.control_effort.is_none())
+        .filter(|row| row.result("control_effort").is_none())
         .count();
     let note = match without {
         0 => String::new(),
@@ -116,12 +112,9 @@ fn shares(rows: &[Row]) -> Vec<Plot> {
     let cells: Vec<Vec<(&str, String)>> = rows
         .iter()
         .map(|row| {
-            let scenario = ("scenario", row.scenario.clone());
-            row.parameters
-                .cells()
-                .into_iter()
-                .chain([scenario])
-                .collect()
+            let cells = row.parameters.iter();
+            let cells = cells.map(|(name, value)| (name.as_str(), in_table(value)));
+            cells.chain([("scenario", row.scenario.clone())]).collect()
         })
         .collect();
     let parameters = cells.first().map_or(0, Vec::len);

@@ -1,23 +1,25 @@
 //! Rankings of the parameters, for each scenario of a sweep and for all of them.
 
-use super::grid::Parameters;
-use super::row::{SOME_COLUMNS, minimised};
+use super::grid::{Grid, in_table};
 use super::{Row, RowOutcome, Sweep};
-use crate::output::{short, table, write_whole};
+use crate::output::{csv_of, short, table, write_whole};
 use aghf::error::Result;
+use aghf_scenario::Method;
 use comfy_table::CellAlignment;
-use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::io::Write;
 use std::path::Path;
 
-/// The results of one set of parameters in one scenario, or in all. Means, medians, largest errors and the smallest
-/// clearance are over the successful solves. The columns of the file are in its order.
-#[derive(Clone, Debug, PartialEq)]
+/// The results of one set of parameters in one scenario, or in all. Times and results are over the successful solves.
+/// The columns of the file are in its order.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
     /// The scenario, or `all`.
     pub scenario: String,
-    /// The parameters, one column each; for the relaxation those of all seeds together.
-    pub parameters: Parameters,
+    /// The parameters, one column each; those of all seeds together.
+    #[serde(flatten)]
+    pub parameters: Map<String, Value>,
     /// The number of solves.
     pub solves: usize,
     /// The fraction of solves that succeeded.
@@ -26,51 +28,50 @@ pub struct Ranked {
     pub solve_seconds: Option<f64>,
     /// Median wall time of a solve, s.
     pub median_seconds: Option<f64>,
-    /// Mean control effort.
-    pub control_effort: Option<f64>,
-    /// Mean of the minimised quantity: the column `action` of the flow, `cost` of the relaxation.
-    pub minimised: Option<f64>,
-    /// Largest final error with feedback.
-    pub final_error_inf: Option<f64>,
-    /// Largest final error without feedback.
-    pub open_loop_error_inf: Option<f64>,
-    /// Smallest clearance in m; `None` without obstacles.
-    pub smallest_clearance_m: Option<f64>,
-}
-
-impl Serialize for Ranked {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        let mut row = serializer.serialize_struct("Ranked", SOME_COLUMNS)?;
-        row.serialize_field("scenario", &self.scenario)?;
-        self.parameters.columns(&mut row)?;
-        row.serialize_field("solves", &self.solves)?;
-        row.serialize_field("success_rate", &self.success_rate)?;
-        row.serialize_field("solve_seconds", &self.solve_seconds)?;
-        row.serialize_field("median_seconds", &self.median_seconds)?;
-        row.serialize_field("control_effort", &self.control_effort)?;
-        row.serialize_field(minimised(&self.parameters), &self.minimised)?;
-        row.serialize_field("final_error_inf", &self.final_error_inf)?;
-        row.serialize_field("open_loop_error_inf", &self.open_loop_error_inf)?;
-        row.serialize_field("smallest_clearance_m", &self.smallest_clearance_m)?;
-        row.end()
-    }
+    /// The time for the ranking, s, infinite without a success: the mean for a flow, as in the paper; the median for the
+    /// relaxation, because a single solve that needs many more starts than the others would dominate the mean.
+    #[serde(skip)]
+    pub seconds: f64,
+    /// The mean of efforts, costs and actions, the largest error and the smallest clearance, one column each.
+    #[serde(flatten)]
+    pub results: Map<String, Value>,
 }
 
 impl Ranked {
-    /// The time for the ranking, s: the mean for the flow, as in the paper; the median for the relaxation, because a
-    /// single solve that needs many more starts than the others would dominate the mean.
+    /// The number of a result; `None` without one.
     #[must_use]
-    pub fn seconds(&self) -> f64 {
-        let time = match self.parameters {
-            Parameters::Flow(_) => self.solve_seconds,
-            Parameters::Relax(_) => self.median_seconds,
-        };
-        time.unwrap_or(f64::INFINITY)
+    pub fn result(&self, name: &str) -> Option<f64> {
+        self.results.get(name)?.as_f64()
     }
 }
 
+/// A number of several, at least one.
+type Statistic = fn(&[f64]) -> f64;
+
+/// The results that are ranked, with their headings in the table.
+const RANKED: [(&str, &str, Statistic); 6] = [
+    ("control_effort", "effort", mean),
+    ("cost", "cost", mean),
+    ("action", "action", mean),
+    ("final_error_inf", "final error", largest),
+    ("open_loop_error_inf", "open loop", largest),
+    ("smallest_clearance_m", "clearance, m", smallest),
+];
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn smallest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// Ranks the parameters of a sweep, best first, for all scenarios if there are several and then for each: those with
-/// the highest rate of success come first, and among these the [fastest](Ranked::seconds). `rows` are those of all
+/// the highest rate of success come first, and among these the [fastest](field@Ranked::seconds). `rows` are those of all
 /// sets, in order.
 #[must_use]
 pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
@@ -90,7 +91,7 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
 #[must_use]
 pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
     let fastest = ranking.first().filter(|r| r.success_rate > 0.0)?;
-    let effort = |r: &&Ranked| r.control_effort.unwrap_or(f64::INFINITY);
+    let effort = |r: &&Ranked| r.result("control_effort").unwrap_or(f64::INFINITY);
     let least = (ranking
         .iter()
         .filter(|r| r.success_rate == fastest.success_rate))
@@ -103,39 +104,49 @@ fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     // Seeds run slowest, so each is like one more scenario.
     let points = sweep.sets_a_scenario() / sweep.file.grid.repetitions();
     let mut ranked: Vec<Ranked> = (0..points.min(rows.len()))
-        .map(|i| summarise(name, &rows[i..].iter().step_by(points).collect::<Vec<_>>()))
+        .map(|i| {
+            let rows: Vec<_> = rows[i..].iter().step_by(points).collect();
+            summarise(name, sweep.method(), &rows)
+        })
         .collect();
     ranked.sort_by(|a, b| {
         let by_success = b.success_rate.total_cmp(&a.success_rate);
-        by_success.then(a.seconds().total_cmp(&b.seconds()))
+        by_success.then(a.seconds.total_cmp(&b.seconds))
     });
     ranked
 }
 
 /// Summarises the rows of one set of parameters, at least one.
-fn summarise(scenario: &str, rows: &[&Row]) -> Ranked {
+fn summarise(scenario: &str, method: Method, rows: &[&Row]) -> Ranked {
     let good: Vec<&Row> = (rows.iter().copied())
         .filter(|row| row.outcome == RowOutcome::Success)
         .collect();
-    let mean = |f: fn(&Row) -> Option<f64>| {
-        let sum: Option<f64> = good.iter().map(|row| f(row)).sum();
-        sum.filter(|_| !good.is_empty())
-            .map(|sum| sum / good.len() as f64)
+    let times: Vec<f64> = good.iter().map(|row| row.solve_seconds).collect();
+    let solve_seconds = (!times.is_empty()).then(|| mean(&times));
+    let median_seconds = median(times);
+    let time = match method {
+        Method::Relax => median_seconds,
+        Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => solve_seconds,
     };
-    let largest =
-        |f: fn(&Row) -> Option<f64>| good.iter().filter_map(|row| f(row)).max_by(f64::total_cmp);
+    let mut results = Map::new();
+    for (name, _, statistic) in RANKED {
+        if rows[0].results.contains_key(name) {
+            let values: Vec<f64> = good.iter().filter_map(|row| row.result(name)).collect();
+            let value = (!values.is_empty()).then(|| statistic(&values));
+            results.insert(name.to_owned(), value.into());
+        }
+    }
+    let mut parameters = rows[0].parameters.clone();
+    parameters.shift_remove(Grid::SEED);
     Ranked {
         scenario: scenario.to_owned(),
-        parameters: rows[0].parameters.of_any_seed(),
+        parameters,
         solves: rows.len(),
         success_rate: good.len() as f64 / rows.len() as f64,
-        solve_seconds: mean(|row| Some(row.solve_seconds)),
-        median_seconds: median(good.iter().map(|row| row.solve_seconds).collect()),
-        control_effort: mean(|row| row.control_effort),
-        minimised: mean(|row| row.minimised),
-        final_error_inf: largest(|row| row.final_error_inf),
-        open_loop_error_inf: largest(|row| row.open_loop_error_inf),
-        smallest_clearance_m: largest(|row| row.smallest_clearance_m.map(|m| -m)).map(|m| -m),
+        solve_seconds,
+        median_seconds,
+        seconds: time.unwrap_or(f64::INFINITY),
+        results,
     }
 }
 
@@ -151,13 +162,8 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_ranking(ranking: &[Ranked], path: &Path) -> Result<()> {
-    write_whole(path, |file| {
-        let mut csv = csv::Writer::from_writer(file);
-        for ranked in ranking {
-            csv.serialize(ranked)?;
-        }
-        csv.flush()
-    })
+    let text = csv_of(ranking, true)?;
+    write_whole(path, |file| file.write_all(&text))
 }
 
 /// Formats, for all scenarios and for each, the fastest parameters among those with the highest rate of success, and
@@ -168,12 +174,11 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
     let Some(first) = ranking.first() else {
         return table.to_string();
     };
-    let parameters = first.parameters.cells();
     let mut header = vec!["scenario", "best by", "success"];
-    header.extend(parameters.iter().map(|(name, _)| *name));
-    header.extend(["mean, ms", "median, ms", "effort"]);
-    header.extend([minimised(&first.parameters), "final error", "open loop"]);
-    header.push("clearance, m");
+    header.extend(first.parameters.keys().map(String::as_str));
+    header.extend(["mean, ms", "median, ms"]);
+    let ranked = RANKED.iter().filter(|(name, ..)| first.results.contains_key(*name));
+    header.extend(ranked.map(|(_, heading, _)| *heading));
     table.set_header(header);
     for group in ranking.chunk_by(|a, b| a.scenario == b.scenario) {
         let Some(best) = best(group) else {
@@ -185,11 +190,9 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
             let time = |x: Option<f64>| x.map_or("-".to_owned(), |s| format!("{:.2}", 1e3 * s));
             let success = format!("{:.0} %", 100.0 * r.success_rate);
             let mut row = vec![r.scenario.clone(), by.to_owned(), success];
-            row.extend(r.parameters.cells().into_iter().map(|(_, value)| value));
+            row.extend(r.parameters.values().map(in_table));
             row.extend([r.solve_seconds, r.median_seconds].map(time));
-            row.extend([r.control_effort, r.minimised].map(optional));
-            row.extend([r.final_error_inf, r.open_loop_error_inf].map(optional));
-            row.push(optional(r.smallest_clearance_m));
+            row.extend(r.results.values().map(|value| optional(value.as_f64())));
             table.add_row(row);
         }
     }

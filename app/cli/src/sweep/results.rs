@@ -5,7 +5,7 @@
 //! excludes a second process. At the end the lines are sorted in the order of the grid.
 
 use super::{ParameterSet, Row, Shard, Sweep};
-use crate::output::{write_json, write_whole};
+use crate::output::{csv_of, write_json, write_whole};
 use aghf::error::{Error, Result};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ impl<'s> Results<'s> {
                 condition,
             ));
         } else {
-            let value = sweep.identity()?;
+            let value = sweep.identity();
             write_whole(&identity, |file| write_json(&value, file))?;
         }
         let io = |e| Error::io(&path, e);
@@ -113,7 +113,7 @@ impl<'s> Results<'s> {
     /// # Errors
     /// The file cannot be written. A partial row is dropped when the file is opened again.
     pub fn append(&self, row: Row) -> Result<()> {
-        let line = lines([&row], false)?;
+        let line = csv_of([&row], false)?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         append_line(&mut state.0, &line).map_err(|e| Error::io(&self.path, e))?;
         state.1.insert(row.set, row);
@@ -141,7 +141,7 @@ impl<'s> Results<'s> {
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner);
         let rows: Vec<Row> = rows.into_values().collect();
-        let text = lines(&rows, true)?;
+        let text = csv_of(&rows, true)?;
         write_whole(&self.path, |file| file.write_all(&text))?;
         Ok((rows, self.path))
     }
@@ -205,7 +205,7 @@ fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
     let Ok(found) = serde_json::from_str::<Value>(&text) else {
         return refuse("sweep".to_owned(), "it is no JSON");
     };
-    match difference(&found, &sweep.identity()?) {
+    match difference(&found, &sweep.identity()) {
         Some(key) => {
             let key = if key.is_empty() { "sweep" } else { &key[1..] };
             let condition = "the results here are of a sweep with another value; choose another folder or remove this one";
@@ -253,24 +253,16 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
         let condition = "it is not the header that this version writes".to_owned();
         return Err(refuse(1, condition));
     }
-    let mut reader = csv::Reader::from_reader(text);
-    let names = reader.headers().map_err(|e| refuse(1, e.to_string()))?;
-    let names = names.clone();
-    for (i, line) in reader.records().enumerate() {
-        let row = line.and_then(|line| Row::read(&line, &names, sweep.method()));
-        let row = row.map_err(|e| refuse(i + 2, e.to_string()))?;
-        let fits = sweep.sets.get(row.set).is_some_and(|set| {
-            shard.has(row.set)
-                && row.parameters == set.parameters
-                && row.scenario == sweep.scenarios[set.scenario].name
-        });
-        if !fits {
-            let condition = format!("its set {} is not one of this sweep", row.set);
-            return Err(refuse(i + 2, condition));
-        }
+    for (i, line) in csv::Reader::from_reader(text).records().enumerate() {
+        let refuse = |condition| refuse(i + 2, condition);
+        let line = line.map_err(|e| refuse(e.to_string()))?;
+        let set = line[0].parse::<usize>().map_err(|e| refuse(e.to_string()))?;
+        let own = sweep.sets.get(set).filter(|_| shard.has(set));
+        let own = own.ok_or_else(|| refuse(format!("its set {set} is not one of this sweep")))?;
+        let row = Row::read(sweep, own, &line).map_err(refuse)?;
         if let Some(row) = rows.insert(row.set, row) {
             let condition = format!("set {} is there already", row.set);
-            return Err(refuse(i + 2, condition));
+            return Err(refuse(condition));
         }
     }
     Ok(rows)
@@ -279,23 +271,9 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
 /// The header line.
 fn header(sweep: &Sweep) -> Result<String> {
     let any = Row::failed(sweep, &sweep.sets[0], "", 0.0);
-    let text = String::from_utf8_lossy(&lines([&any], true)?).into_owned();
-    Ok(text
-        .lines()
-        .take(1)
-        .map(|line| line.to_owned() + "\n")
-        .collect())
-}
-
-/// Formats rows as lines.
-fn lines<'r>(rows: impl IntoIterator<Item = &'r Row>, header: bool) -> Result<Vec<u8>> {
-    let mut csv = csv::WriterBuilder::new();
-    let mut csv = csv.has_headers(header).from_writer(Vec::new());
-    let no_text = |e: String| Error::input("results", "row", format!("it is no CSV: {e}"));
-    for row in rows {
-        csv.serialize(row).map_err(|e| no_text(e.to_string()))?;
-    }
-    csv.into_inner().map_err(|e| no_text(e.to_string()))
+    let text = csv_of([&any], true)?;
+    let end = text.iter().position(|byte| *byte == b'\n');
+    Ok(String::from_utf8_lossy(&text[..end.map_or(0, |end| end + 1)]).into_owned())
 }
 
 /// Appends to a file with one write and waits until it is on the disk.

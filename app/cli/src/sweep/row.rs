@@ -1,16 +1,15 @@
 //! The result of one solve of a sweep.
 
-use super::grid::Parameters;
 use super::{ParameterSet, Sweep};
 use aghf::relax::RelaxSettings;
-use aghf_scenario::{Details, Method, SolveReport};
+use aghf_scenario::{Method, SolveReport};
 use csv::StringRecord;
-use serde::ser::SerializeStruct;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Number, Value};
 
 /// The outcome of a solve of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum RowOutcome {
     /// The motion reaches the goal.
     Success,
@@ -39,195 +38,119 @@ impl RowOutcome {
     pub fn name(self) -> &'static str {
         match self {
             Self::Success => "success",
-            Self::GoalMissed => "goal-missed",
+            Self::GoalMissed => "goal_missed",
             Self::Infeasible => "infeasible",
             Self::Failed => "failed",
-            Self::TimeLimit => "time-limit",
+            Self::TimeLimit => "time_limit",
         }
     }
 }
 
 /// A row of the results, with its columns in the order of the file. The state of a solve at its time limit depends on
 /// the machine, so that it is not recorded; otherwise only `solve_seconds` differs between runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// [`ParameterSet::index`].
     pub set: usize,
     /// The name of the scenario.
     pub scenario: String,
     /// The parameters of its set, one column each.
-    pub parameters: Parameters,
+    #[serde(flatten)]
+    pub parameters: Map<String, Value>,
     /// The outcome.
     pub outcome: RowOutcome,
     /// The reason of a failure; `None` for a success.
     pub reason: Option<String>,
-    /// The final error of the simulation with feedback; `None` if that stopped early.
-    pub final_error_inf: Option<f64>,
-    /// The final error of the simulation without feedback; `None` if that stopped early.
-    pub open_loop_error_inf: Option<f64>,
-    /// $\int |u|^2 dt$.
-    pub control_effort: Option<f64>,
-    /// The minimised quantity: the column `action` of the flow, `cost` of the relaxation.
-    pub minimised: Option<f64>,
-    /// $\max |\dot q - v|_\infty$.
-    pub dynamics_defect: Option<f64>,
-    /// The smallest clearance in m; `None` without obstacles.
-    pub smallest_clearance_m: Option<f64>,
-    /// The details of the method, one column each.
-    pub work: Work,
+    /// Keys of the summary with numbers, null without one, and with the lengths of lists; one column each.
+    #[serde(flatten)]
+    pub results: Map<String, Value>,
     /// Wall time of the solve, s.
     pub solve_seconds: f64,
 }
 
-/// The method-specific details of a solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Work {
-    /// The flow.
-    Flow(FlowWork),
-    /// The relaxation.
-    Relax(RelaxWork),
-}
+/// The keys of the summary that all methods have and that are columns of the results.
+const COMMON: [&str; 5] = [
+    "final_error_inf",
+    "open_loop_error_inf",
+    "control_effort",
+    "dynamics_defect",
+    "smallest_clearance_m",
+];
 
-/// The work of a flow.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-pub struct FlowWork {
-    /// Accepted steps of the integrator.
-    pub steps: Option<usize>,
-    /// Evaluations of $\Omega$, each at one node.
-    pub omega_evaluations: Option<usize>,
-    /// Evaluations of the Jacobian of $\Omega$, each at one node.
-    pub jacobian_evaluations: Option<usize>,
-}
-
-/// The end and the work of a relaxation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-pub struct RelaxWork {
-    /// The duration of the motion, s.
-    pub horizon_s: Option<f64>,
-    /// The final relative gradient norm.
-    pub gradient_norm: Option<f64>,
-    /// The largest violation of a constraint, in its own unit; `None` without constraints.
-    pub largest_violation: Option<f64>,
-    /// The number of starts.
-    pub starts_tried: Option<usize>,
-    /// The number of minima found.
-    pub minima: Option<usize>,
-    /// Newton iterations, of all starts and degrees.
-    pub iterations: Option<usize>,
-    /// Cholesky factorisations.
-    pub factorisations: Option<usize>,
-}
-
-impl Work {
-    /// Details without values.
-    fn none(method: Method) -> Self {
-        match method {
-            Method::Flow => Self::Flow(FlowWork::default()),
-            Method::Relax => Self::Relax(RelaxWork::default()),
-        }
-    }
-
-    fn columns<S: SerializeStruct>(&self, row: &mut S) -> Result<(), S::Error> {
-        match self {
-            Self::Flow(work) => {
-                row.serialize_field("steps", &work.steps)?;
-                row.serialize_field("omega_evaluations", &work.omega_evaluations)?;
-                row.serialize_field("jacobian_evaluations", &work.jacobian_evaluations)
-            }
-            Self::Relax(work) => {
-                row.serialize_field("horizon_s", &work.horizon_s)?;
-                row.serialize_field("gradient_norm", &work.gradient_norm)?;
-                row.serialize_field("largest_violation", &work.largest_violation)?;
-                row.serialize_field("starts_tried", &work.starts_tried)?;
-                row.serialize_field("minima", &work.minima)?;
-                row.serialize_field("iterations", &work.iterations)?;
-                row.serialize_field("factorisations", &work.factorisations)
-            }
-        }
+/// Those of one method.
+fn results_of(method: Method) -> &'static [&'static str] {
+    match method {
+        Method::Relax => &[
+            "cost",
+            "horizon_s",
+            "gradient_norm",
+            "largest_violation",
+            "starts_tried",
+            "minima",
+            "iterations",
+            "factorisations",
+        ],
+        Method::Flow => &[
+            "action",
+            "steps",
+            "omega_evaluations",
+            "jacobian_evaluations",
+        ],
+        Method::Rest | Method::Duals | Method::TwoPhases => &[
+            "action",
+            "gradient_norm",
+            "slip",
+            "largest_violation",
+            "starts_tried",
+            "steps",
+            "factorisations",
+            "dual_updates",
+        ],
     }
 }
 
-/// A hint for the number of columns: CSV and JSON only distinguish zero from others.
-pub(super) const SOME_COLUMNS: usize = 1;
-
-/// The name of the column of [`Row::minimised`].
-pub(super) fn minimised(parameters: &Parameters) -> &'static str {
-    match parameters {
-        Parameters::Flow(_) => "action",
-        Parameters::Relax(_) => "cost",
+impl Sweep {
+    /// The names of the columns of results: keys of the summary that are no parameters.
+    pub(super) fn results(&self) -> impl Iterator<Item = &'static str> {
+        let parameters = self.file.grid.parameters();
+        let all = COMMON.iter().chain(results_of(self.method())).copied();
+        all.filter(move |name| parameters.iter().all(|p| p.name != *name))
     }
-}
-
-impl Serialize for Row {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut row = serializer.serialize_struct("Row", SOME_COLUMNS)?;
-        row.serialize_field("set", &self.set)?;
-        row.serialize_field("scenario", &self.scenario)?;
-        self.parameters.columns(&mut row)?;
-        row.serialize_field("outcome", &self.outcome)?;
-        row.serialize_field("reason", &self.reason)?;
-        row.serialize_field("final_error_inf", &self.final_error_inf)?;
-        row.serialize_field("open_loop_error_inf", &self.open_loop_error_inf)?;
-        row.serialize_field("control_effort", &self.control_effort)?;
-        row.serialize_field(minimised(&self.parameters), &self.minimised)?;
-        row.serialize_field("dynamics_defect", &self.dynamics_defect)?;
-        row.serialize_field("smallest_clearance_m", &self.smallest_clearance_m)?;
-        self.work.columns(&mut row)?;
-        row.serialize_field("solve_seconds", &self.solve_seconds)?;
-        row.end()
-    }
-}
-
-/// The columns of all methods.
-#[derive(Deserialize)]
-struct Common {
-    set: usize,
-    scenario: String,
-    outcome: RowOutcome,
-    reason: Option<String>,
-    final_error_inf: Option<f64>,
-    open_loop_error_inf: Option<f64>,
-    control_effort: Option<f64>,
-    #[serde(alias = "action", alias = "cost")]
-    minimised: Option<f64>,
-    dynamics_defect: Option<f64>,
-    smallest_clearance_m: Option<f64>,
-    solve_seconds: f64,
 }
 
 impl Row {
-    /// Reads a row of a sweep of this method from a line.
+    /// The row of `set` in a line of the file.
+    ///
+    /// # Errors
+    /// The line is not of this set, or a cell is not what its column has.
     pub(super) fn read(
+        sweep: &Sweep,
+        set: &ParameterSet,
         line: &StringRecord,
-        header: &StringRecord,
-        method: Method,
-    ) -> csv::Result<Self> {
-        let common: Common = line.deserialize(Some(header))?;
-        let (parameters, work) = match method {
-            Method::Flow => (
-                Parameters::Flow(line.deserialize(Some(header))?),
-                Work::Flow(line.deserialize(Some(header))?),
-            ),
-            Method::Relax => (
-                Parameters::Relax(line.deserialize(Some(header))?),
-                Work::Relax(line.deserialize(Some(header))?),
-            ),
-        };
-        Ok(Self {
-            set: common.set,
-            scenario: common.scenario,
-            parameters,
-            outcome: common.outcome,
-            reason: common.reason,
-            final_error_inf: common.final_error_inf,
-            open_loop_error_inf: common.open_loop_error_inf,
-            control_effort: common.control_effort,
-            minimised: common.minimised,
-            dynamics_defect: common.dynamics_defect,
-            smallest_clearance_m: common.smallest_clearance_m,
-            work,
-            solve_seconds: common.solve_seconds,
-        })
+    ) -> std::result::Result<Self, String> {
+        let mut row = Self::failed(sweep, set, "", 0.0);
+        let mut cells = line.iter().skip(1);
+        let mut next = || cells.next().unwrap_or_default();
+        let own = row.parameters.values().map(crate::output::csv_cell);
+        let own: Vec<String> = own.collect();
+        if next() != row.scenario || own.iter().any(|own| next() != own) {
+            return Err(format!("its set {} is not one of this sweep", set.index));
+        }
+        let outcome = next();
+        let known = RowOutcome::ALL.into_iter().find(|o| o.name() == outcome);
+        row.outcome = known.ok_or_else(|| format!("'{outcome}' is no outcome"))?;
+        row.reason = Some(next().to_owned()).filter(|reason| !reason.is_empty());
+        for (name, value) in &mut row.results {
+            let cell = next();
+            if !cell.is_empty() {
+                let number = cell.parse::<Number>();
+                *value = number.map_err(|e| format!("{name}: '{cell}': {e}"))?.into();
+            }
+        }
+        let seconds = next();
+        let wrong = |e| format!("solve_seconds: '{seconds}': {e}");
+        row.solve_seconds = seconds.parse().map_err(wrong)?;
+        Ok(row)
     }
 
     /// The row of a set that failed for this reason before any measurement.
@@ -236,23 +159,21 @@ impl Row {
         Self {
             set: set.index,
             scenario: sweep.scenarios[set.scenario].name.clone(),
-            parameters: set.parameters,
+            parameters: sweep.parameters(set),
             outcome: RowOutcome::Failed,
             reason: Some(one_line(reason)),
-            final_error_inf: None,
-            open_loop_error_inf: None,
-            control_effort: None,
-            minimised: None,
-            dynamics_defect: None,
-            smallest_clearance_m: None,
-            work: Work::none(sweep.method()),
+            results: sweep
+                .results()
+                .map(|name| (name.to_owned(), Value::Null))
+                .collect(),
             solve_seconds,
         }
     }
 
     /// The row of a set that reached its time limit.
     pub(super) fn late(sweep: &Sweep, set: &ParameterSet, solve_seconds: f64) -> Self {
-        let reason = format!("time limit of {} s reached", sweep.file.timeout_s);
+        let limit = sweep.file.head.time_limit_s;
+        let reason = format!("time limit of {limit} s reached");
         Self {
             outcome: RowOutcome::TimeLimit,
             ..Self::failed(sweep, set, &reason, solve_seconds)
@@ -264,73 +185,49 @@ impl Row {
     pub fn new(sweep: &Sweep, set: &ParameterSet, report: &SolveReport) -> Self {
         let s = &report.summary;
         // An interruption that comes at the very end is noticed by none but the clock.
-        if report.stopped.is_some() || s.solve_seconds >= sweep.file.timeout_s {
+        if report.stopped.is_some() || s.solve_seconds >= sweep.file.head.time_limit_s {
             return Self::late(sweep, set, s.solve_seconds);
         }
-        let (minimised, work, violated) = match &s.details {
-            Details::Flow(f) => {
-                let work = FlowWork {
-                    steps: Some(f.steps),
-                    omega_evaluations: Some(f.omega_evaluations),
-                    jacobian_evaluations: Some(f.jacobian_evaluations),
-                };
-                (f.action, Work::Flow(work), false)
-            }
-            Details::Rest(r) => {
-                let work = FlowWork {
-                    steps: Some(r.steps),
-                    ..FlowWork::default()
-                };
-                (r.action, Work::Flow(work), false)
-            }
-            Details::Relax(r) => {
-                let work = RelaxWork {
-                    horizon_s: Some(r.horizon_s),
-                    gradient_norm: Some(r.gradient_norm),
-                    largest_violation: r.largest_violation,
-                    starts_tried: Some(r.efforts_of_starts.len()),
-                    minima: Some(r.minima.len()),
-                    iterations: Some(r.iterations),
-                    factorisations: Some(r.factorisations),
-                };
-                let violated = !s.feasibility.holds(RelaxSettings::FEASIBLE);
-                let cost = r.cost.unwrap_or(s.control_effort);
-                (cost, Work::Relax(work), violated)
-            }
+        let relaxed = s.method == Method::Relax;
+        let violated = relaxed && !s.feasibility.holds(RelaxSettings::FEASIBLE);
+        let mut row = Self::failed(sweep, set, "", s.solve_seconds);
+        row.reason = s.failure.as_deref().map(one_line);
+        row.outcome = if s.success {
+            RowOutcome::Success
+        } else if violated {
+            RowOutcome::Infeasible
+        } else if !report.completed {
+            RowOutcome::Failed
+        } else if s.final_error_inf.is_some_and(|e| e < s.success_threshold) {
+            RowOutcome::Infeasible
+        } else {
+            RowOutcome::GoalMissed
         };
-        Self {
-            reason: s.failure.as_deref().map(one_line),
-            outcome: if s.success {
-                RowOutcome::Success
-            } else if violated {
-                RowOutcome::Infeasible
-            } else if !report.completed {
-                RowOutcome::Failed
-            } else if s.final_error_inf.is_some_and(|e| e < s.success_threshold) {
-                RowOutcome::Infeasible
-            } else {
-                RowOutcome::GoalMissed
-            },
-            final_error_inf: s.final_error_inf,
-            open_loop_error_inf: s.open_loop_error_inf,
-            control_effort: Some(s.control_effort),
-            minimised: Some(minimised),
-            dynamics_defect: Some(s.dynamics_defect),
-            smallest_clearance_m: s.feasibility.smallest_clearance_m,
-            work,
-            ..Self::failed(sweep, set, "", s.solve_seconds)
+        let summary = serde_json::to_value(s).unwrap_or_default();
+        for (name, value) in &mut row.results {
+            *value = match &summary[&**name] {
+                Value::Array(list) => list.len().into(),
+                other => other.clone(),
+            };
         }
+        row
+    }
+
+    /// The number of a result; `None` without one.
+    #[must_use]
+    pub fn result(&self, name: &str) -> Option<f64> {
+        self.results.get(name)?.as_f64()
     }
 
     /// Returns true if another run gave the same results, apart from the time.
     #[must_use]
     pub fn agrees(&self, other: &Self) -> bool {
-        let timeless = |row: &Self| Self {
-            solve_seconds: 0.0,
-            ..row.clone()
+        let solve_seconds = self.solve_seconds;
+        let other = Self {
+            solve_seconds,
+            ..other.clone()
         };
-        // As text, because a NaN agrees with a NaN here.
-        format!("{:?}", timeless(self)) == format!("{:?}", timeless(other))
+        *self == other
     }
 }
 

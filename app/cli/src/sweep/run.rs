@@ -4,7 +4,7 @@ use super::{ParameterSet, Row, Sweep};
 use aghf::error::{Error, Result, check_count};
 use aghf::motion::Interrupt;
 use aghf::relax::RelaxSettings;
-use aghf_scenario::{Scenario, SolveOptions, solve};
+use aghf_scenario::Solve;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,17 +38,16 @@ pub fn run(
 
 /// The row of one set. Infeasible limits are a failure of this set alone, and so is a panic, which should not occur.
 fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
-    let scenario: &Scenario = &sweep.scenario(set);
+    let scenario = sweep.scenario(set);
     let started = Instant::now();
     if let Err(reason) = scenario.check_feasible() {
         let seconds = started.elapsed().as_secs_f64();
         return Ok(Row::failed(sweep, set, &reason.to_string(), seconds));
     }
-    let options = SolveOptions {
-        interrupt: Interrupt::after(sweep.timeout()),
-        ..sweep.options(&set.parameters)
-    };
-    let solved = catch_unwind(AssertUnwindSafe(|| solve(scenario, &options, &mut |_| ())));
+    let solve = Solve::new(scenario)
+        .options(sweep.options(set)?)
+        .interrupt(Interrupt::after(sweep.time_limit()));
+    let solved = catch_unwind(AssertUnwindSafe(|| solve.run()));
     Ok(match solved {
         Ok(outcome) => Row::new(sweep, set, &outcome?),
         Err(panic) => {

@@ -14,8 +14,8 @@ fn check_passes_and_names_every_jacobian() {
         run.stdout
     );
     for name in [
-        "control-form",
-        "theorem-b4",
+        "control_form",
+        "theorem_b4",
         "dual",
         "difference",
         "inverse dynamics",

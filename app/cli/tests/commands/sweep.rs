@@ -66,7 +66,7 @@ fn sweep(folder: &Path, arguments: &[&str], results: &str) -> PathBuf {
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     let whole = killed("flow", GRID);
     let has = |outcome: &str| whole.iter().any(|line| line.contains(outcome));
-    for outcome in ["success", "goal-missed"] {
+    for outcome in ["success", "goal_missed"] {
         assert!(has(outcome), "no {outcome}");
     }
 }
@@ -148,9 +148,9 @@ fn the_last_line_sums_up() {
         let of = |line: &&String| line.contains(&format!(",{outcome},"));
         rows.iter().filter(of).count()
     };
-    let (good, missed) = (count("success"), count("goal-missed"));
+    let (good, missed) = (count("success"), count("goal_missed"));
     assert!(good > 0 && missed > 0);
-    let start = format!("{good} of 60 sets solved, {missed} goal-missed");
+    let start = format!("{good} of 60 sets solved, {missed} goal_missed");
     assert!(line.starts_with(&start), "{line}");
     assert!(line.contains(" s; results in out/sweeps/grid"), "{line}");
     let part = last(&["--shard", "1/3", "--out", "part"]);
@@ -332,7 +332,7 @@ fn shards_are_joined_to_the_whole() {
         third.clone(),
         &text.replacen(
             row,
-            &row.replacen("line-configuration,,,", "line-configuration,,,x", 1),
+            &row.replacen("line_configuration,,,", "line_configuration,,,x", 1),
             1,
         ),
     );
@@ -388,7 +388,7 @@ fn a_set_that_runs_out_of_time_is_a_row() {
         assert_eq!(rows.len(), 61);
         // Nothing is measured.
         let [parameters, measured] = columns;
-        let reason = ",time-limit,time limit of 0.000000001 s reached";
+        let reason = ",time_limit,time limit of 0.000000001 s reached";
         for row in &rows[1..] {
             let (before, after) = row.split_once(reason).unwrap_or_else(|| panic!("{row}"));
             assert_eq!(before.matches(',').count(), 1 + parameters, "{row}");

@@ -78,7 +78,7 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
         counts,
         [
             (json!("success"), json!(false), 6),
-            (json!("goal-missed"), json!(true), 5)
+            (json!("goal_missed"), json!(true), 5)
         ]
     );
     let first = &groups[0]["points"][0];

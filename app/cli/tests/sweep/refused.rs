@@ -48,7 +48,7 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
         ),
         (
             "600",
-            "600\nguess = [\"line-state\", \"circle\"]",
+            "600\nguess = [\"line_state\", \"circle\"]",
             "grid.toml: guess[1]: ; circle",
         ),
         (

@@ -141,7 +141,7 @@ const KINOVA: Family = Family {
     any_robot: false,
     within_limits: true,
     flow: FlowParameters {
-        p: 12,
+        degree: 12,
         k: 1e8,
         s_max: 1e3,
         guess: aghf::motion::Guess::LineConfiguration,
@@ -179,7 +179,7 @@ pub const FAMILIES: [Family; 6] = [
         // Nor is the known path one in time, for the step starts and ends in motion.
         within_limits: false,
         flow: FlowParameters {
-            p: 6,
+            degree: 6,
             k: 1e8,
             s_max: 1.0,
             guess: aghf::motion::Guess::LineConfiguration,
@@ -279,6 +279,7 @@ impl Family {
         let [q_start, q_goal] = made.ends;
         let [v_start, v_goal] = made.rates;
         ScenarioFile {
+            schema: None,
             robot: robot.to_owned(),
             mimic,
             locked_joints: BTreeMap::new(),

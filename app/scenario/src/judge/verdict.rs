@@ -117,7 +117,7 @@ impl Worst {
 
 /// The outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// The condition is satisfied.
     Pass,
@@ -139,7 +139,7 @@ impl Outcome {
 
 /// The kinds of checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Check {
     /// The duration against the horizon.
     Horizon,

@@ -116,6 +116,7 @@ impl MoveIt {
         let zeros = vec![0.0; moving.len()];
         let ignored = self.ignored_pairs(&model, &source)?.ignored_pairs;
         let file = ScenarioFile {
+            schema: None,
             robot: source.absolute()?,
             mimic: self.mimic,
             locked_joints: locked,

@@ -15,9 +15,9 @@ pub fn good() -> Value {
             { "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 3.0, 0.5] } },
             { "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -3.0] } },
         ],
-        "robot_shape": { "swept-links": { "radius_m": 0.1, "spacing_m": 0.2 } },
+        "robot_shape": { "swept_links": { "radius_m": 0.1, "spacing_m": 0.2 } },
         "enforced_limits": { "position": true, "velocity": false, "torque": false },
-        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line-state", "k_cons": 1e3, "c_cons": 4.0 },
+        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line_state", "k_cons": 1e3, "c_cons": 4.0 },
         "feedback": { "kp": 10.0, "kv": 5.0 }, "success_threshold": 0.125
     })
 }

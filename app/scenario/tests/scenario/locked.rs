@@ -60,7 +60,7 @@ fn balls(scenario: &Scenario, q: &[f64]) -> Vec<([f64; 3], f64)> {
 fn the_shape_is_that_of_the_whole_robot() {
     let among = json!({
         "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 0.0, 9.0] } }],
-        "robot_shape": { "swept-links": { "radius_m": 0.05 } },
+        "robot_shape": { "swept_links": { "radius_m": 0.05 } },
     });
     let reduced = load("reduced", &with(five(), among.clone())).expect("it is good");
     let all = json!({

@@ -127,7 +127,7 @@ fn the_flow_knows_no_passive_joints() {
         .to_string();
     assert_eq!(
         error,
-        "flow: passive: the published flow does not know it; the variants 'duals' and 'two-phases' do"
+        "flow: passive: the published flow does not know it; the variants 'duals' and 'two_phases' do"
     );
 }
 

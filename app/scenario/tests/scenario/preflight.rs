@@ -202,7 +202,7 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
 
     // The deepest ball is told, and of links the balls that cover them count, as in the search.
     let shape = |spacing: f64| {
-        let shape = json!({ "swept-links": { "radius_m": 0.01, "spacing_m": spacing } });
+        let shape = json!({ "swept_links": { "radius_m": 0.01, "spacing_m": spacing } });
         let [_, _, z] = wrist;
         let floor = json!([{
             "shape": { "half_space": {} },
@@ -218,7 +218,7 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
     let beside = |spacing: f64| {
         let [x, y, z] = origins(&good.model, &good.file.q_start)[5];
         let obstacle = json!([{ "shape": { "sphere": { "radius_m": 0.08 } }, "pose": { "position_m": [x, y, z + 0.1] } }]);
-        let shape = json!({ "swept-links": { "radius_m": 0.01, "spacing_m": spacing } });
+        let shape = json!({ "swept_links": { "radius_m": 0.01, "spacing_m": spacing } });
         with(
             kinova(),
             json!({ "robot_shape": shape, "obstacles": obstacle }),

@@ -99,7 +99,7 @@ fn too_many_pairs_of_balls_and_obstacles_are_refused() {
         json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [5, 5, 5] } });
         100
     ];
-    let fine = json!({ "swept-links": { "radius_m": 0.05, "spacing_m": 1e-3 } });
+    let fine = json!({ "swept_links": { "radius_m": 0.05, "spacing_m": 1e-3 } });
     let keys = json!({ "obstacles": many, "robot_shape": fine });
     let words = "100 obstacles and 1002 balls";
     assert_eq!(

@@ -277,14 +277,14 @@ fn bad_options_are_errors() {
                 degree: Some(0),
                 ..base.clone()
             },
-            "p: it is 0",
+            "degree: it is 0",
         ),
         (
             SolveOptions {
                 degree: Some(1),
                 ..base.clone()
             },
-            "p: it is 1, at least 2",
+            "degree: it is 1, at least 2",
         ),
         (
             SolveOptions {

@@ -216,7 +216,7 @@ fn bad_surroundings_are_refused_by_key() {
             "robot_shape.collision: ;{\"collision\": {...}} is needed",
         ),
         (
-            shape(json!("joint-frames")),
+            shape(json!("joint_frames")),
             "self_collision: ;'collision' only",
         ),
         (

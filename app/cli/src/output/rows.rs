@@ -1,0 +1,41 @@
+//! Rows of tables as comma-separated values.
+
+use aghf::error::{Error, Result};
+use serde::Serialize;
+use serde_json::Value;
+
+/// Formats flat objects as comma-separated values, with their keys as a header if asked. Null is an empty cell, and so
+/// is a number that is not finite.
+///
+/// # Errors
+/// A row is no object.
+pub fn csv_of<'r, T: Serialize + 'r>(
+    rows: impl IntoIterator<Item = &'r T>,
+    header: bool,
+) -> Result<Vec<u8>> {
+    let refuse = |e: String| Error::input("table", "row", format!("it is no CSV: {e}"));
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let mut first = header;
+    for row in rows {
+        let row = serde_json::to_value(row).map_err(|e| refuse(e.to_string()))?;
+        let Value::Object(row) = row else {
+            return Err(refuse(row.to_string()));
+        };
+        if std::mem::take(&mut first) {
+            csv.write_record(row.keys())
+                .map_err(|e| refuse(e.to_string()))?;
+        }
+        csv.write_record(row.values().map(csv_cell))
+            .map_err(|e| refuse(e.to_string()))?;
+    }
+    csv.into_inner().map_err(|e| refuse(e.to_string()))
+}
+
+/// A value as a cell.
+pub(crate) fn csv_cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
