@@ -4,7 +4,7 @@
 
 mod common;
 
-use aghf_scenario::{Scenario, SolveOptions, solve};
+use aghf_scenario::{Scenario, Solve, SolveOptions};
 use common::{Times, criterion, measure, report};
 
 const SCENARIOS: [&str; 4] = [
@@ -21,7 +21,10 @@ fn main() {
         let scenario = Scenario::load(name).expect("built in");
         let (n, options) = (scenario.model.dof(), SolveOptions::default());
         measure(&mut criterion, &mut times, name, n, || {
-            solve(&scenario, &options, &mut |_| {}).expect("good input");
+            Solve::new(&scenario)
+                .options(options.clone())
+                .run()
+                .expect("good input");
         });
     }
     criterion.final_summary();

@@ -5,7 +5,7 @@ use aghf::model::Model;
 use aghf::motion::{Sample, sample};
 use aghf_cli::output::{OutputFolder, Sampling, write_report, write_text};
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{Scenario, SolveOptions, solve};
+use aghf_scenario::{Scenario, Solve};
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn plot(title: &str, model: &Model, samples: &[Sample], of: fn(&Sample) -> &[f64
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scenario = Scenario::load("kinova_cross_01")?;
     scenario.file.horizon_s += 1.0;
-    let report = solve(&scenario, &SolveOptions::default(), &mut |_| ())?;
+    let report = Solve::new(&scenario).run()?;
     println!("success: {}, effort {:.1}", report.summary.success, report.summary.control_effort);
     // A folder that was not there before: out/code_to_file, then out/code_to_file-2 and so on.
     let folder = OutputFolder::fresh(Path::new("out/code_to_file"))?;

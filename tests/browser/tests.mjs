@@ -232,7 +232,7 @@ const sweep = () => {
   const folder = join(ROOT, "target/browser/out/sweep");
   rmSync(folder, { recursive: true, force: true });
   mkdirSync(folder, { recursive: true });
-  const text = 'scenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]\ntimeout_s = 60\np = [5, 9]\nk = [1e2, 1e5]\ns_max = [1e-9, 0.1]\n';
+  const text = 'method = "flow"\nscenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]\ntime_limit_s = 60\ndegree = [5, 9]\nk = [1e2, 1e5]\ns_max = [1e-9, 0.1]\n';
   writeFileSync(join(folder, "some.toml"), text);
   execFileSync(AGHF, ["sweep", join(folder, "some.toml"), "--out", folder]);
   return join(folder, "report.html");

@@ -130,9 +130,7 @@ impl<'a> Solve<'a> {
         let found = match &options {
             SolveOptions::Relax(own) => solve_by_relaxation(scenario, own, interrupt, observe)?,
             SolveOptions::Flow(own) => solve_by_flow(scenario, own, interrupt, observe)?,
-            SolveOptions::Rest(own)
-            | SolveOptions::Duals(own)
-            | SolveOptions::TwoPhases(own) => {
+            SolveOptions::Rest(own) | SolveOptions::Duals(own) | SolveOptions::TwoPhases(own) => {
                 let method = options.method();
                 solve_by_flow_to_rest(scenario, own, method, interrupt, observe)?
             }
@@ -287,11 +285,7 @@ pub(super) struct Solution {
 }
 
 /// The report of a curve, independent of the method.
-fn report_of(
-    scenario: &Scenario,
-    options: &SolveOptions,
-    found: Solution,
-) -> Result<SolveReport> {
+fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Result<SolveReport> {
     let Solution {
         curve,
         effort,

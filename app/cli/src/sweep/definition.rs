@@ -118,7 +118,9 @@ impl Sweep {
             }
         }
         let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
-        let variants = keys.count().map(|count| count.saturating_mul(scenarios.len()));
+        let variants = keys
+            .count()
+            .map(|count| count.saturating_mul(scenarios.len()));
         if points.saturating_mul(scenarios.len()) > MOST_SETS {
             return Err(too_many(MOST_SETS, "sets"));
         }
@@ -128,7 +130,9 @@ impl Sweep {
         let refuse = |(key, condition)| Error::input(path, key, condition);
         let mut variants = Vec::new();
         for scenario in &scenarios {
-            options.check_options(file.head.method, scenario).map_err(refuse)?;
+            options
+                .check_options(file.head.method, scenario)
+                .map_err(refuse)?;
             variants.extend(keys.variants(scenario).map_err(refuse)?);
         }
         let sets = (0..scenarios.len())

@@ -42,7 +42,8 @@ impl Grid {
             }
             if values.len() > MOST_VALUES {
                 let count = values.len();
-                let condition = format!("it has {count} values, at most {MOST_VALUES} are possible");
+                let condition =
+                    format!("it has {count} values, at most {MOST_VALUES} are possible");
                 return Err((name.clone(), condition));
             }
             for (i, value) in values.iter().enumerate() {

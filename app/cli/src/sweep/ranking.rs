@@ -177,7 +177,9 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
     let mut header = vec!["scenario", "best by", "success"];
     header.extend(first.parameters.keys().map(String::as_str));
     header.extend(["mean, ms", "median, ms"]);
-    let ranked = RANKED.iter().filter(|(name, ..)| first.results.contains_key(*name));
+    let ranked = RANKED
+        .iter()
+        .filter(|(name, ..)| first.results.contains_key(*name));
     header.extend(ranked.map(|(_, heading, _)| *heading));
     table.set_header(header);
     for group in ranking.chunk_by(|a, b| a.scenario == b.scenario) {

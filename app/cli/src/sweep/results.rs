@@ -256,7 +256,9 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
     for (i, line) in csv::Reader::from_reader(text).records().enumerate() {
         let refuse = |condition| refuse(i + 2, condition);
         let line = line.map_err(|e| refuse(e.to_string()))?;
-        let set = line[0].parse::<usize>().map_err(|e| refuse(e.to_string()))?;
+        let set = line[0]
+            .parse::<usize>()
+            .map_err(|e| refuse(e.to_string()))?;
         let own = sweep.sets.get(set).filter(|_| shard.has(set));
         let own = own.ok_or_else(|| refuse(format!("its set {set} is not one of this sweep")))?;
         let row = Row::read(sweep, own, &line).map_err(refuse)?;

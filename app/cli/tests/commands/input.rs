@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::Path;
 
 const SCENARIO: &str = r#"{"robot": "pendulum_1", "horizon_s": 2, "q_start": [0], "v_start": [0], "q_goal": [1], "v_goal": [0]}"#;
-const SWEEP: &str = "scenarios = ['s.json']\ntimeout_s = 60\np = [4]\nk = [1e5]\ns_max = [0.1]\n";
+const SWEEP: &str = "method = 'flow'\nscenarios = ['s.json']\ntime_limit_s = 60\ndegree = [4]\nk = [1e5]\ns_max = [0.1]\n";
 
 /// Three sliders, the first of which has damping and all of which have friction, none with an effort limit; the last
 /// one carries a body that is none.

@@ -187,12 +187,7 @@ fn a_solve_is_repeated_from_its_summary() {
     assert_eq!(summary["scenario"], "lift");
     let provenance = &summary["provenance"];
     assert_eq!(provenance["version"], env!("CARGO_PKG_VERSION"));
-    for (key, value) in [
-        ("degree", 9),
-        ("segments", 2),
-        ("num_starts", 3),
-        ("seed", 5),
-    ] {
+    for (key, value) in [("degree", 9), ("segments", 2), ("starts", 3), ("seed", 5)] {
         assert_eq!(provenance["options"][key], value, "{key}");
     }
     assert_eq!(
@@ -203,8 +198,8 @@ fn a_solve_is_repeated_from_its_summary() {
     let run = solved(&folder, &["first/summary.json", "--seed", "6", "--json"]);
     let other: Value = serde_json::from_str(&run.stdout).expect("JSON");
     assert_eq!(other["provenance"]["options"]["seed"], 6);
-    assert_eq!(other["efforts_of_starts"].as_array().map(Vec::len), Some(3));
-    assert_ne!(other["efforts_of_starts"], summary["efforts_of_starts"]);
+    assert_eq!(other["start_costs"].as_array().map(Vec::len), Some(3));
+    assert_ne!(other["start_costs"], summary["start_costs"]);
     // Another method has none of these options.
     let run = aghf(
         &folder,

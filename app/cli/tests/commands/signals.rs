@@ -14,7 +14,7 @@ fn interrupted(folder: &Path, signal: &str, stage: &str) -> (Option<i32>, String
         .args([
             "solve",
             "pendulum_2_swingup",
-            "--seconds",
+            "--time-limit-s",
             "600",
             "-v",
             "--starts",
@@ -128,7 +128,7 @@ fn two_solves_for_one_folder_lose_none() {
                 "pendulum_3_swingup",
                 "--out",
                 "same",
-                "--seconds",
+                "--time-limit-s",
                 "1",
             ])
             .output()

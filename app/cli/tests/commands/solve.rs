@@ -152,7 +152,7 @@ fn json_is_the_summary_and_nothing_else() {
 #[test]
 fn options_override_the_scenario_and_show_in_the_summary() {
     let folder = empty_folder("options");
-    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --p 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
+    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --degree 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
         --guess line_state --out deep/in/here --json --no-report";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
@@ -160,7 +160,7 @@ fn options_override_the_scenario_and_show_in_the_summary() {
     assert_eq!(files(&folder), expected.map(str::to_owned).into());
     let summary = json_file(&folder.join(expected[0]));
     for (key, value) in [
-        ("p", json!(8)),
+        ("degree", json!(8)),
         ("k", json!(3e4)),
         ("s_max", json!(50.0)),
         ("tolerance", json!(1e-5)),
@@ -186,39 +186,44 @@ fn options_override_the_scenario_and_show_in_the_summary() {
 #[test]
 fn options_of_the_relaxation_show_in_the_summary() {
     let folder = empty_folder("relax_options");
-    let arguments = "solve pendulum_1_swingup --p 10 --tolerance 1e-7 --starts 3 --json";
+    let arguments = "solve pendulum_1_swingup --degree 10 --tolerance 1e-7 --starts 3 --json";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let summary: Value = serde_json::from_str(&run.stdout).expect("it is JSON");
     assert_eq!(
-        (&summary["p"], &summary["tolerance"]),
+        (&summary["degree"], &summary["tolerance"]),
         (&json!(10), &json!(1e-7))
     );
-    assert_eq!(
-        summary["efforts_of_starts"].as_array().map(Vec::len),
-        Some(3)
-    );
+    assert_eq!(summary["start_costs"].as_array().map(Vec::len), Some(3));
     assert!(summary["gradient_norm"].as_f64() <= Some(1e-7));
     // What only the flow has is not there.
     assert!(summary.get("k").is_none() && summary.get("omega_evaluations").is_none());
 }
 
 #[test]
-fn pieces_and_an_adaptive_degree_show_in_the_summary() {
+fn segments_and_an_adaptive_degree_show_in_the_summary() {
     let folder = empty_folder("relax_pieces");
-    let arguments = "solve pendulum_1_swingup --p 7 --pieces 2 --adaptive 0.05";
+    let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    for words in ["2 pieces of p 9", "effort by degree", "settled to 0.05"] {
+    for words in [
+        "2 segments of degree 9",
+        "effort by degree",
+        "converged to 0.05",
+    ] {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
     let summary = json_file(&folder.join("out/pendulum_1_swingup/summary.json"));
     assert_eq!(
-        (&summary["p"], &summary["pieces"], &summary["unknowns"]),
+        (
+            &summary["degree"],
+            &summary["segments"],
+            &summary["unknowns"]
+        ),
         (&json!(9), &json!(2), &json!(2 * 8 - 2))
     );
     assert_eq!(summary["adapted"]["degrees"], json!([7, 9]));
-    assert_eq!(summary["adapted"]["settled"], json!(true));
+    assert_eq!(summary["adapted"]["converged"], json!(true));
     assert!(
         summary["replay_error_inf"]
             .as_f64()

@@ -8,9 +8,10 @@ use std::time::Duration;
 
 /// 60 sets of a few milliseconds, some of which miss the goal or fail.
 const GRID: &str = r#"
+method = "flow"
 scenarios = ["pendulum_2_swingup", "pendulum_3_swingup"]
-timeout_s = 600
-p = [5, 6]
+time_limit_s = 600
+degree = [5, 6]
 k = [1e4, 1e5, 1e7]
 s_max = [1e-2, 1e-1, 1, 10, 50]
 "#;
@@ -19,7 +20,7 @@ s_max = [1e-2, 1e-1, 1, 10, 50]
 const RELAX: &str = r#"
 method = "relax"
 scenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]
-timeout_s = 600
+time_limit_s = 600
 degree = [5, 6, 7]
 starts = [1, 2, 3, 4, 5]
 running_cost.velocity = [0, 0.5]
@@ -260,9 +261,13 @@ fn results_of_another_sweep_are_refused() {
     write(urdf_path, &urdf);
     let grid = read(&folder.join("grid.toml"));
     for (from, to, words) in [
-        ("p = [5, 6]", "p = [5, 8]", "sweep.json: grid.p.1"),
+        (
+            "degree = [5, 6]",
+            "degree = [5, 8]",
+            "sweep.json: grid.degree.1",
+        ),
         ("1e7]", "1e7, 1e8]", "sweep.json: grid.k"),
-        ("= 600", "= 601", "sweep.json: grid.timeout_s"),
+        ("= 600", "= 601", "sweep.json: time_limit_s"),
         (", \"mine.json\"", "", "sweep.json: scenarios"),
     ] {
         write(folder.join("grid.toml"), &grid.replace(from, to));
@@ -332,14 +337,14 @@ fn shards_are_joined_to_the_whole() {
         third.clone(),
         &text.replacen(
             row,
-            &row.replacen("line_configuration,,,", "line_configuration,,,x", 1),
+            &row.replacen("pendulum_2_swingup,5,", "pendulum_2_swingup,7,", 1),
             1,
         ),
     );
     assert_bad_input(
         &folder,
         &merged,
-        "shard-3-of-3.csv: line 2: ; unknown variant",
+        "shard-3-of-3.csv: line 2: its set 2 is not one of this sweep",
     );
     let other = row
         .rsplit_once(',')
@@ -382,7 +387,7 @@ fn shards_are_joined_to_the_whole() {
 
 #[test]
 fn a_set_that_runs_out_of_time_is_a_row() {
-    for (test, grid, columns) in [("time", GRID, [6, 9]), ("relax_time", RELAX, [12, 13])] {
+    for (test, grid, columns) in [("time", GRID, [3, 10]), ("relax_time", RELAX, [3, 14])] {
         let folder = folder_with(test, &grid.replace("600", "1e-9"));
         let rows = timeless(&sweep(&folder, &[], "results.csv"));
         assert_eq!(rows.len(), 61);

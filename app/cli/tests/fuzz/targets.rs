@@ -11,11 +11,10 @@ use aghf::urdf::{
 use aghf_cli::output::{evaluate, robot_table};
 use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
-use aghf_scenario::{MoveIt, MoveItHorizon, Scenario, ScenarioFile, SolveOptions, Solved, solve};
+use aghf_scenario::{MoveIt, MoveItHorizon, RelaxOptions, Scenario, ScenarioFile, Solve, Solved};
 use nalgebra::{DMatrix, Vector3};
 use std::path::Path;
 use std::sync::OnceLock;
-use std::time::Duration;
 
 /// Tries an input that is in the file at this path as well. The error says what is wrong with what came of it.
 pub type Target = fn(&Path, &[u8]) -> Result<Outcome, String>;
@@ -112,13 +111,13 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
         && rows <= 100
         && bytes.len().is_multiple_of(8)
     {
-        let options = SolveOptions {
+        let options = RelaxOptions {
             degree: Some(6),
-            time_limit: Some(Duration::ZERO),
-            ..SolveOptions::default()
+            time_limit_s: Some(0.0),
+            ..RelaxOptions::default()
         };
         // A search that fails is an answer as well.
-        let _ = solve(&scenario, &options, &mut |_| {});
+        let _ = Solve::new(&scenario).options(options.clone()).run();
     }
     Ok(Outcome::Accepted)
 }
@@ -130,12 +129,17 @@ pub fn sweep(path: &Path, _: &[u8]) -> Result<Outcome, String> {
         Ok(sweep) => sweep,
         Err(error) => return refused(file, &error),
     };
-    sweep.identity().map_err(unexpected("it has no identity"))?;
+    let _ = sweep.identity();
     if sweep.sets.len() != sweep.sets_a_scenario() * sweep.scenarios.len() {
         return Err(format!("{} sets", sweep.sets.len()));
     }
     for set in sweep.sets.iter().take(100) {
-        let _ = sweep.options(&set.parameters);
+        let options = sweep
+            .options(set)
+            .map_err(unexpected("a set without options"))?;
+        options
+            .check(sweep.scenario(set))
+            .map_err(unexpected("a set that cannot be solved"))?;
     }
     Ok(Outcome::Accepted)
 }

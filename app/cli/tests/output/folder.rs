@@ -2,7 +2,7 @@
 
 use crate::command::empty_folder;
 use aghf_cli::output::{OutputFolder, summary_table, write_json};
-use aghf_scenario::{Method, Scenario, SolveOptions, solve};
+use aghf_scenario::{FlowOptions, Scenario, Solve, SolveOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -82,35 +82,31 @@ fn an_old_folder_stays() {
 /// The rows of notes and passive torques stand in the table of a summary where they apply.
 #[test]
 fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
-    let table = |name: &str, change: &dyn Fn(&mut Scenario), method| {
+    let table = |name: &str, change: &dyn Fn(&mut Scenario), options: SolveOptions| {
         let mut scenario = Scenario::load(name).expect("built in");
         change(&mut scenario);
-        let options = SolveOptions {
-            method,
-            k: (method == Method::Flow).then_some(1e5),
-            s_max: (method == Method::Flow).then_some(1.0),
-            ..SolveOptions::default()
-        };
-        summary_table(
-            &solve(&scenario, &options, &mut |_| ())
-                .expect("valid")
-                .summary,
-        )
+        let report = Solve::new(&scenario).options(options).run();
+        summary_table(&report.expect("valid").summary)
+    };
+    let by_flow = FlowOptions {
+        k: Some(1e5),
+        s_max: Some(1.0),
+        ..FlowOptions::default()
     };
     let weights = serde_json::from_value(json!({ "acceleration": 1.0 })).expect("weights");
     let weighted =
         |scenario: &mut Scenario| scenario.file.running_cost = Some(Clone::clone(&weights));
-    let flow = table("pendulum_1_swingup", &weighted, Method::Flow);
+    let flow = table("pendulum_1_swingup", &weighted, by_flow.into());
     assert!(
         flow.contains("running_cost: the published flow minimises the control effort alone"),
         "{flow}"
     );
-    let passive = table("cart_pole_swingup", &|_| (), Method::Relax);
+    let passive = table("cart_pole_swingup", &|_| (), SolveOptions::default());
     let row = passive
         .lines()
         .find(|line| line.contains("largest torque of passive joints"));
     assert!(row.is_some_and(|row| row.contains(" of ")), "{passive}");
-    let driven = table("pendulum_1_swingup", &|_| (), Method::Relax);
+    let driven = table("pendulum_1_swingup", &|_| (), SolveOptions::default());
     assert!(
         !driven.contains("passive") && !driven.contains("running_cost"),
         "{driven}"

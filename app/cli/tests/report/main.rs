@@ -12,7 +12,7 @@ mod output {
 }
 
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{Scenario, SolveOptions, SolveReport, solve};
+use aghf_scenario::{RelaxOptions, Scenario, Solve, SolveReport};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
@@ -20,11 +20,14 @@ use std::path::{Path, PathBuf};
 
 /// The solve of a scenario from some starts.
 fn solved(scenario: &Scenario, starts: usize) -> SolveReport {
-    let options = SolveOptions {
-        num_starts: Some(starts),
-        ..SolveOptions::default()
+    let options = RelaxOptions {
+        starts: Some(starts),
+        ..RelaxOptions::default()
     };
-    solve(scenario, &options, &mut |_| {}).expect("it can be solved")
+    Solve::new(scenario)
+        .options(options.clone())
+        .run()
+        .expect("it can be solved")
 }
 
 /// The text of a page and its data of the one motion.

@@ -33,29 +33,32 @@ fn plots(data: &Value) -> Vec<&Value> {
     plots.flatten().collect()
 }
 
-/// A sweep of twelve sets of two scenarios, and made-up rows: those with `p` 7 fail at the goal, number 3 before there
+/// A sweep of twelve sets of two scenarios, and made-up rows: those of degree 7 fail at the goal, number 3 before there
 /// is a motion.
 fn swept(test: &str) -> (Sweep, Vec<Row>) {
-    let text = "scenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntimeout_s = 1.0\np = [5, 7]\nk = [1e5, 1e6, 1e7]\ns_max = [0.1]";
+    let text = "method = \"flow\"\nscenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntime_limit_s = 1.0\ndegree = [5, 7]\nk = [1e5, 1e6, 1e7]\ns_max = [0.1]";
     let file = folder(test).join("s.toml");
     std::fs::write(&file, text).expect("writable");
     let sweep = Sweep::load(&file.to_string_lossy()).expect("it is right");
     let rows = sweep.sets.iter().map(|set| {
         let seconds = 0.001 * (1 + set.index) as f64;
-        let row = Row::failed(&sweep, set, "it missed", seconds);
-        let p = set.parameters.flow().expect("it is the flow").p;
+        let mut row = Row::failed(&sweep, set, "it missed", seconds);
+        let p = row.parameters["degree"].as_u64().expect("it is a number");
         match set.index {
             3 => row,
-            _ => Row {
-                outcome: if p == 7 {
-                    RowOutcome::GoalMissed
-                } else {
-                    RowOutcome::Success
-                },
-                reason: (p == 7).then(|| EVIL.to_owned()),
-                control_effort: Some(100.0 + set.index as f64),
-                ..row
-            },
+            _ => {
+                let effort = json!(100.0 + set.index as f64);
+                row.results.insert("control_effort".to_owned(), effort);
+                Row {
+                    outcome: if p == 7 {
+                        RowOutcome::GoalMissed
+                    } else {
+                        RowOutcome::Success
+                    },
+                    reason: (p == 7).then(|| EVIL.to_owned()),
+                    ..row
+                }
+            }
         }
     });
     let rows: Vec<Row> = rows.collect();
@@ -85,7 +88,7 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
     assert_eq!((&first[0], &first[1]), (&json!(1.0), &json!(100.0)));
     let name = first[2].as_str().expect("it is text");
     assert!(
-        name.contains("set 0: pendulum_1_swingup") && name.contains("p 5"),
+        name.contains("set 0: pendulum_1_swingup") && name.contains("degree 5"),
         "{name}"
     );
     let bars = |title: &str| {
@@ -93,7 +96,10 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
         plot.map(|plot| plot["bars"].clone())
     };
     let bar = |name: &str, good: usize, all: usize| json!({"name": name, "good": good, "all": all});
-    assert_eq!(bars("p"), Some(json!([bar("5", 6, 6), bar("7", 0, 6)])));
+    assert_eq!(
+        bars("degree"),
+        Some(json!([bar("5", 6, 6), bar("7", 0, 6)]))
+    );
     let thirds = ["1e5", "1e6", "1e7"].map(|k| bar(k, 2, 4));
     assert_eq!(bars("k"), Some(json!(thirds)));
     assert_eq!(bars("s_max"), None, "it has one value");

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 /// A grid of the flow.
 pub const GRID: &str = r#"
+method = "flow"
 scenarios = ["pendulum_2_swingup", "pendulum_3_swingup"]
-timeout_s = 600
-p = [5, 7]
+time_limit_s = 600
+degree = [5, 7]
 k = [1e3, 1e5, 1e7]
 s_max = [1, 10]
 "#;
@@ -16,7 +17,7 @@ s_max = [1, 10]
 pub const FULL: &str = r#"
 method = "relax"
 scenarios = ["kinova_obstacles_01"]
-timeout_s = 600
+time_limit_s = 600
 degree = [9, 16]
 segments = [1, 2]
 starts = [1, 3]

@@ -1,27 +1,22 @@
 //! Sweep files, rankings and tables of results.
 
 use crate::files::{FULL, GRID, folder, load};
-use aghf::relax::PlannedStarts;
+use aghf_cli::output::csv_of;
 use aghf_cli::sweep::{
-    FlowWork, Ranked, RelaxWork, Row, RowOutcome, Sweep, Work, best, builtin_sweeps, ranking,
-    ranking_table, write_ranking, write_rows,
+    Ranked, Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_table, write_ranking,
+    write_rows,
 };
-use aghf_scenario::{Method, SolveOptions};
-use serde_json::Value;
+use aghf_scenario::{Method, RelaxOptions};
+use serde_json::{Value, json};
 
-/// A row with a value in every column.
-fn full(grid: &Sweep, set: usize, work: Work) -> Row {
-    Row {
-        outcome: RowOutcome::Success,
-        final_error_inf: Some(1e-300),
-        open_loop_error_inf: Some(f64::INFINITY),
-        control_effort: Some(0.1),
-        minimised: Some(-0.0),
-        dynamics_defect: Some(f64::MAX),
-        smallest_clearance_m: Some(-0.02),
-        work,
-        ..Row::failed(grid, &grid.sets[set], "none, \"or\" one", 0.25)
+/// A row with a value in every column but one.
+fn full(grid: &Sweep, set: usize) -> Row {
+    let mut row = Row::failed(grid, &grid.sets[set], "none, \"or\" one", 0.25);
+    for (i, value) in row.results.values_mut().enumerate() {
+        *value = [json!(1e-300), json!(-0.0), json!(3), json!(f64::MAX)][i % 4].clone();
     }
+    row.results["open_loop_error_inf"] = json!(f64::INFINITY);
+    row
 }
 
 /// The table for data frames says what the text does, with numbers as numbers; every column of a full row has a value,
@@ -31,37 +26,18 @@ fn a_json_file_has_what_a_csv_has() {
     let flow = load(
         "json",
         &GRID
-            .replace("p =", "k_cons = [5]\nc_cons = [6]\np =")
+            .replace("degree =", "k_cons = [5]\nc_cons = [6]\ndegree =")
             .replace("pendulum_2_swingup", "kinova_obstacles_01")
             .replace(", \"pendulum_3_swingup\"", ""),
     );
     let relax = load("json", FULL);
-    let work_of_flow = Work::Flow(FlowWork {
-        steps: Some(3),
-        omega_evaluations: Some(4),
-        jacobian_evaluations: Some(usize::MAX / 2),
-    });
-    let work_of_relaxation = Work::Relax(RelaxWork {
-        horizon_s: Some(2.0),
-        gradient_norm: Some(1e-9),
-        largest_violation: Some(0.0),
-        starts_tried: Some(8),
-        minima: Some(2),
-        iterations: Some(12),
-        factorisations: Some(13),
-    });
-    for (grid, work, columns) in [
-        (flow.expect("good"), work_of_flow, 20),
-        (relax.expect("good"), work_of_relaxation, 30),
-    ] {
-        let full = full(&grid, 1, work);
+    for (grid, columns) in [(flow, 19), (relax, 30)] {
+        let grid = grid.expect("good");
+        let full = full(&grid, 1);
         let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
         let reason = rows[0].reason.as_deref();
         assert_eq!(reason, Some("no time"), "a row is a line");
-        let mut csv = csv::Writer::from_writer(Vec::new());
-        rows.iter()
-            .for_each(|row| csv.serialize(row).expect("it is flat"));
-        let text = csv.into_inner().expect("it is in memory");
+        let text = csv_of(&rows, true).expect("it is flat");
         let mut csv = csv::Reader::from_reader(text.as_slice());
         let names = csv.headers().expect("a header").clone();
         assert_eq!(names.len(), columns);
@@ -76,11 +52,12 @@ fn a_json_file_has_what_a_csv_has() {
             assert_eq!(row.len(), names.len());
             for (name, text) in names.iter().zip(&record) {
                 match &row[name] {
-                    Value::Null => assert!(["", "inf"].contains(&text), "{name}: {text}"),
+                    Value::Null => assert_eq!(text, "", "{name}"),
                     Value::Number(x) => {
                         assert_eq!(text.parse::<f64>().ok(), x.as_f64(), "{name}");
                     }
                     Value::String(x) => assert_eq!(text, x, "{name}"),
+                    Value::Bool(x) => assert_eq!(text, x.to_string(), "{name}"),
                     other => panic!("{name}: {other:?}"),
                 }
             }
@@ -95,8 +72,9 @@ fn a_json_file_has_what_a_csv_has() {
         let ranked = ranked.headers().expect("a header").clone();
         let end = names.iter().position(|name| name == "outcome");
         let end = end.expect("a column");
-        let own = ranked.iter().skip(1).take(end - 2);
-        assert!(own.eq(names.iter().skip(2).take(end - 2)), "{ranked:?}");
+        let parameters = names.iter().skip(2).take(end - 2);
+        let parameters = parameters.filter(|name| *name != "seed");
+        assert!(parameters.eq(ranked.iter().skip(1).take_while(|name| *name != "solves")));
     }
 }
 
@@ -105,7 +83,7 @@ fn a_json_file_has_what_a_csv_has() {
 #[test]
 fn the_ranking_is_by_success_then_time() {
     let four = GRID
-        .replace("p = [5, 7]", "p = [7]")
+        .replace("degree = [5, 7]", "degree = [7]")
         .replace("1e3,", "1e3, 1e4,");
     let grid = load("ranking", &four.replace("1, 10", "1")).expect("good");
     let made = [
@@ -119,20 +97,20 @@ fn the_ranking_is_by_success_then_time() {
         (false, 0.5, 5.0),
     ];
     let rows: Vec<Row> = (grid.sets.iter().zip(made))
-        .map(|(set, (success, seconds, effort))| Row {
-            outcome: if success {
+        .map(|(set, (success, seconds, effort))| {
+            let mut row = Row::failed(&grid, set, "", seconds);
+            row.outcome = if success {
                 RowOutcome::Success
             } else {
                 RowOutcome::GoalMissed
-            },
-            reason: None,
-            control_effort: Some(effort),
-            final_error_inf: Some(effort / 1e4),
-            smallest_clearance_m: Some(0.2 - seconds / 10.0),
-            ..Row::failed(&grid, set, "", seconds)
+            };
+            row.results["control_effort"] = json!(effort);
+            row.results["final_error_inf"] = json!(effort / 1e4);
+            row.results["smallest_clearance_m"] = json!(0.2 - seconds / 10.0);
+            row
         })
         .collect();
-    let k = |r: &Ranked| r.parameters.flow().expect("of the flow").k;
+    let k = |r: &Ranked| r.parameters["k"].as_f64().expect("a number");
     let ranked = ranking(&grid, &rows);
     let of = |scope: &str| {
         ranked
@@ -150,11 +128,11 @@ fn the_ranking_is_by_success_then_time() {
         [1.0, 1.0, 0.5, 0.0]
     );
     assert_eq!(
-        (all[0].solve_seconds, all[0].control_effort),
+        (all[0].solve_seconds, all[0].result("control_effort")),
         (Some(1.5), Some(55.0))
     );
     assert_eq!(
-        (all[0].final_error_inf, all[0].minimised),
+        (all[0].result("final_error_inf"), all[0].result("action")),
         (Some(60.0 / 1e4), None)
     );
     assert_eq!(
@@ -162,8 +140,8 @@ fn the_ranking_is_by_success_then_time() {
         (Some(0.5), None)
     );
     assert_eq!(
-        (all[0].smallest_clearance_m, all[3].smallest_clearance_m),
-        (Some(0.0), None),
+        [0, 3].map(|i: usize| all[i].result("smallest_clearance_m")),
+        [Some(0.0), None],
         "the smallest of those that succeed"
     );
     let one = of("pendulum_2_swingup");
@@ -209,27 +187,41 @@ fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
     }
 }
 
-/// Results that earlier versions began go on: what was swept has the keys that it had then, and the columns too.
+/// What was swept is told by names of options and of keys of scenarios, in the order of the file; so are the columns.
 #[test]
-fn sweeps_of_the_flow_are_what_they_were() {
-    let keys = |text: &str| -> Vec<String> {
-        let sweep = load("identity", text).expect("good");
-        let identity = sweep.identity().expect("it is JSON");
-        let grid = identity["grid"].as_object().expect("an object");
-        grid.keys().cloned().collect()
-    };
-    assert_eq!(keys(GRID), ["guess", "k", "p", "s_max", "timeout_s"]);
-    let named = GRID.replace("600", "600\nmethod = \"flow\"\nname = \"other\"");
-    assert_eq!(keys(&named), keys(GRID));
-    assert!(keys(FULL).contains(&"method".to_owned()));
+fn the_identity_and_the_columns_have_the_names_of_the_parameters() {
+    let identity = |text: &str| load("identity", text).expect("good").identity();
+    let of_flow = identity(GRID);
+    let grid = of_flow["grid"].as_object().expect("an object");
+    assert!(grid.keys().eq(["degree", "k", "s_max"]));
+    let named = GRID.replace("600", "600\nname = \"other\"");
+    assert_eq!(identity(&named), of_flow);
+    assert_eq!(identity(FULL)["method"], "relax");
     let grid = load("identity", GRID).expect("good");
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    csv.serialize(Row::failed(&grid, &grid.sets[0], "", 0.0))
-        .expect("it is flat");
-    let text = String::from_utf8(csv.into_inner().expect("it is in memory")).expect("text");
-    let header = "set,scenario,p,k,s_max,guess,k_cons,c_cons,outcome,reason,final_error_inf,open_loop_error_inf,\
-         control_effort,action,dynamics_defect,smallest_clearance_m,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
+    let row = Row::failed(&grid, &grid.sets[0], "", 0.0);
+    let text = String::from_utf8(csv_of([&row], true).expect("it is flat")).expect("text");
+    let header = "set,scenario,degree,k,s_max,outcome,reason,final_error_inf,open_loop_error_inf,control_effort,\
+         dynamics_defect,smallest_clearance_m,action,steps,omega_evaluations,jacobian_evaluations,solve_seconds";
     assert_eq!(text.lines().next(), Some(header));
+}
+
+/// A parameter that is also a key of the summary has one column.
+#[test]
+fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
+    let text = "method = \"duals\"\nscenarios = [\"pendulum_1_swingup\"]\ntime_limit_s = 60\nk = [1e4, 1e6]\nfeedback.kp = [10, 20]\n";
+    let sweep = load("duals", text).expect("good");
+    let gains = sweep
+        .sets
+        .iter()
+        .map(|set| sweep.scenario(set).file.feedback.kp);
+    assert!(gains.eq([10.0, 20.0, 10.0, 20.0]));
+    let horizons = text
+        .replace("feedback.kp = [10, 20]", "horizon_s = [2, 2.5]")
+        .replace("duals", "relax");
+    let sweep = load("horizons", &horizons.replace("k = [1e4, 1e6]\n", "")).expect("good");
+    let row = Row::failed(&sweep, &sweep.sets[1], "", 0.0);
+    assert_eq!(row.parameters["horizon_s"], 2.5);
+    assert!(!row.results.contains_key("horizon_s"));
 }
 
 /// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as
@@ -259,26 +251,19 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
         ("problems", Method::Relax)
     );
     assert_eq!(sweep.sets.len(), 2);
-    let options = sweep.options(&sweep.sets[0].parameters);
-    let usual = SolveOptions {
+    let usual = RelaxOptions {
         threads: Some(1),
         ..Default::default()
     };
-    assert_eq!(format!("{options:?}"), format!("{usual:?}"));
+    assert_eq!(sweep.options(&sweep.sets[0]).expect("good"), usual.into());
 
-    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntimeout_s = 9\nplanned_starts = [\"later\", \"first\"]";
+    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\nplanned_starts = [\"later\", \"first\"]";
     let sweep = load("of_a_folder", grid).expect("good");
     assert_eq!(names(&sweep), expected);
-    let planned = |i: usize| sweep.options(&sweep.sets[i].parameters).planned_starts;
+    let planned = |i: usize| sweep.parameters(&sweep.sets[i])["planned_starts"].clone();
     assert_eq!(
         [0, 1, 2, 3].map(planned),
-        [
-            PlannedStarts::Later,
-            PlannedStarts::First,
-            PlannedStarts::Later,
-            PlannedStarts::First
-        ]
-        .map(Some)
+        ["later", "first", "later", "first"]
     );
 
     let empty = folder.join("empty");

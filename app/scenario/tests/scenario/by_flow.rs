@@ -1,24 +1,27 @@
-//! Variants of the flow by their names: what each makes of scenarios, and the options that it knows.
+//! The flows to rest by their names: what each makes of scenarios, and the options that it knows.
 
 use aghf_scenario::{
-    Details, FlowVariant, Method, RestDetails, Scenario, SolveOptions, SolveReport, solve,
+    Details, Method, RelaxOptions, RestDetails, RestOptions, Scenario, Solve, SolveOptions,
+    SolveReport,
 };
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 
 /// The least efforts that IPOPT found, with the command that found them.
 const IPOPT: &str = include_str!("../../../../robots/underactuated_ipopt.json");
 
-fn options(variant: FlowVariant) -> SolveOptions {
-    SolveOptions {
-        method: Method::Flow,
-        variant: Some(variant),
-        ..SolveOptions::default()
-    }
+/// A method of its kind with these options.
+type Rest = fn(RestOptions) -> SolveOptions;
+
+fn usual(method: Rest) -> SolveOptions {
+    method(RestOptions::default())
 }
 
 fn solved(name: &str, options: &SolveOptions) -> SolveReport {
     let scenario = Scenario::load(name).expect("built in");
-    solve(&scenario, options, &mut |_| {}).expect("valid")
+    Solve::new(&scenario)
+        .options(options.clone())
+        .run()
+        .expect("valid")
 }
 
 fn details(report: &SolveReport) -> &RestDetails {
@@ -31,17 +34,17 @@ fn details(report: &SolveReport) -> &RestDetails {
 #[test]
 fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_relaxation_from_the_same_guess()
 {
-    let relaxation = SolveOptions {
-        num_starts: Some(1),
-        ..SolveOptions::default()
-    };
+    let relaxation = SolveOptions::Relax(RelaxOptions {
+        starts: Some(1),
+        ..RelaxOptions::default()
+    });
     let name = "pendulum_3_swingup";
     let relaxed = solved(name, &relaxation).summary.control_effort;
-    for variant in [FlowVariant::Rest, FlowVariant::Duals] {
-        let stiff = SolveOptions {
+    for method in [SolveOptions::Rest as Rest, SolveOptions::Duals] {
+        let stiff = method(RestOptions {
             k: Some(1e8),
-            ..options(variant)
-        };
+            ..RestOptions::default()
+        });
         let report = solved(name, &stiff);
         assert!(report.summary.success, "{:?}", report.summary.failure);
         let effort = report.summary.control_effort;
@@ -51,30 +54,34 @@ fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_relaxation_fr
 
 #[test]
 fn a_line_that_collides_is_bent_around_by_duals_and_in_two_phases() {
-    for variant in [FlowVariant::Duals, FlowVariant::TwoPhases] {
-        for name in ["kinova_gap_02", "kinova_floor_04"] {
-            let report = solved(name, &options(variant));
+    for (method, name) in [
+        (SolveOptions::Duals as Rest, Method::Duals),
+        (SolveOptions::TwoPhases, Method::TwoPhases),
+    ] {
+        let options = usual(method);
+        for scenario in ["kinova_gap_02", "kinova_floor_04"] {
+            let report = solved(scenario, &options);
             assert!(
                 report.summary.success,
-                "{name}: {:?}",
+                "{scenario}: {:?}",
                 report.summary.failure
             );
             let details = details(&report);
             assert!(details.largest_violation.is_some_and(|by| by <= 1e-5));
             assert!(details.slip <= 1e-6, "{}", details.slip);
-            assert_eq!(details.variant, variant);
+            assert_eq!(report.summary.method, name);
         }
     }
 }
 
 #[test]
 fn what_a_penalty_alone_leaves_of_the_slip_goes_with_duals() {
-    let soft = |variant| SolveOptions {
+    let soft = RestOptions {
         k: Some(1e4),
-        ..options(variant)
+        ..RestOptions::default()
     };
-    let [alone, with_duals] =
-        [FlowVariant::Rest, FlowVariant::Duals].map(|v| solved("pendulum_2_swingup", &soft(v)));
+    let [alone, with_duals] = [SolveOptions::Rest as Rest, SolveOptions::Duals]
+        .map(|method| solved("pendulum_2_swingup", &method(soft.clone())));
     let [alone, with_duals] = [details(&alone).slip, details(&with_duals).slip];
     assert!(alone > 1e-4 && with_duals < 1e-6, "{alone} {with_duals}");
 }
@@ -82,7 +89,7 @@ fn what_a_penalty_alone_leaves_of_the_slip_goes_with_duals() {
 #[test]
 fn robots_without_a_motor_at_each_joint_swing_up() {
     let ipopt: Value = serde_json::from_str(IPOPT).expect("it is JSON");
-    let duals = options(FlowVariant::Duals);
+    let duals = usual(SolveOptions::Duals);
     let relaxation = SolveOptions::default();
     for (name, options) in [
         ("cart_pole_swingup", &duals),
@@ -114,31 +121,24 @@ fn robots_without_a_motor_at_each_joint_swing_up() {
 #[test]
 fn a_flow_to_rest_knows_no_options_of_the_published_flow_and_repeats_itself() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let foreign = SolveOptions {
-        s_max: Some(1.0),
-        ..options(FlowVariant::Duals)
-    };
-    let refused = solve(&scenario, &foreign, &mut |_| {}).expect_err("there is no end in s");
-    assert_eq!(
-        refused.to_string(),
-        "options: s_max: the method 'flow to rest' has no such parameter"
-    );
-    let relaxation = SolveOptions {
-        variant: Some(FlowVariant::Duals),
-        ..SolveOptions::default()
-    };
-    let refused = solve(&scenario, &relaxation, &mut |_| {}).expect_err("it is no flow");
-    assert_eq!(
-        refused.to_string(),
-        "options: variant: the method 'relax' has no such parameter"
-    );
-    let asked = SolveOptions {
-        num_starts: Some(3),
+    let keys = |key: &str, value: Value| Map::from_iter([(key.to_owned(), value)]);
+    for (method, key, value) in [
+        (Method::Duals, "s_max", json!(1.0)),
+        (Method::Relax, "k", json!(1.0)),
+        (Method::Relax, "variant", json!("duals")),
+    ] {
+        let refused = SolveOptions::from_keys(method, keys(key, value)).expect_err("foreign");
+        let words = format!("options: {key}: unknown field `{key}`, expected one of `degree`");
+        assert!(refused.to_string().starts_with(&words), "{refused}");
+    }
+    let asked = SolveOptions::Duals(RestOptions {
+        starts: Some(3),
         seed: Some(4),
-        ..options(FlowVariant::Duals)
-    };
-    let first = solve(&scenario, &asked, &mut |_| {}).expect("valid");
-    let again = solve(&scenario, &asked.in_full(&scenario), &mut |_| {}).expect("valid");
+        ..RestOptions::default()
+    });
+    let solve = |options| Solve::new(&scenario).options(options).run().expect("valid");
+    let first = solve(asked.clone());
+    let again = solve(asked.in_full(&scenario).expect("in range"));
     assert_eq!(first.curve.x(), again.curve.x());
-    assert_eq!(details(&first).guesses, 3);
+    assert_eq!(details(&first).starts_tried, 3);
 }

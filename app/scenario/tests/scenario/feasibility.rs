@@ -34,7 +34,7 @@ fn violations_are_told_with_digits_that_show_them() {
         limit: Limit::Other,
         name: "it".to_owned(),
         by: 1e-6,
-        unit: "m",
+        unit: "m".to_owned(),
         at_s: 0.0,
         enforced: true,
     };
@@ -66,7 +66,7 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
         limit.name,
         format!("upper position limit of joint '{}'", joint.name())
     );
-    assert_eq!((limit.unit, limit.enforced), ("rad", false));
+    assert_eq!((limit.unit.as_str(), limit.enforced), ("rad", false));
     assert!((limit.by - 0.5).abs() < 1e-12 && (limit.at_s - 1.0003).abs() < 1e-6);
     assert!(
         found.holds(0.0) && found.reason(0.0).is_none(),
@@ -80,7 +80,10 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
         let speeds = found.limit_violations.iter();
         let speeds: Vec<_> = speeds.filter(|v| v.limit == Limit::Velocity).collect();
         assert_eq!(speeds.len(), 1, "{found:?}");
-        assert_eq!((speeds[0].enforced, speeds[0].unit), (enforced, "rad/s"));
+        assert_eq!(
+            (speeds[0].enforced, speeds[0].unit.as_str()),
+            (enforced, "rad/s")
+        );
         (speeds[0].clone(), found)
     };
     let (speed, found) = check(false, &fast);
@@ -141,7 +144,7 @@ fn a_torque_beyond_its_limit() {
         let torques = found.limit_violations.iter();
         let mut torques = torques.filter(|v| v.limit == Limit::Torque);
         let torque = torques.next().expect("the first joint");
-        assert_eq!((torque.unit, torque.enforced), ("N m", enforced));
+        assert_eq!((torque.unit.as_str(), torque.enforced), ("N m", enforced));
         let first = scenario.model.joints()[0].name();
         assert_eq!(torque.joint.as_deref(), Some(first));
         assert!(torques.all(|v| v.joint.as_deref() != Some(first)));

@@ -4,7 +4,7 @@ use crate::written::{load, with};
 use aghf::constraint::{AnyConstraint, CollisionSphere};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
-use aghf_scenario::{Limit, Scenario, SolveOptions, solve};
+use aghf_scenario::{Limit, RelaxOptions, Scenario, Solve};
 use serde_json::{Value, json};
 
 /// Kinova with two joints locked; the values are those of the five others.
@@ -28,13 +28,16 @@ fn the_joints_that_are_left_are_those_of_the_scenario() {
     assert_eq!(upper, 2.58, "that of joint 4");
     let written = serde_json::to_value(&scenario.file).expect("numbers");
     assert_eq!(written["locked_joints"], five()["locked_joints"]);
-    let options = SolveOptions {
-        num_starts: Some(1),
+    let options = RelaxOptions {
+        starts: Some(1),
         ..Default::default()
     };
     let enforced = json!({ "enforced_limits": { "velocity": false, "torque": false } });
     let scenario = load("solved", &with(five(), enforced)).expect("it is good");
-    let outcome = solve(&scenario, &options, &mut |_| {}).expect("it is good");
+    let outcome = Solve::new(&scenario)
+        .options(options.clone())
+        .run()
+        .expect("it is good");
     assert!(outcome.summary.success, "{:?}", outcome.summary);
     assert_eq!(outcome.curve.x().nrows(), 10);
 }

@@ -18,6 +18,7 @@ mod published_flow;
 mod refused;
 mod relaxation;
 mod report;
+mod schema;
 mod self_collision;
 mod surroundings;
 mod written;

@@ -5,7 +5,7 @@ use aghf::constraint::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use aghf::relax::WeightedSquares;
 use aghf::scalar::AlgebraOver;
 use aghf::verify::duals::{CheckOptions, check_constraint};
-use aghf_scenario::{Method, Scenario, SolveOptions, SolveReport, solve};
+use aghf_scenario::{FlowOptions, RelaxOptions, Scenario, Solve, SolveReport};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use std::sync::Arc;
@@ -18,11 +18,14 @@ fn swing() -> Scenario {
 }
 
 fn solved(scenario: &Scenario) -> SolveReport {
-    let options = SolveOptions {
-        num_starts: Some(1),
-        ..SolveOptions::default()
+    let options = RelaxOptions {
+        starts: Some(1),
+        ..RelaxOptions::default()
     };
-    solve(scenario, &options, &mut |_| ()).expect("it is good")
+    Solve::new(scenario)
+        .options(options.clone())
+        .run()
+        .expect("it is good")
 }
 
 /// $q_1 (q_2 + v_1) \le$ a bound, with derivatives by hand that are there whole.
@@ -99,8 +102,7 @@ fn a_constraint_of_ones_own_is_kept_and_judged() {
     assert!(largest(&kept) < 1.55 + 1e-5);
     // At the goal it is 1.5.
     scenario.add_constraint(Product { bound: 1.4 });
-    let refused =
-        solve(&scenario, &SolveOptions::default(), &mut |_| ()).expect_err("no motion can");
+    let refused = Solve::new(&scenario).run().expect_err("no motion can");
     let message = "swing: q_goal: it violates row 0 of the constraint by 1.000e-1";
     assert_eq!(refused.to_string(), message);
 }
@@ -122,11 +124,11 @@ fn a_running_cost_of_ones_own_takes_the_place_of_the_scenarios() {
         (found - expected).abs() < 1e-9 * expected,
         "{found} and {expected}"
     );
-    let by_flow = SolveOptions {
-        method: Method::Flow,
-        ..SolveOptions::default()
-    };
-    let refused = solve(&own, &by_flow, &mut |_| ()).expect_err("only the relaxation can");
+    let by_flow = FlowOptions::default();
+    let refused = Solve::new(&own)
+        .options(by_flow.clone())
+        .run()
+        .expect_err("only the relaxation can");
     assert!(
         refused.to_string().contains("running cost of one's own"),
         "{refused}"

@@ -7,7 +7,7 @@ use aghf::model::Model;
 use aghf::motion::{Feedback, control_at, replay_error, simulate};
 use aghf::urdf::builtin_robot;
 use aghf_scenario::{
-    Feasibility, Limit, Method, PASSIVE_TORQUE_SHARE, SolveOptions, SolveReport, solve,
+    Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, RelaxOptions, Solve, SolveReport,
 };
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
@@ -30,12 +30,15 @@ fn upright(keys: Value) -> Value {
 
 fn solved(name: &str, scenario: &Value) -> SolveReport {
     let scenario = load(name, scenario).expect("it is good");
-    let options = SolveOptions {
+    let options = RelaxOptions {
         degree: Some(8),
-        num_starts: Some(1),
-        ..SolveOptions::default()
+        starts: Some(1),
+        ..RelaxOptions::default()
     };
-    solve(&scenario, &options, &mut |_| {}).expect("it is good")
+    Solve::new(&scenario)
+        .options(options.clone())
+        .run()
+        .expect("it is good")
 }
 
 #[test]
@@ -57,11 +60,10 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
         assert_eq!(written["passive"], json!(["pivot"]));
     }
     // More starts than of a robot with all motors, with limits or without; no key without passive joints.
-    let options = SolveOptions::default();
     let starts = |keys| {
-        options
-            .relax_settings(&load("starts", &keys).expect("it is good"))
-            .num_starts
+        let scenario = load("starts", &keys).expect("it is good");
+        let settings = RelaxOptions::default().settings(&scenario);
+        settings.expect("it is good").starts
     };
     let unlimited = json!({ "enforced_limits": free });
     for keys in [unlimited.clone(), json!({})] {
@@ -118,16 +120,15 @@ fn an_end_that_a_passive_joint_cannot_hold_is_refused() {
 #[test]
 fn the_flow_knows_no_passive_joints() {
     let scenario = load("flow", &hanging(json!({}))).expect("it is good");
-    let options = SolveOptions {
-        method: Method::Flow,
-        ..SolveOptions::default()
-    };
-    let error = solve(&scenario, &options, &mut |_| {})
+    let options = FlowOptions::default();
+    let error = Solve::new(&scenario)
+        .options(options.clone())
+        .run()
         .expect_err("not yet")
         .to_string();
     assert_eq!(
         error,
-        "flow: passive: the published flow does not know it; the variants 'duals' and 'two_phases' do"
+        "flow: passive: the published flow does not know it; the methods 'duals' and 'two_phases' do"
     );
 }
 
@@ -259,7 +260,7 @@ fn a_passive_torque_is_judged_by_its_share_of_the_largest() {
         panic!("{found:?}");
     };
     assert_eq!(
-        (violation.limit, violation.unit, violation.enforced),
+        (violation.limit, violation.unit.as_str(), violation.enforced),
         (Limit::Passive, "N m", true)
     );
     let reason = found.reason(1e-6).expect("it is too much");

@@ -6,7 +6,8 @@ use aghf::model::{Model, pendulum};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
 use aghf_scenario::{
-    Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, least_horizon, solve,
+    FlowOptions, Scenario, Solve, SolveOptions, builtin_scenarios, generated_scenarios,
+    least_horizon,
 };
 use serde_json::{Value, json};
 
@@ -285,13 +286,10 @@ fn ends_at_rest_that_the_torques_cannot_hold_are_refused() {
 fn no_method_searches_then() {
     let far = with(kinova(), json!({ "horizon_s": 0.5 }));
     let scenario = load("far", &far).expect("it is good");
-    for method in [Method::Relax, Method::Flow] {
-        let options = SolveOptions {
-            method,
-            ..Default::default()
-        };
-        let error =
-            solve(&scenario, &options, &mut |_| panic!("it searches")).expect_err("too short");
+    for options in [SolveOptions::default(), FlowOptions::default().into()] {
+        let solve = Solve::new(&scenario).options(options);
+        let error = solve.observe(|_| panic!("it searches")).run();
+        let error = error.expect_err("too short");
         assert!(
             error.to_string().starts_with("far: horizon_s: it is 0.5 s"),
             "{error}"

@@ -1,7 +1,7 @@
 //! The published flow on the built-in scenarios.
 
 use crate::common::assert_refused;
-use aghf_scenario::{Limit, Method, Scenario, SolveOptions, builtin_scenarios};
+use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, builtin_scenarios};
 
 /// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action
 /// is finite.
@@ -13,11 +13,8 @@ const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).expect("built in");
-        let options = SolveOptions {
-            method: Method::Flow,
-            ..SolveOptions::default()
-        };
-        let outcome = aghf_scenario::solve(&scenario, &options, &mut |_| ());
+        let options = FlowOptions::default();
+        let outcome = Solve::new(&scenario).options(options.clone()).run();
         if !scenario.passive().is_empty() {
             let words = format!("{name}: passive: the published flow does not know it");
             assert_refused(outcome, &words);

@@ -2,12 +2,12 @@
 
 use crate::common::relax::solved_within;
 use aghf::relax::{FreeHorizon, RelaxSettings};
-use aghf_scenario::{Details, Scenario, SolveOptions, solve};
+use aghf_scenario::{Details, RelaxOptions, Scenario, Solve};
 
 #[test]
 fn an_arm_among_spheres_keeps_clear() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let outcome = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+    let outcome = Solve::new(&scenario).run().expect("valid");
     let summary = outcome.summary;
     assert!(summary.success, "{summary:?}");
     assert!(summary.control_effort < 29.0, "{summary:?}");
@@ -20,32 +20,34 @@ fn an_arm_among_spheres_keeps_clear() {
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
     let scenario = Scenario::load("kinova_cross_08").expect("generated");
-    let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+    let report = Solve::new(&scenario).run().expect("valid");
     let Details::Relax(details) = &report.summary.details else {
         panic!("it is a relaxation");
     };
     assert!(
-        details.efforts_of_starts.len() > 1,
+        details.start_costs.len() > 1,
         "the first start did not stall, find another scenario"
     );
     assert!(report.summary.success, "{:?}", report.summary);
-    assert_eq!(Some(details.minima[0].cost), details.cost);
+    assert_eq!(details.minima[0].cost, details.cost);
     assert!(details.minima.is_sorted_by(|a, b| a.cost < b.cost));
 }
 
 #[test]
 fn an_arm_keeps_clear_on_pieces() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let options = SolveOptions {
+    let options = RelaxOptions {
         degree: Some(9),
         segments: Some(2),
         ..Default::default()
     };
-    let summary = solve(&scenario, &options, &mut |_| {})
+    let summary = Solve::new(&scenario)
+        .options(options.clone())
+        .run()
         .expect("valid")
         .summary;
     assert!(
-        summary.success && (summary.pieces, summary.p) == (2, 9),
+        summary.success && (summary.segments, summary.degree) == (2, 9),
         "{summary:?}"
     );
 }
@@ -59,7 +61,7 @@ fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
     let weight = 100.0;
     let solved = |scenario: &Scenario, free_horizon| {
         let settings = RelaxSettings {
-            num_starts: 1,
+            starts: 1,
             free_horizon,
             ..RelaxSettings::constrained()
         };

@@ -4,10 +4,10 @@ use aghf::flow::FlowRecord;
 use aghf::relax::PlannedStarts;
 use aghf::urdf::builtin_robots;
 use aghf_scenario::{
-    Details, FlowDetails, Method, Record, Scenario, SolveOptions, SolveReport, builtin_scenarios,
-    solve,
+    Details, FlowDetails, FlowOptions, Method, Record, RelaxOptions, Scenario, Solve, SolveOptions,
+    SolveReport, builtin_scenarios,
 };
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
 #[test]
@@ -36,7 +36,10 @@ fn all_that_are_built_in_load_and_fit_their_robots() {
             [&file.q_goal[..], &file.v_goal[..]].concat()
         );
         assert_eq!(problem.horizon(), file.horizon_s);
-        assert!(file.flow.p >= 2 && file.success_threshold == 0.05, "{name}");
+        assert!(
+            file.flow.degree >= 2 && file.success_threshold == 0.05,
+            "{name}"
+        );
     }
 }
 
@@ -78,17 +81,17 @@ fn the_goal_of_digit_stretch_is_outside_a_limit() {
     );
 }
 
-fn solved(name: &str, options: &SolveOptions) -> SolveReport {
+fn solved(name: &str, options: impl Into<SolveOptions>) -> SolveReport {
     let scenario = Scenario::load(name).expect("built in");
-    solve(&scenario, options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+    Solve::new(&scenario)
+        .options(options)
+        .run()
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// By the flow, with the parameters of the scenario.
-fn by_flow() -> SolveOptions {
-    SolveOptions {
-        method: Method::Flow,
-        ..Default::default()
-    }
+fn by_flow() -> FlowOptions {
+    FlowOptions::default()
 }
 
 fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
@@ -106,15 +109,19 @@ fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
 fn the_summary_of_a_relaxation_is_consistent() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let mut seen = Vec::new();
-    let options = SolveOptions {
+    let options = RelaxOptions {
         degree: Some(9),
-        num_starts: Some(2),
+        starts: Some(2),
         ..Default::default()
     };
-    let outcome = solve(&scenario, &options, &mut |r| seen.push(*r)).expect("it is good");
+    let outcome = Solve::new(&scenario)
+        .options(options.clone())
+        .observe(|r| seen.push(*r))
+        .run()
+        .expect("it is good");
     let s = &outcome.summary;
     assert!(s.success && s.failure.is_none(), "{s:?}");
-    assert_eq!((s.method, s.p), (Method::Relax, 9));
+    assert_eq!((s.method, s.degree), (Method::Relax, 9));
     assert!(s.final_error_inf.expect("it ended") < s.success_threshold);
     // Velocity and configuration are one polynomial: nothing but rounding is between them.
     assert!(s.dynamics_defect < 1e-10, "{s:?}");
@@ -125,7 +132,7 @@ fn the_summary_of_a_relaxation_is_consistent() {
         d.gradient_norm <= d.tolerance && d.smallest_curvature > 0.0,
         "{d:?}"
     );
-    assert_eq!((seen.len(), d.efforts_of_starts.len()), (d.iterations, 2));
+    assert_eq!((seen.len(), d.start_costs.len()), (d.iterations, 2));
     assert_eq!(seen, outcome.history);
     // The quadrature agrees with Simpson's rule to what is asked of it.
     let Some(Record::Relax(last)) = seen.last() else {
@@ -136,51 +143,18 @@ fn the_summary_of_a_relaxation_is_consistent() {
 
 #[test]
 fn options_of_the_other_method_are_errors() {
-    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let base = SolveOptions::default();
-    let relax_with = [
-        (
-            SolveOptions {
-                k: Some(1.0),
-                ..base.clone()
-            },
-            "k",
-        ),
-        (
-            SolveOptions {
-                s_max: Some(1.0),
-                ..base.clone()
-            },
-            "s_max",
-        ),
-        (
-            SolveOptions {
-                guess: Some(Default::default()),
-                ..base.clone()
-            },
-            "guess",
-        ),
-        (
-            SolveOptions {
-                jacobian: Some(Default::default()),
-                ..base.clone()
-            },
-            "jacobian",
-        ),
-    ];
-    let flow_with = [(
-        SolveOptions {
-            num_starts: Some(2),
-            ..by_flow()
-        },
-        "num_starts",
-    )];
-    for (options, what) in relax_with.into_iter().chain(flow_with) {
-        let error = solve(&scenario, &options, &mut |_| {})
-            .expect_err(what)
-            .to_string();
+    for (method, key, value) in [
+        (Method::Relax, "k", json!(1.0)),
+        (Method::Relax, "s_max", json!(1.0)),
+        (Method::Relax, "guess", json!("line_state")),
+        (Method::Relax, "jacobian", json!("dual")),
+        (Method::Flow, "starts", json!(2)),
+    ] {
+        let options = json!({ "method": method, key: value });
+        let read = serde_json::from_value::<SolveOptions>(options);
+        let error = read.expect_err(key).to_string();
         assert!(
-            error.starts_with(&format!("options: {what}: the method")),
+            error.starts_with(&format!("options: {key}: unknown field")),
             "{error}"
         );
     }
@@ -191,7 +165,11 @@ fn the_summary_of_a_swing_up_is_consistent() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let mut seen = Vec::new();
     let options = by_flow();
-    let outcome = solve(&scenario, &options, &mut |r| seen.push(*r)).expect("it is good");
+    let outcome = Solve::new(&scenario)
+        .options(options.clone())
+        .observe(|r| seen.push(*r))
+        .run()
+        .expect("it is good");
     let s = &outcome.summary;
     let (d, history) = flow_details(&outcome);
     assert!(
@@ -202,7 +180,7 @@ fn the_summary_of_a_swing_up_is_consistent() {
         (s.scenario.as_str(), s.robot.as_str()),
         ("pendulum_1_swingup", "pendulum_1")
     );
-    assert_eq!((s.p, d.k, d.s_max, d.tolerance), (9, 1e5, 100.0, 1e-4));
+    assert_eq!((s.degree, d.k, d.s_max, d.tolerance), (9, 1e5, 100.0, 1e-4));
     assert!(
         s.final_error_inf.expect("it ended") < s.success_threshold,
         "{s:?}"
@@ -217,7 +195,7 @@ fn the_summary_of_a_swing_up_is_consistent() {
         d.steps > 0 && d.factorisations > 0 && s.solve_seconds > 0.0,
         "{s:?}"
     );
-    let interior = s.p - 1;
+    let interior = s.degree - 1;
     assert!(d.omega_evaluations >= d.steps * interior, "{s:?}");
     assert_eq!(
         (
@@ -233,7 +211,7 @@ fn the_summary_of_a_swing_up_is_consistent() {
         (0.0, d.s_max)
     );
     assert!(history.windows(2).all(|w| w[0].s < w[1].s));
-    assert_eq!(history[0].action_at_nodes, d.action_at_nodes_of_guess);
+    assert_eq!(Some(history[0].action_at_nodes), d.action_at_nodes_of_guess);
     let last = history.last().expect("it is long").action_at_nodes;
     assert!(
         (last - d.action_at_nodes).abs() <= 1e-9 * last,
@@ -241,24 +219,27 @@ fn the_summary_of_a_swing_up_is_consistent() {
         d.action_at_nodes
     );
     assert!(
-        d.action_at_nodes < d.action_at_nodes_of_guess,
+        d.action_at_nodes < history[0].action_at_nodes,
         "the flow goes down"
     );
 
     let x = outcome.curve.x();
-    assert_eq!(x.shape(), (2, s.p + 1));
+    assert_eq!(x.shape(), (2, s.degree + 1));
     assert_eq!(x.column(0).as_slice(), [scenario.file.q_start[0], 0.0]);
-    assert_eq!(x.column(s.p).as_slice(), [scenario.file.q_goal[0], 0.0]);
+    assert_eq!(
+        x.column(s.degree).as_slice(),
+        [scenario.file.q_goal[0], 0.0]
+    );
 }
 
 #[test]
 fn a_flow_that_is_cut_short_says_so() {
-    let options = SolveOptions {
+    let options = FlowOptions {
         k: Some(1e5),
         s_max: Some(1.0),
         ..by_flow()
     };
-    let summary = solved("pendulum_5_swingup", &options).summary;
+    let summary = solved("pendulum_5_swingup", options).summary;
     assert!(!summary.success, "{summary:?}");
     let reached = summary
         .final_error_inf
@@ -273,56 +254,56 @@ fn bad_options_are_errors() {
     let base = by_flow();
     let cases = [
         (
-            SolveOptions {
+            FlowOptions {
                 degree: Some(0),
                 ..base.clone()
             },
             "degree: it is 0",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 degree: Some(1),
                 ..base.clone()
             },
             "degree: it is 1, at least 2",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 k: Some(-1.0),
                 ..base.clone()
             },
             "k: it is -1, a positive number",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 k: Some(f64::INFINITY),
                 ..base.clone()
             },
             "k: it is inf",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 s_max: Some(0.0),
                 ..base.clone()
             },
             "s_max: it is 0",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 s_max: Some(nan),
                 ..base.clone()
             },
             "s_max: it is NaN",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 tolerance: Some(nan),
                 ..base.clone()
             },
             "tolerance: it is NaN",
         ),
         (
-            SolveOptions {
+            FlowOptions {
                 tolerance: Some(-1e-4),
                 ..base.clone()
             },
@@ -330,7 +311,9 @@ fn bad_options_are_errors() {
         ),
     ];
     for (options, words) in cases {
-        let error = solve(&scenario, &options, &mut |_| {})
+        let error = Solve::new(&scenario)
+            .options(options.clone())
+            .run()
             .expect_err(words)
             .to_string();
         assert!(error.contains(words), "{error}; want {words}");
@@ -346,20 +329,18 @@ fn the_same_solve_gives_the_same_bits() {
         let bits: Vec<u64> = outcome.curve.x().iter().map(|x| x.to_bits()).collect();
         (summary.to_string(), bits, outcome.history.clone())
     };
+    let other = |method| {
+        let keys = Map::from_iter([("degree".to_owned(), json!(5))]);
+        SolveOptions::from_keys(method, keys).expect("both know it")
+    };
     for (name, options) in [
-        ("pendulum_2_swingup", by_flow()),
-        ("kinova_free_03", by_flow()),
+        ("pendulum_2_swingup", by_flow().into()),
+        ("kinova_free_03", by_flow().into()),
         ("pendulum_2_swingup", SolveOptions::default()),
     ] {
-        let first = shown(&solved(name, &options));
-        solved(
-            "pendulum_1_swingup",
-            &SolveOptions {
-                degree: Some(5),
-                ..options.clone()
-            },
-        );
-        assert_eq!(shown(&solved(name, &options)), first, "{name}");
+        let first = shown(&solved(name, options.clone()));
+        solved("pendulum_1_swingup", other(options.method()));
+        assert_eq!(shown(&solved(name, options)), first, "{name}");
     }
 }
 
@@ -376,13 +357,16 @@ fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
     std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
     let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
     let found = |tolerance| {
-        let options = SolveOptions {
+        let options = RelaxOptions {
             planned_starts: Some(PlannedStarts::First),
-            num_starts: Some(1),
+            starts: Some(1),
             tolerance: Some(tolerance),
             ..Default::default()
         };
-        let report = solve(&scenario, &options, &mut |_| ()).expect("valid");
+        let report = Solve::new(&scenario)
+            .options(options.clone())
+            .run()
+            .expect("valid");
         assert!(report.summary.success, "{:?}", report.summary.failure);
         let notes = report.summary.notes;
         notes.iter().any(|note| note.starts_with("no minimum: "))
