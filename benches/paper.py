@@ -67,7 +67,7 @@ PAPER = {
     "Digit, obstacles": {"degree": 6, "k": 1e7, "s_max": 1.0, "k_cons": 1e5, "c_cons": 200.0},
 }
 
-VARIANTS = ["published", "rest", "duals", "two_phases", "relax"]
+METHODS = ["flow", "rest", "duals", "two_phases", "relax"]
 SWING_UPS = ["acrobot_swingup", "pendubot_swingup", "cart_pole_swingup"]
 PASSIVE = {"underactuated": [*SWING_UPS, "rotorcraft_shift_01", "rotorcraft_flip_01"]}
 FAMILIES = {"pendulums": PENDULUMS, **FREE, **OBSTACLES, **HARDER, **PASSIVE}
@@ -110,10 +110,10 @@ def scientific(x: float) -> str:
     return f"{float(mantissa):g}e{int(exponent)}"
 
 
-def in_words(p: int, k: float, s_max: float, k_cons: float | None, c_cons: float | None) -> str:
+def in_words(degree: int, k: float, s_max: float, k_cons: float | None = None, c_cons: float | None = None) -> str:
     """A set of parameters."""
     constraints = "" if k_cons is None else f" ({scientific(k_cons)}, {c_cons:g})"
-    return f"{p}, {scientific(k)}, {s_max:g}{constraints}"
+    return f"{degree}, {scientific(k)}, {s_max:g}{constraints}"
 
 
 def sweep(grid: str) -> list[dict]:
@@ -127,7 +127,7 @@ def sweep(grid: str) -> list[dict]:
 def best_sets(rows: list[dict]) -> tuple[list[dict], list]:
     """The fastest of the sets that succeed in most scenarios and the one of least effort among them, as options of
     `aghf.solve`, neither if no set succeeds; and their cells of the table."""
-    names = ("p", "k", "s_max", "k_cons", "c_cons", "guess")
+    names = [name for name in ("degree", "k", "s_max", "k_cons", "c_cons") if name in rows[0]]
     by_set: dict[tuple, list[dict]] = {}
     for row in rows:
         by_set.setdefault(tuple(row[name] for name in names), []).append(row)
@@ -140,11 +140,10 @@ def best_sets(rows: list[dict]) -> tuple[list[dict], list]:
     sets = []
     for column in ("solve_seconds", "control_effort"):
         candidates = [key for key, rate in rates.items() if rate == most]
-        *numbers, guess = min(candidates, key=lambda key: statistics.mean(float(row[column]) for row in good[key]))
-        p, k, s_max, k_cons, c_cons = (float(text) if text else None for text in numbers)
-        cells.append(f"{in_words(int(p), k, s_max, k_cons, c_cons)}, {100 * most:.0f} %")
-        options = {"degree": int(p), "k": k, "s_max": s_max, "guess": guess, "k_cons": k_cons, "c_cons": c_cons}
-        sets.append({name: value for name, value in options.items() if value is not None})
+        numbers = min(candidates, key=lambda key: statistics.mean(float(row[column]) for row in good[key]))
+        options = dict(zip(names, map(json.loads, numbers)))
+        cells.append(f"{in_words(**options)}, {100 * most:.0f} %")
+        sets.append(options)
     return sets, cells
 
 
@@ -176,7 +175,7 @@ def solve(name: str, options: dict, repetitions: int) -> dict:
 
 
 def set_of(summary: dict) -> str:
-    return in_words(*(summary[name] for name in ("p", "k", "s_max", "k_cons", "c_cons")))
+    return in_words(*(summary[name] for name in ("degree", "k", "s_max", "k_cons", "c_cons")))
 
 
 class Row(NamedTuple):
@@ -302,15 +301,14 @@ def draw_times(number: int, times: dict[str, list[dict]], path: Path) -> None:
     figure.savefig(path)
 
 
-def solve_by(variant: str, name: str, passive: bool, limit: float, records: list[dict]) -> dict:
+def solve_by(method: str, name: str, passive: bool, limit: float, records: list[dict]) -> dict:
     """The summary of a solve on one thread that is stopped after `limit` seconds; `records` gets those of a flow.
 
     The relaxation has one start, so that it begins at the first guess of the flows to rest. With passive joints all
     of them have their default number of starts instead."""
-    print(f"{name}, {variant}", file=sys.stderr)
-    if variant != "relax":
-        options = {"variant": variant, "time_limit_s": limit, "on_iteration": records.append}
-        return aghf.solve(name, method="flow", **options).summary
+    print(f"{name}, {method}", file=sys.stderr)
+    if method != "relax":
+        return aghf.solve(name, method=method, time_limit_s=limit, on_iteration=records.append).summary
     end = time.monotonic() + limit
 
     def stop(_: dict) -> None:
@@ -331,21 +329,21 @@ def variants_cell(tried: list[dict]) -> str:
 
 
 def compare_variants(families: dict[str, list[str]], limit: float, out: Path) -> tuple[str, dict]:
-    """The table of the variants, and the summaries by family and variant; draws the action of the flows."""
-    results = {title: {variant: [] for variant in VARIANTS} for title in families}
+    """The table of the methods, and the summaries by family and method; draws the action of the flows."""
+    results = {title: {method: [] for method in METHODS} for title in families}
     figure, axes = logarithmic(f"Action along the flow, {DRAWN}", "s", "action")
     for title, names in families.items():
         passive = title in PASSIVE
         # The published flow is not defined for passive joints.
-        for name, variant in itertools.product(names, VARIANTS[1:] if passive else VARIANTS):
-            results[title][variant].append(solve_by(variant, name, passive, limit, records := []))
+        for name, method in itertools.product(names, METHODS[1:] if passive else METHODS):
+            results[title][method].append(solve_by(method, name, passive, limit, records := []))
             if name == DRAWN and records:
-                axes.plot(*zip(*((record["s"], record["action"]) for record in records)), label=variant)
+                axes.plot(*zip(*((record["s"], record["action"]) for record in records)), label=method)
     if axes.lines:
         axes.legend()
         figure.savefig(out / "variants.svg")
     lines = [[title, *map(variants_cell, of.values())] for title, of in results.items()]
-    return table(" | ".join(["family", *VARIANTS]), lines), results
+    return table(" | ".join(["family", *METHODS]), lines), results
 
 
 def main() -> None:

@@ -111,8 +111,7 @@ def _plain(x):
 
 
 def _options(options: Mapping) -> str:
-    named = {"num_starts" if key == "starts" else key: value for key, value in options.items()}
-    return json.dumps(named, default=_plain)
+    return json.dumps(options, default=_plain)
 
 
 def solve(

@@ -9,7 +9,7 @@ use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{Record, Scenario, SolveOptions, SolveReport, solve as solve_scenario};
+use aghf_scenario::{Record, RelaxOptions, Scenario, Solve, SolveOptions, SolveReport};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -46,16 +46,18 @@ fn solve<'py>(
     for constraint in &constraints {
         scenario.add_constraint(PyConstraint::new(constraint, raised_first.clone())?);
     }
-    let interrupt = options.interrupt.clone();
+    let interrupt = Interrupt::default();
     let (sender, records) = channel();
     let records = Mutex::new(records);
-    let (of, with) = (&scenario, &options);
+    let (of, stop) = (&scenario, interrupt.clone());
     let report = std::thread::scope(|scope| {
         let search = scope.spawn(move || {
+            let solve = Solve::new(of).options(options).interrupt(stop);
             // The receiver is gone once the search has to stop.
-            solve_scenario(of, with, &mut |record| {
+            let solve = solve.observe(move |record| {
                 let _ = sender.send(*record);
-            })
+            });
+            solve.run()
         });
         let mut failed = None;
         loop {
@@ -137,26 +139,30 @@ fn solve_many(
 ) -> PyResult<Vec<PySolution>> {
     let mut read_all = Vec::new();
     for (name, text) in &scenarios {
-        let (scenario, mut own) = read(name, text.as_deref(), options)?;
-        // The solves share the cores.
-        own.threads = Some(1);
-        read_all.push((scenario, own));
+        let (scenario, own) = read(name, text.as_deref(), options)?;
+        let own = match own {
+            // The solves share the cores.
+            SolveOptions::Relax(own) => RelaxOptions { threads: Some(1), ..own }.into(),
+            flow => flow,
+        };
+        read_all.push((scenario, own, Interrupt::default()));
     }
     let threads = threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?;
     let interrupts: Vec<_> = read_all
         .iter()
-        .map(|(_, own)| own.interrupt.clone())
+        .map(|(_, _, interrupt)| interrupt.clone())
         .collect();
     let search = || {
         pool.install(|| {
-            let all = read_all.into_par_iter().map(|(scenario, options)| {
-                if options.interrupt.is_raised() {
+            let all = read_all.into_par_iter().map(|(scenario, options, interrupt)| {
+                if interrupt.is_raised() {
                     let condition = "it was stopped before this one";
                     return Err(aghf::Error::input(&scenario.name, "solve_many", condition));
                 }
-                let report = solve_scenario(&scenario, &options, &mut |_| ())?;
+                let solve = Solve::new(&scenario).options(options).interrupt(interrupt);
+                let report = solve.run()?;
                 Ok(PySolution { scenario, report })
             });
             all.collect::<aghf::Result<Vec<_>>>()

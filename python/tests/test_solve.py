@@ -34,11 +34,11 @@ def test_arrays_are_part_of_a_scenario_and_options_have_the_names_of_the_program
     told = []
     solution = aghf.solve(scenario, starts=2, seed=7, degree=9, on_iteration=told.append)
     options = solution.summary["provenance"]["options"]
-    assert (options["num_starts"], options["seed"], options["degree"]) == (2, 7, 9)
+    assert (options["starts"], options["seed"], options["degree"]) == (2, 7, 9)
     assert {"start", "degree", "cost", "gradient_norm"} <= told[0].keys()
     assert {record["start"] for record in told} >= {0, 1}
     rested = []
-    aghf.solve("pendulum_2_swingup", method="flow", variant="rest", on_iteration=rested.append)
+    aghf.solve("pendulum_2_swingup", method="rest", on_iteration=rested.append)
     s = [record["s"] for record in rested]
     assert s == sorted(s) and s[0] < s[-1]
     by_flow = aghf.solve("pendulum_2_swingup", method="flow")

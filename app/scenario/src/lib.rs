@@ -1,4 +1,5 @@
 #![doc = include_str!("keys.md")]
+#![doc = include_str!("scenario_keys.md")]
 
 /// The code of the README, run as a test.
 #[cfg(doctest)]
