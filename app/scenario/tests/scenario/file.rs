@@ -2,7 +2,7 @@
 
 use crate::written::{folder, load_text, with};
 use aghf::urdf::{UrdfOptions, load_robot_with};
-use aghf_scenario::{EnforcedLimits, RobotShape, SolveOptions};
+use aghf_scenario::{EnforcedLimits, FlowOptions, RobotShape};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub fn good() -> Value {
         ],
         "robot_shape": { "swept_links": { "radius_m": 0.1, "spacing_m": 0.2 } },
         "enforced_limits": { "position": true, "velocity": false, "torque": false },
-        "flow": { "p": 7, "k": 1e5, "s_max": 10.0, "guess": "line_state", "k_cons": 1e3, "c_cons": 4.0 },
+        "flow": { "degree": 7, "k": 1e5, "s_max": 10.0, "guess": "line_state", "k_cons": 1e3, "c_cons": 4.0 },
         "feedback": { "kp": 10.0, "kv": 5.0 }, "success_threshold": 0.125
     })
 }
@@ -30,21 +30,21 @@ fn what_a_file_says_is_what_is_solved() {
         serde_json::to_value(&scenario.file).expect("numbers"),
         good()
     );
-    let settings = SolveOptions::default().flow_settings(&scenario);
+    let settings = FlowOptions::default().settings(&scenario).expect("it is good");
     assert_eq!(
-        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (settings.degree, settings.k, settings.s_max, settings.tolerance),
         (7, 1e5, 10.0, 1e-4)
     );
-    let options = SolveOptions {
+    let options = FlowOptions {
         degree: Some(4),
         k: Some(3.0),
         s_max: Some(2.0),
         tolerance: Some(1e-3),
         ..Default::default()
     };
-    let settings = options.flow_settings(&scenario);
+    let settings = options.settings(&scenario).expect("it is good");
     assert_eq!(
-        (settings.p, settings.k, settings.s_max, settings.tolerance),
+        (settings.degree, settings.k, settings.s_max, settings.tolerance),
         (4, 3.0, 2.0, 1e-3)
     );
 }
@@ -60,7 +60,7 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let file = load_text("bad", &short.to_string())
         .expect("it is good")
         .file;
-    assert_eq!((file.flow.p, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
+    assert_eq!((file.flow.degree, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
