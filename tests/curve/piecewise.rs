@@ -75,8 +75,8 @@ fn bad_parts_are_errors() {
     for (segments, x, words) in [
         (0, x(5), "segments: it is 0"),
         (2, x(11), "x: expected 10 entries, found 11"),
-        (2, x(4), "p: it is 1"),
-        (2, x(0), "p: it is 0"),
+        (2, x(4), "degree: it is 1"),
+        (2, x(0), "degree: it is 0"),
         (2, x(10), "the state jumps where segment 1 begins"),
         (1, DMatrix::zeros(3, 4), "odd number of rows"),
     ] {

@@ -79,7 +79,7 @@ fn the_standard_input_stands_for_any_file() {
     }
     for (arguments, name, written) in [
         (
-            &["solve", "-", "--p", "6"][..],
+            &["solve", "-", "--degree", "6"][..],
             "s.json",
             "out/stdin/summary.json",
         ),
@@ -189,7 +189,7 @@ note: r.urdf: link 'l3': its principal moment of inertia -1e0 is negative
     assert_eq!(
         aghf(
             &folder,
-            &["solve", "digit_free_step", "--p", "4", "--starts", "1"]
+            &["solve", "digit_free_step", "--degree", "4", "--starts", "1"]
         )
         .stderr,
         ""

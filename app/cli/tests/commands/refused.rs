@@ -100,16 +100,16 @@ fn lists_of_a_sweep_have_bounds() {
         (costs, "sweep: the grid has more than 1000000 sets"),
         (
             "running_cost = [[1.0], [0.1], [0.2]]".to_owned(),
-            "running_cost: it is a list, not a table",
+            "running_cost[0]: it is a list, not an object",
         ),
     ] {
-        let text = format!("method = 'relax'\nscenarios = ['pendulum_*']\ntimeout_s = 1\n{keys}\n");
+        let text = format!("method = 'relax'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
         std::fs::write(folder.join("s.toml"), text).expect("writable");
         assert_bad_input(&folder, &["sweep", "s.toml"], &format!("s.toml: {words}"));
     }
-    let text = "scenarios = ['pendulum_*']\ntimeout_s = 1e300\np = [4]\nk = [1e5]\ns_max = [1]\n";
+    let text = "method = 'flow'\nscenarios = ['pendulum_*']\ntime_limit_s = 1e300\ndegree = [4]\nk = [1e5]\ns_max = [1]\n";
     std::fs::write(folder.join("s.toml"), text).expect("writable");
-    let words = "s.toml: timeout_s: it is 1e300, ; at most 31536000 s";
+    let words = "s.toml: time_limit_s: it is 1e300, ; at most 31536000 s";
     assert_bad_input(&folder, &["sweep", "s.toml"], words);
 }
 

@@ -1,6 +1,6 @@
 //! How near the defaults come to the least costs that are known of built-in scenarios, `robots/best_known.json`.
 
-use aghf_scenario::{Details, Scenario, SolveOptions, builtin_scenarios, solve};
+use aghf_scenario::{Details, Scenario, Solve, builtin_scenarios};
 use serde_json::Value;
 
 /// The factor above the least known cost that the defaults may find without limits.
@@ -28,7 +28,7 @@ fn the_defaults_come_near_the_best_known_cost() {
     });
     for name in names {
         let scenario = Scenario::load(name).expect("built in");
-        let report = solve(&scenario, &SolveOptions::default(), &mut |_| {}).expect("valid");
+        let report = Solve::new(&scenario).run().expect("valid");
         let Details::Relax(details) = &report.summary.details else {
             panic!("it is a relaxation");
         };
