@@ -142,7 +142,11 @@ fn solve_many(
         let (scenario, own) = read(name, text.as_deref(), options)?;
         let own = match own {
             // The solves share the cores.
-            SolveOptions::Relax(own) => RelaxOptions { threads: Some(1), ..own }.into(),
+            SolveOptions::Relax(own) => RelaxOptions {
+                threads: Some(1),
+                ..own
+            }
+            .into(),
             flow => flow,
         };
         read_all.push((scenario, own, Interrupt::default()));
@@ -156,15 +160,17 @@ fn solve_many(
         .collect();
     let search = || {
         pool.install(|| {
-            let all = read_all.into_par_iter().map(|(scenario, options, interrupt)| {
-                if interrupt.is_raised() {
-                    let condition = "it was stopped before this one";
-                    return Err(aghf::Error::input(&scenario.name, "solve_many", condition));
-                }
-                let solve = Solve::new(&scenario).options(options).interrupt(interrupt);
-                let report = solve.run()?;
-                Ok(PySolution { scenario, report })
-            });
+            let all = read_all
+                .into_par_iter()
+                .map(|(scenario, options, interrupt)| {
+                    if interrupt.is_raised() {
+                        let condition = "it was stopped before this one";
+                        return Err(aghf::Error::input(&scenario.name, "solve_many", condition));
+                    }
+                    let solve = Solve::new(&scenario).options(options).interrupt(interrupt);
+                    let report = solve.run()?;
+                    Ok(PySolution { scenario, report })
+                });
             all.collect::<aghf::Result<Vec<_>>>()
         })
     };

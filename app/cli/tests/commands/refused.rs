@@ -103,7 +103,8 @@ fn lists_of_a_sweep_have_bounds() {
             "running_cost[0]: it is a list, not an object",
         ),
     ] {
-        let text = format!("method = 'relax'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
+        let text =
+            format!("method = 'relax'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
         std::fs::write(folder.join("s.toml"), text).expect("writable");
         assert_bad_input(&folder, &["sweep", "s.toml"], &format!("s.toml: {words}"));
     }

@@ -30,9 +30,16 @@ fn what_a_file_says_is_what_is_solved() {
         serde_json::to_value(&scenario.file).expect("numbers"),
         good()
     );
-    let settings = FlowOptions::default().settings(&scenario).expect("it is good");
+    let settings = FlowOptions::default()
+        .settings(&scenario)
+        .expect("it is good");
     assert_eq!(
-        (settings.degree, settings.k, settings.s_max, settings.tolerance),
+        (
+            settings.degree,
+            settings.k,
+            settings.s_max,
+            settings.tolerance
+        ),
         (7, 1e5, 10.0, 1e-4)
     );
     let options = FlowOptions {
@@ -44,7 +51,12 @@ fn what_a_file_says_is_what_is_solved() {
     };
     let settings = options.settings(&scenario).expect("it is good");
     assert_eq!(
-        (settings.degree, settings.k, settings.s_max, settings.tolerance),
+        (
+            settings.degree,
+            settings.k,
+            settings.s_max,
+            settings.tolerance
+        ),
         (4, 3.0, 2.0, 1e-3)
     );
 }
@@ -60,7 +72,10 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
     let file = load_text("bad", &short.to_string())
         .expect("it is good")
         .file;
-    assert_eq!((file.flow.degree, file.flow.k, file.flow.s_max), (9, 1e9, 0.1));
+    assert_eq!(
+        (file.flow.degree, file.flow.k, file.flow.s_max),
+        (9, 1e9, 0.1)
+    );
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
     assert_eq!(file.robot_shape, RobotShape::JointFrames);
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
