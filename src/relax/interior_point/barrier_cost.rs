@@ -9,12 +9,13 @@ use super::trial::Trial;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::transcription::{Attributes, Grid, LANES, Rows, Wide, alone};
+use crate::relax::transcription::{Attributes, Grid, Rows, alone};
 use crate::relax::tuning::RESERVE;
 use crate::relax::{
     ControlDerivatives, ControlEffort, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
+use crate::scalar::{LANES, Wide};
 use std::ops::Range;
 
 /// The running cost $l_0$ and the [`Barrier`] of each row at each point,
