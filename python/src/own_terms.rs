@@ -195,7 +195,8 @@ impl PyConstraint {
 
     /// The error for a scalar type that Python cannot evaluate.
     fn refused<S>() -> Error {
-        let condition = "a constraint in Python is evaluated over float64 alone: methods that differentiate its values by dual numbers cannot take it";
+        let condition = "a constraint in Python is evaluated over float64 alone: methods that differentiate its \
+            values by dual numbers cannot take it";
         Error::input("Python", std::any::type_name::<S>(), condition)
     }
 }

@@ -1,4 +1,4 @@
-"""Bad input: the cases of the Rust tests again, each an exception with the same words, and states that are no states."""
+"""Bad input: the cases of the Rust tests again, each an exception with the same words, and no states."""
 
 import re
 from pathlib import Path
@@ -109,7 +109,8 @@ def test_bad_options(options, words):
 def test_bad_states():
     model = aghf.Model.builtin("kinova_gen3")
     good = np.zeros((4, 7))
-    for bad in [np.zeros(6), np.zeros((4, 8)), np.zeros((2, 2, 7)), np.zeros(0), 1.0, "seven", None, [[0.0] * 7, [0.0]]]:
+    arrays = [np.zeros(size) for size in [6, (4, 8), (2, 2, 7), 0]]
+    for bad in [*arrays, 1.0, "seven", None, [[0.0] * 7, [0.0]]]:
         for arguments in [(bad, good, good), (good, bad, good)]:
             with pytest.raises(ValueError):
                 aghf.rnea(model, *arguments)

@@ -14,8 +14,8 @@
 //! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. A
 //! direction out of the shape therefore exists everywhere.
 //!
-//! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other, and
-//! answers questions about their distances.
+//! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other,
+//! and answers questions about their distances.
 //!
 //! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, and give the largest excess.
 //!

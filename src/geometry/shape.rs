@@ -93,8 +93,8 @@ impl Shape<f64> {
 }
 
 impl Solid {
-    /// The half-space $n \cdot p \le \delta$ in m, such as the ground; the normal `n` is a vector of any length but zero
-    /// into the free space, and $\delta$ the offset along the unit normal.
+    /// The half-space $n \cdot p \le \delta$ in m, such as the ground; the normal `n` is a vector of any length but
+    /// zero into the free space, and $\delta$ the offset along the unit normal.
     #[must_use]
     pub fn half_space(normal: &Vector3<f64>, offset: f64) -> Self {
         let rotation = rotation_of_z_to(normal);

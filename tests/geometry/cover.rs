@@ -221,8 +221,9 @@ fn folder(name: &str) -> PathBuf {
 }
 
 const OBJ: &str = "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n";
-const STL: &str = "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n\
-facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 2 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid two\n";
+const STL: &str = "solid two\n\
+    facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n\
+    facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 2 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid two\n";
 
 /// The two triangles of the texts above as a binary STL.
 fn binary() -> Vec<u8> {
