@@ -104,7 +104,7 @@ fn two_motions_are_on_one_page() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let page = std::fs::read_to_string(folder.join("both.html")).expect("it is there");
     for words in [
-        "\"relaxation\"",
+        "\"relax\"",
         "\"flow\"",
         "aghf solve flowed/summary.json",
     ] {

@@ -166,7 +166,7 @@ fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
         (
             "velocity = [0.5]",
             "speed = [0.5]",
-            "running_cost.speed: ; unknown field `speed`",
+            "running_cost.speed[0]: unknown field `speed`",
         ),
         (
             "position = [true]",
