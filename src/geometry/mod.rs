@@ -23,13 +23,15 @@
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
 mod collision;
+mod corner;
 mod cover;
 mod mesh;
 mod scene;
 mod shape;
 
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
-pub use shape::{Distance, FLAT, Shape, Solid, Sphere};
+pub use shape::{Distance, Shape, Solid, Sphere};
