@@ -20,13 +20,6 @@ pub enum Shape<C: Scalar = f64> {
         /// Half of its edge lengths.
         half_extents: Vector3<C>,
     },
-    /// All points within a radius of a box with edges along the axes.
-    RoundedBox {
-        /// Half of the edge lengths of that box.
-        half_extents: Vector3<C>,
-        /// Radius.
-        radius: C,
-    },
     /// A cylinder along the `z` axis.
     Cylinder {
         /// Radius.
@@ -80,13 +73,6 @@ impl Shape<f64> {
             Self::Sphere { radius } => Shape::Sphere { radius: of(radius) },
             Self::Cuboid { half_extents } => Shape::Cuboid {
                 half_extents: half_extents.map(of),
-            },
-            Self::RoundedBox {
-                half_extents,
-                radius,
-            } => Shape::RoundedBox {
-                half_extents: half_extents.map(of),
-                radius: of(radius),
             },
             Self::Cylinder {
                 radius,
@@ -155,7 +141,6 @@ impl<C: Scalar> Shape<C> {
         match self {
             Self::Sphere { .. } => "sphere",
             Self::Cuboid { .. } => "box",
-            Self::RoundedBox { .. } => "rounded box",
             Self::Cylinder { .. } => "cylinder",
             Self::Capsule { .. } => "capsule",
             Self::HalfSpace => "half-space",
@@ -169,10 +154,6 @@ impl<C: Scalar> Shape<C> {
         match *self {
             Self::Sphere { radius } => Vector3::repeat(radius),
             Self::Cuboid { half_extents } => half_extents,
-            Self::RoundedBox {
-                half_extents,
-                radius,
-            } => half_extents.add_scalar(radius),
             Self::Cylinder {
                 radius,
                 half_length,
@@ -194,13 +175,6 @@ impl<C: Scalar> Shape<C> {
             Self::Sphere { radius } => length([p.x, p.y, p.z]) - S::lift(*radius),
             Self::Cuboid { half_extents: h } => {
                 corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
-            }
-            Self::RoundedBox {
-                half_extents: h,
-                radius,
-            } => {
-                let edges = [beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)];
-                corner(edges) - S::lift(*radius)
             }
             Self::Cylinder {
                 radius,
@@ -233,11 +207,6 @@ impl<C: Scalar> Shape<C> {
                 Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
                     .distance(zero, &sign)
             }
-            Self::RoundedBox {
-                half_extents: h,
-                radius,
-            } => Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
-                .distance(S::lift(*radius), &sign),
             Self::Cylinder {
                 radius,
                 half_length,

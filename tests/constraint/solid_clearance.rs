@@ -48,13 +48,6 @@ fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
             let on_axis = Vector3::new(0.0, 0.0, p.z.clamp(-half_length, *half_length));
             (p - on_axis).norm() - radius
         }
-        Shape::RoundedBox {
-            half_extents: h,
-            radius,
-        } => {
-            let in_box = Vector3::from_fn(|i, _| p[i].clamp(-h[i], h[i]));
-            (p - in_box).norm() - radius
-        }
         Shape::HalfSpace => p.z,
     }
 }
@@ -88,9 +81,7 @@ proptest! {
         p in point(2.0),
         directions in prop::collection::vec(point(1.0), 50),
     ) {
-        let [a, b, c, radius] = size;
-        let half_extents = Vector3::new(a, b, c);
-        for shape in sizes(size).into_iter().chain([Shape::RoundedBox { half_extents, radius }]) {
+        for shape in sizes(size) {
             let Distance { value, normal, curvature } = shape.distance_derivatives(&p);
             prop_assert_eq!(value, shape.distance(&p));
             prop_assert_eq!(value < 0.0, beyond(&shape, &p) < 0.0);

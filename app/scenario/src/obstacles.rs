@@ -41,13 +41,6 @@ pub enum ObstacleShape {
         /// Edge lengths along its own axes, m.
         size_m: [f64; 3],
     },
-    /// All points within a radius of a box.
-    RoundedBox {
-        /// Edge lengths of that box along its own axes, m.
-        size_m: [f64; 3],
-        /// Radius, m.
-        radius_m: f64,
-    },
     /// A cylinder along its own `z` axis.
     Cylinder {
         /// Radius, m.
@@ -171,14 +164,6 @@ impl ObstacleShape {
                 check_lengths("size_m", &size_m)?;
                 Shape::Cuboid {
                     half_extents: Vector3::from(size_m) * 0.5,
-                }
-            }
-            Self::RoundedBox { size_m, radius_m } => {
-                check_lengths("size_m", &size_m)?;
-                check_lengths("radius_m", &[radius_m])?;
-                Shape::RoundedBox {
-                    half_extents: Vector3::from(size_m) * 0.5,
-                    radius: radius_m,
                 }
             }
             Self::Cylinder { radius_m, length_m } => {
