@@ -21,8 +21,6 @@ pub struct RelaxOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-8, with constraints 1e-6.
     pub tolerance: Option<f64>,
-    /// Largest number of Newton iterations per start and degree; by default that of the library.
-    pub iterations: Option<usize>,
     /// Number of starts; by default 16 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
     /// joints. There are more while none ends within the constraints.
     pub starts: Option<usize>,
@@ -61,7 +59,6 @@ impl RelaxOptions {
             segments: self.segments.unwrap_or(default.segments),
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
-            iterations: self.iterations.unwrap_or(default.iterations),
             starts: self.starts.unwrap_or(default.starts),
             seed: self.seed.unwrap_or(default.seed),
             planned_starts: self.planned_starts.unwrap_or_default(),
