@@ -54,21 +54,18 @@ fn timeless(path: &Path) -> Vec<String> {
 /// Runs a sweep to its end and returns its results file.
 fn sweep(folder: &Path, arguments: &[&str], results: &str) -> PathBuf {
     let run = aghf(folder, &[&["sweep", "grid.toml"], arguments].concat());
-    assert_eq!(
-        (run.code, run.stderr.as_str()),
-        (Some(0), ""),
-        "{}",
-        run.stdout
-    );
+    assert_eq!((run.code, &*run.stderr), (Some(0), ""), "{}", run.stdout);
     folder.join("out/sweeps/grid").join(results)
 }
 
 #[test]
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     let whole = killed("flow", GRID);
-    let has = |outcome: &str| whole.iter().any(|line| line.contains(outcome));
     for outcome in ["success", "goal_missed"] {
-        assert!(has(outcome), "no {outcome}");
+        assert!(
+            whole.iter().any(|line| line.contains(outcome)),
+            "no {outcome}"
+        );
     }
 }
 
