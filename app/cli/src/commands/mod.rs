@@ -44,7 +44,7 @@ const FAILED: u8 = 3;
 /// Plans motions of robots with the Affine Geometric Heat Flow.
 ///
 /// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits,
-/// with a price on the duration.
+/// with a cost of the duration.
 #[derive(Debug, Parser)]
 #[command(name = "aghf", version, after_help = EXIT_CODES)]
 struct Cli {
