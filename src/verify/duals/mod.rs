@@ -37,6 +37,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 impl<T: DualNum + Copy> DualNumber for Dual<T> {
     type Base = T;
@@ -131,19 +132,25 @@ pub struct State {
 }
 
 impl State {
-    /// Draws state number `sample` of the sequence of `seed` for `model`: the positions by
-    /// [`Model::random_configuration`], the time from 0 to 3 s, everything else from -3 to 3.
+    /// Draws state number `sample` of the sequence of `seed` for `model`: positions within the limits of the joints, or
+    /// within half a turn without limits, the time from 0 to 3 s, everything else from -3 to 3.
     #[must_use]
     pub fn random(model: &Model, seed: u64, sample: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(sample as u64);
         let n = model.dof();
-        let mut x = model.random_configuration(&mut rng);
         let mut numbers = |count: usize| -> Vec<f64> {
             (0..count).map(|_| rng.random_range(-3.0..3.0)).collect()
         };
-        x.extend(numbers(n));
-        let (xdot, xddot) = (numbers(2 * n), numbers(2 * n));
+        let (mut x, xdot, xddot) = (numbers(2 * n), numbers(2 * n), numbers(2 * n));
+        for (q, joint) in x.iter_mut().zip(model.joints()) {
+            let limits = joint.limits();
+            let (lower, upper) = (limits.lower.max(-PI), limits.upper.min(PI));
+            // Limits entirely outside half a turn are ignored.
+            if lower < upper {
+                *q = lower + (upper - lower) * (*q + 3.0) / 6.0;
+            }
+        }
         let t = rng.random_range(0.0..3.0);
         Self { t, x, xdot, xddot }
     }
