@@ -344,7 +344,7 @@ fn the_effort_of_some_joints_is_the_integral_of_their_squares() -> aghf::Result<
     let line = problem.guess(Guess::LineConfiguration, &nodes);
     let curve = Curve::new(nodes, line)?;
     // The trapezoidal rule is within 1e-4 of Simpson's.
-    let intervals = 1000;
+    let intervals = 4000;
     for joints in [vec![], vec![1], vec![0, 1]] {
         let effort = aghf_scenario::effort_of_joints(&model, &curve, &joints, intervals)?;
         // By Simpson's rule.
