@@ -61,6 +61,7 @@ pub mod model;
 pub mod motion;
 #[doc(hidden)]
 pub mod names;
+mod nlp;
 #[cfg(feature = "solvers")]
 pub mod ode;
 #[cfg(feature = "solvers")]

@@ -1,7 +1,7 @@
 //! The settings and the results of the relaxation.
 
-use super::interior_point::Stage;
-use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
+use super::minimise::Stage;
+use super::tuning::{LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
@@ -119,16 +119,14 @@ impl RelaxSettings {
     }
 
     /// The last stage, at the degree and the segments of the settings.
-    pub(super) fn highest(&self, constrained: bool) -> Stage {
+    pub(super) fn highest(&self) -> Stage {
         Stage {
             tolerance: self.tolerance,
             iterations: self.iterations,
-            fresh: FRESH[usize::from(constrained)],
             quadrature_tolerance: self.quadrature_tolerance,
             last_barrier: LAST_BARRIER.max(self.tolerance * self.tolerance),
             // Whoever looks at the motion by other means finds it within the tolerance as well.
             feasible: 0.5 * Self::FEASIBLE,
-            slope: self.free_horizon.is_some(),
             last: true,
         }
     }
@@ -172,7 +170,7 @@ impl RelaxSettings {
         }
         rungs.push(Rung {
             basis: self.basis(),
-            stage: self.highest(constrained),
+            stage: self.highest(),
         });
         rungs
     }
@@ -303,11 +301,9 @@ pub struct RelaxSolution {
     pub points: usize,
     /// The relative difference between the cost by this quadrature and by the finer one.
     pub quadrature_error: f64,
-    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary, at a
-    /// bound, or [limited](Self::horizon_limited).
+    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary or at
+    /// a bound.
     pub converged: bool,
-    /// True if the cost falls further towards shorter or longer horizons, on which no solve was successful.
-    pub horizon_limited: bool,
     /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
     /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
     /// an earlier iterate.

@@ -5,7 +5,7 @@ use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan};
-use crate::relax::interior_point::Context;
+use crate::relax::minimise::Context;
 use crate::relax::settings::PlannedStarts;
 use crate::relax::transcription::{Grid, place, points};
 use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_SEGMENTS};
@@ -122,7 +122,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 .between_ends_of(&problem.with_horizon(horizon)?);
             for e in 0..basis.segments() {
                 place(&path.coefficients, grid.first(e), &grid.table, &mut states);
-                let mut here = points(&grid, &states, e);
+                let mut here = points(&grid, &grid.times, &states, e);
                 here.first = 0;
                 rows.of_all(here, &mut h)?;
                 kept &= h.iter().all(|h| *h <= 0.0);

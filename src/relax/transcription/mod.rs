@@ -13,7 +13,7 @@ pub use effort::ControlEffort;
 pub(super) use effort::alone;
 pub use grid::Grid;
 pub(super) use grid::Grids;
-pub use objective::{Derivatives, Objective};
+pub use objective::{Derivatives, HorizonDerivatives, Objective};
 pub(super) use objective::{place, points};
 pub use packed_hessian::PackedHessian;
 pub use point_cost::{
@@ -21,7 +21,7 @@ pub use point_cost::{
     PointsDerivatives,
 };
 pub(super) use point_cost::{LANES, Wide};
-pub(super) use rows::{Attributes, Rows};
+pub(super) use rows::Rows;
 pub(super) use scan::{Peak, Scan};
 
 use super::WeightedSquares;

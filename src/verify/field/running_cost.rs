@@ -4,8 +4,8 @@ use super::discretisation::{Discretisation, numbers};
 use super::{Equality, Gf, Identity, RandomInstance};
 use crate::error::Result;
 use crate::relax::{
-    ChainRule, ControlEffort, Objective, Point as CurvePoint, PointCost, PointDerivatives,
-    StageDerivatives, horizon_slope,
+    ChainRule, ControlEffort, Derivatives, Objective, Point as CurvePoint, PointCost,
+    PointDerivatives, StageDerivatives,
 };
 use crate::scalar::AlgebraOver;
 use crate::verify::reference::{gradient, inverse_dynamics, jacobian, rate, vector};
@@ -104,13 +104,20 @@ impl<S: AlgebraOver<Gf>> PointCost<S> for LateEffort<'_, S> {
 
 fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (example, horizon) = (Discretisation::new(p), p.k);
-    let (grid, curve) = example.on(horizon);
-    let mut cost = LateEffort(ControlEffort::new(&p.model));
-    let left = horizon_slope(&grid, &mut cost, &curve, &example.rates, horizon)?;
+    let (grid, (_, curve)) = (example.grid(), example.on(horizon));
+    let mut objective = Objective::new(&grid, LateEffort(ControlEffort::new(&p.model)), p.dof());
+    objective.set_horizon(horizon);
+    objective.free_horizon(example.rates.clone());
+    let mut left = Derivatives::new(&grid, p.dof());
+    objective.derivatives(&curve, &mut left)?;
     let right = gradient(&[horizon], |horizon| {
         let (grid, curve) = example.on(horizon[0]);
         let cost = LateEffort(ControlEffort::new(&p.model));
         Objective::new(&grid, cost, p.dof()).value(&curve)
     })?;
-    Ok(vec![Equality::numbers("slope", left, right[0])])
+    Ok(vec![Equality::numbers(
+        "slope",
+        left.horizon.first,
+        right[0],
+    )])
 }

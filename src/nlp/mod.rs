@@ -1,0 +1,379 @@
+//! A primal-dual interior-point method for nonlinear programs with many rows, most of them far from active.
+//!
+//! $$ \min_x f(x) \quad \text{subject to} \quad h_j(x) \le 0 \ \text{or} \ h_j(x) = 0 . $$
+//!
+//! Each row has a slack $s_j > 0$ and an elastic variable $t_j > 0$, and an exact $\ell_1$ penalty $\nu$ bounds its
+//! multiplier (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear optimization*, 2015). With the
+//! weights $w_j$ of the rows, which are those of a quadrature, the barrier problem is
+//!
+//! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu t_j - \mu \log s_j - \mu \log t_j)
+//!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
+//!
+//! an equality has the penalty $\nu (s_j + t_j)$. It has feasible points whatever `x` is, so no start has to keep the
+//! rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that cannot be
+//! kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter
+//! and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
+//!
+//! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
+//!    Hessian until the condensed matrix is positive definite (WB 3.1).
+//! 2. `line_search`: backtracking on the barrier function from the fraction to the boundary; multipliers have a step
+//!    length of their own (WB 2.2).
+//! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
+//!    ([`BarrierUpdate`]).
+//! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature.
+
+mod barrier;
+mod iterate;
+mod kkt;
+mod line_search;
+mod options;
+
+pub(crate) use barrier::{Barrier, BarrierUpdate, Monotone};
+pub(crate) use iterate::{Iterate, Row, Term};
+pub(crate) use kkt::{Bordered, Kkt};
+pub(crate) use options::Options;
+
+use crate::error::Result;
+use line_search::{leave_saddle, line_search};
+use nalgebra::DVector;
+
+/// A nonlinear program.
+pub(crate) trait Nlp {
+    /// Evaluates the objective at `x`, and all rows into `h`; the objective is infinite where a row outside the working
+    /// set is violated.
+    ///
+    /// # Errors
+    /// Those of the functions of the user.
+    fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64>;
+
+    /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, with the weights of `iterate`.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()>;
+
+    /// The factor of the weights of all rows at `x`: the horizon.
+    fn measure(&self, x: &DVector<f64>) -> f64;
+
+    /// The rows of the working set, for values of all rows.
+    fn working_set(&mut self, h: &[f64]) -> Vec<Row>;
+
+    /// The largest fraction of a step from `x` that may be tried, at most 1.
+    fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
+
+    /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; at the `end` of the
+    /// search margins only grow.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened>;
+
+    /// Returns true if the search is to stop.
+    fn is_stopped(&self) -> bool;
+}
+
+/// The result of a look at the rows between the points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Tightened {
+    /// The largest violation of a row, in its unit.
+    Violation(f64),
+    /// The points are too few for the objective.
+    Coarse,
+}
+
+/// The reason of the end of a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// All tolerances are met.
+    Converged,
+    /// No step decreases the barrier function.
+    NoDescent,
+    /// Rows are violated although the penalty is at its largest value.
+    Infeasible,
+    /// The largest number of iterations.
+    Iterations,
+    /// The points are too few for the objective.
+    Coarse,
+    /// Stopped from outside.
+    Stopped,
+}
+
+/// One iteration, for observers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Progress {
+    pub objective: f64,
+    pub measure: f64,
+    /// The norm of the gradient of the Lagrangian relative to the objective.
+    pub stationarity: f64,
+    /// The barrier parameter relative to the objective, summed over all rows.
+    pub complementarity: f64,
+    /// The largest elastic variable.
+    pub infeasibility: f64,
+    /// The multiple of the norm that was added to the Hessian.
+    pub regularisation: f64,
+    /// The lengths of the step in the norm, and the fractions of it that `x` and the multipliers take.
+    pub step: f64,
+    pub alpha: [f64; 2],
+    pub factorisations: usize,
+}
+
+/// The end of a search.
+pub(crate) struct Solution {
+    pub x: DVector<f64>,
+    pub iterate: Iterate,
+    pub status: Status,
+    pub progress: Progress,
+    pub violation: f64,
+}
+
+/// A search in progress.
+pub(crate) struct State {
+    pub x: DVector<f64>,
+    pub f: f64,
+    pub h: Vec<f64>,
+    pub iterate: Iterate,
+    pub kkt: Kkt,
+    pub progress: Progress,
+    pub measure: f64,
+    /// The numbers of iterations, and of times that rows were tightened at the end.
+    iterations: usize,
+    rounds: usize,
+}
+
+/// Solves a nonlinear program from `x`, with known multipliers if there are any.
+///
+/// # Errors
+/// Those of the problem.
+pub(crate) fn solve<P: Nlp>(
+    problem: &mut P,
+    x: DVector<f64>,
+    multipliers: Option<&[f64]>,
+    kkt: Kkt,
+    options: &Options,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Solution> {
+    let mut state = State::new(problem, x, multipliers, kkt, options)?;
+    let update = Monotone::new(options);
+    loop {
+        state.derive(problem)?;
+        if let Some(status) = state.stop(problem, options) {
+            observe(&state.progress);
+            return state.end(problem, status);
+        }
+        if state.is_stationary(options) {
+            observe(&state.progress);
+            match state.tighten_end(problem, options)? {
+                Some(status) => return state.end(problem, status),
+                None => continue,
+            }
+        }
+        let taken = match state.kkt.step(state.scale(), &mut state.progress, options) {
+            Some(step) => line_search(problem, &mut state, &step, options)?,
+            None => None,
+        };
+        observe(&state.progress);
+        if std::env::var("AGHF_TRACE").is_ok() {
+            eprintln!(
+                "{:4} f {:.6e} T {:.4} stat {:.2e} compl {:.1e} infeas {:.2e} delta {:.1e} step {:.2e} alpha {:.2e} {:.2e} pred {:.2e} nf {} rows {}",
+                state.iterations,
+                state.f,
+                state.measure,
+                state.progress.stationarity,
+                state.progress.complementarity,
+                state.progress.infeasibility,
+                state.progress.regularisation,
+                state.progress.step,
+                state.progress.alpha[0],
+                state.progress.alpha[1],
+                taken.unwrap_or(f64::NAN) / state.f,
+                state.progress.factorisations,
+                state.iterate.working.len()
+            );
+        }
+        let solved = taken.is_none_or(|decrease| update.is_solved(&state, decrease));
+        if solved && !state.is_last_barrier(options) {
+            let barrier = update.next(&state);
+            if taken.is_none() {
+                // Rounding hides the rest of the decrease with this barrier parameter.
+                state.iterate.recentre(&state.h, barrier);
+            }
+            state.iterate.set_barrier(barrier, options.multiplier_range);
+            if state.tighten(problem, options)? == Tightened::Coarse {
+                return state.end(problem, Status::Coarse);
+            }
+        } else if taken.is_none() {
+            return state.end(problem, Status::NoDescent);
+        }
+    }
+}
+
+impl State {
+    fn new<P: Nlp>(
+        problem: &mut P,
+        x: DVector<f64>,
+        multipliers: Option<&[f64]>,
+        kkt: Kkt,
+        options: &Options,
+    ) -> Result<Self> {
+        let mut h = Vec::new();
+        let f = problem.value(&x, &mut h)?;
+        let (working, measure) = (problem.working_set(&h), problem.measure(&x));
+        let weight: f64 = working.iter().map(|row| measure * row.weight).sum();
+        let scale = f.abs().max(f64::EPSILON);
+        let first = match multipliers {
+            Some(_) => options.warm_barrier,
+            None => options.first_barrier,
+        };
+        let barrier = Barrier {
+            mu: first.max(options.last_barrier) * scale / weight.max(f64::MIN_POSITIVE),
+            nu: options.penalty * scale / measure,
+        };
+        let mut iterate = Iterate::new(h.len(), barrier);
+        iterate.set_working(working, &h);
+        if let Some(lambda) = multipliers {
+            iterate.set_multipliers(lambda, &h, options.room, options.multiplier_range);
+        }
+        Ok(Self {
+            x,
+            f,
+            h,
+            iterate,
+            kkt,
+            progress: Progress::default(),
+            measure,
+            iterations: 0,
+            rounds: 0,
+        })
+    }
+
+    /// Computes the derivatives at the current iterate.
+    fn derive<P: Nlp>(&mut self, problem: &mut P) -> Result<()> {
+        self.measure = problem.measure(&self.x);
+        problem.derivatives(&self.x, &self.iterate, &mut self.kkt)?;
+        self.iterations += 1;
+        let working = self.iterate.working.iter();
+        self.progress = Progress {
+            objective: self.f,
+            measure: self.measure,
+            stationarity: self.kkt.stationarity(self.scale()),
+            complementarity: self.complementarity(),
+            infeasibility: working.fold(0.0, |most, row| self.h[row.at].max(most)),
+            ..Progress::default()
+        };
+        Ok(())
+    }
+
+    /// The reason to stop before the end.
+    fn stop<P: Nlp>(&self, problem: &P, options: &Options) -> Option<Status> {
+        if problem.is_stopped() {
+            Some(Status::Stopped)
+        } else {
+            (self.iterations > options.iterations).then_some(Status::Iterations)
+        }
+    }
+
+    fn is_stationary(&self, options: &Options) -> bool {
+        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
+    }
+
+    fn is_last_barrier(&self, options: &Options) -> bool {
+        // The objective and with it the last parameter change a little from step to step.
+        self.complementarity() <= 1.1 * options.last_barrier
+    }
+
+    /// Adapts the margins of the rows at the current point.
+    fn tighten<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<Tightened> {
+        let found = problem.tighten(&self.x, false)?;
+        self.reset(problem, options)?;
+        Ok(found)
+    }
+
+    /// Looks at the rows between the points at a stationary point. Returns the status if the search is over; otherwise
+    /// margins or the penalty have grown.
+    fn tighten_end<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        options: &Options,
+    ) -> Result<Option<Status>> {
+        let violation = match problem.tighten(&self.x, true)? {
+            Tightened::Coarse => return Ok(Some(Status::Coarse)),
+            Tightened::Violation(violation) => violation,
+        };
+        self.rounds += 1;
+        if violation <= options.feasible {
+            if self.rounds <= options.rounds
+                && let Some(direction) = self.kkt.negative_curvature(self.scale())
+                && leave_saddle(problem, self, &direction, options)?
+            {
+                return Ok(None);
+            }
+            return Ok(Some(Status::Converged));
+        }
+        if self.rounds > options.rounds {
+            return Ok(Some(Status::Infeasible));
+        }
+        let Barrier { mu, nu } = self.iterate.barrier;
+        if self
+            .iterate
+            .working
+            .iter()
+            .any(|row| self.iterate.is_at_penalty(row))
+        {
+            let most = options.largest_penalty * self.scale() / self.measure;
+            if nu >= most {
+                return Ok(Some(Status::Infeasible));
+            }
+            let nu = (nu * options.penalty_factor).min(most);
+            self.iterate
+                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
+        }
+        self.reset(problem, options)?;
+        Ok(None)
+    }
+
+    /// Evaluates the rows again after a change of margins.
+    fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
+        self.f = problem.value(&self.x, &mut self.h)?;
+        let working = problem.working_set(&self.h);
+        self.iterate.set_working(working, &self.h);
+        self.iterate.reset(&self.h, options.multiplier_range);
+        Ok(())
+    }
+
+    /// The end of the search, with the violation between the points.
+    fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
+        let violation = match problem.tighten(&self.x, true)? {
+            Tightened::Violation(violation) => violation,
+            Tightened::Coarse => f64::INFINITY,
+        };
+        self.progress.complementarity = self.complementarity();
+        Ok(Solution {
+            x: self.x,
+            iterate: self.iterate,
+            status,
+            progress: self.progress,
+            violation,
+        })
+    }
+
+    /// The size of the objective, in which gradients and barriers are measured.
+    pub fn scale(&self) -> f64 {
+        self.f.abs().max(f64::EPSILON)
+    }
+
+    /// The sum of the weights of the working set.
+    pub fn total_weight(&self) -> f64 {
+        let sum: f64 = self.iterate.working.iter().map(|row| row.weight).sum();
+        self.measure * sum
+    }
+
+    /// The barrier parameter summed over all rows, relative to the objective.
+    pub fn complementarity(&self) -> f64 {
+        self.iterate.barrier.mu * self.total_weight() / self.scale()
+    }
+
+    /// The barrier function.
+    fn merit<P: Nlp>(&self, problem: &P) -> f64 {
+        self.f + problem.measure(&self.x) * self.iterate.barrier_terms(&self.h)
+    }
+}

@@ -1,0 +1,397 @@
+//! The nonlinear program of a curve in a basis.
+
+use super::integrand::Integrand;
+use super::{Context, Stage};
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::motion::{Path, Watch};
+use crate::nlp::{Bordered, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::relax::transcription::{Grid, Peak, Scan};
+use crate::relax::tuning::{FINE, FLOOR, NEAR, ON_THE_WAY, RESERVE, SCAN, SMALLEST_COST};
+use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free.
+///
+/// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
+/// larger near a point than at it; then the two bounds of a free horizon.
+pub(super) struct Program<'g, 'a, K, P> {
+    grid: &'g Grid<f64>,
+    /// The times between the points at which rows are evaluated, during the search and at its end.
+    scans: [Arc<Scan>; 2],
+    objective: Objective<'g, f64, Integrand<'a, K, P>>,
+    /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
+    finer: Objective<'g, f64, P>,
+    pub finer_cost: [f64; 2],
+    derivatives: Derivatives<f64>,
+    /// The coefficients, those of the boundary conditions included.
+    coefficients: DMatrix<f64>,
+    rates: DMatrix<f64>,
+    free_slope: bool,
+    horizon: f64,
+    free_horizon: Option<FreeHorizon>,
+    margins: Vec<f64>,
+    /// True for rows of the working set.
+    working: Vec<bool>,
+    stage: Stage,
+    /// True if the number of points may increase.
+    refinable: bool,
+    /// Unknowns that appeared to satisfy the constraints, the last one last.
+    pub kept: Vec<DVector<f64>>,
+    watch: &'g Watch,
+}
+
+impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
+    pub fn new(
+        context: Context<'g, 'a, K, P>,
+        path: &Path,
+        horizon: f64,
+        [grid, finer]: [&'g Grid<f64>; 2],
+        stage: Stage,
+        refinable: bool,
+    ) -> Self {
+        let Context {
+            problem,
+            grids,
+            rows,
+            watch,
+            free_horizon,
+        } = context;
+        let (n, basis) = (problem.model().dof(), &path.basis);
+        let looks = SCAN * grid.points();
+        let last = if stage.last {
+            looks.max(FINE / basis.segments())
+        } else {
+            looks
+        };
+        let points = grid.points() * grid.segments;
+        let mut objective = Objective::new(grid, Integrand::new(rows.clone(), points), n);
+        let rates = path.rates(problem);
+        if free_horizon.is_some() {
+            objective.free_horizon(rates.clone());
+        }
+        let bounds = if free_horizon.is_some() { 2 } else { 0 };
+        let count = points * rows.count() + bounds;
+        Self {
+            scans: [looks, last].map(|times| grids.scan(basis, times)),
+            finer: Objective::new(finer, rows.cost.clone(), n),
+            finer_cost: [f64::NAN; 2],
+            derivatives: Derivatives::new(grid, n),
+            coefficients: path.coefficients.clone(),
+            rates,
+            free_slope: basis.free_final_velocity(),
+            horizon,
+            free_horizon,
+            margins: vec![RESERVE; count],
+            working: Vec::new(),
+            refinable,
+            kept: Vec::new(),
+            grid,
+            objective,
+            stage,
+            watch,
+        }
+    }
+
+    /// The unknowns of the curve.
+    pub fn unknowns(&self) -> DVector<f64> {
+        let first = self.grid.free.start * self.objective.dof();
+        let own = &self.coefficients.as_slice()[first..][..self.derivatives.gradient.len()];
+        let horizon = self.free_horizon.map(|_| self.horizon);
+        DVector::from_iterator(
+            own.len() + usize::from(horizon.is_some()),
+            own.iter().copied().chain(horizon),
+        )
+    }
+
+    /// The coefficients and the horizon of unknowns.
+    pub fn curve(&mut self, x: &DVector<f64>) -> (DMatrix<f64>, f64) {
+        self.place(x);
+        (self.coefficients.clone(), self.horizon)
+    }
+
+    /// Sets coefficients and horizon.
+    fn place(&mut self, x: &DVector<f64>) {
+        let first = self.grid.free.start * self.objective.dof();
+        let own = self.derivatives.gradient.len();
+        self.coefficients.as_mut_slice()[first..first + own].copy_from_slice(&x.as_slice()[..own]);
+        if self.free_horizon.is_some() {
+            self.horizon = x[own];
+            let last = self.coefficients.ncols() - 2;
+            let fixed = if self.free_slope { 1 } else { 2 };
+            for column in [0, last].into_iter().take(fixed) {
+                let slope = self.rates.column(column) * self.horizon;
+                self.coefficients.set_column(column, &slope);
+            }
+        }
+        self.objective.set_horizon(self.horizon);
+    }
+
+    /// The norm of steps: the mean square of the velocities in normalised time, and the relative change of the horizon.
+    pub fn kkt(&self) -> Option<Kkt> {
+        let matrix = self.objective.gram();
+        let zeros = DVector::zeros(matrix.order());
+        let corner = self.horizon.powi(-2);
+        let border = self.free_horizon.map(|_| (zeros, corner));
+        Kkt::new(Bordered { matrix, border })
+    }
+
+    /// The derivatives with the metric, at the unknowns of an iterate.
+    pub fn with_metric(
+        &mut self,
+        x: &DVector<f64>,
+        iterate: &Iterate,
+    ) -> Result<&Derivatives<f64>> {
+        self.place(x);
+        self.set_terms(iterate);
+        self.objective
+            .derivatives(&self.coefficients, &mut self.derivatives)?;
+        Ok(&self.derivatives)
+    }
+
+    /// The multipliers of all rows at all points.
+    pub fn multipliers(&self, iterate: &Iterate) -> Vec<f64> {
+        let mut all = vec![0.0; self.margins.len()];
+        for row in &iterate.working {
+            all[row.at] = iterate.lambda(row);
+        }
+        all
+    }
+
+    /// Passes the terms of the rows to the integrand.
+    fn set_terms(&mut self, iterate: &Iterate) {
+        let integrand = self.objective.cost_mut();
+        for terms in &mut integrand.terms {
+            terms.clear();
+        }
+        let count = integrand.rows.count();
+        let points = integrand.terms.len();
+        for row in iterate.working.iter().filter(|row| row.at < points * count) {
+            let h = integrand.h[row.at] + self.margins[row.at];
+            let term = iterate.term(row, h);
+            integrand.terms[row.at / count].push((row.at % count, term));
+        }
+    }
+
+    /// The values of the two bounds of a free horizon, relative to the initial one.
+    fn bounds(&self) -> [f64; 2] {
+        let Some(free) = self.free_horizon else {
+            return [0.0; 2];
+        };
+        [
+            (free.shortest - self.horizon) / free.longest,
+            (self.horizon - free.longest) / free.longest,
+        ]
+    }
+
+    /// The local maxima of the rows between the points, and the largest violation, in its unit.
+    fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
+        let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
+        let rows = &mut self.objective.cost_mut().rows;
+        let peaks = scan.peaks(rows, &self.coefficients, horizon, FLOOR)?;
+        let units = &rows.attributes().units;
+        let highest = peaks.iter().map(|peak| peak.height * units[peak.row]);
+        let highest = highest.fold(0.0, f64::max);
+        let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
+        let integrand = self.objective.cost_mut();
+        let count = integrand.rows.count();
+        let mut largest = highest;
+        for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
+            if self.grid.collocated[g % self.grid.points()] {
+                for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
+                    largest = largest.max(h.abs() * units[row]);
+                }
+            }
+        }
+        Ok((peaks, largest))
+    }
+
+    /// The largest violation of a row at other unknowns, which become the current ones.
+    pub fn look(&mut self, x: &DVector<f64>) -> Result<f64> {
+        self.place(x);
+        self.is_coarse(true)?;
+        Ok(self.peaks(true)?.1)
+    }
+
+    /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
+    fn is_coarse(&mut self, end: bool) -> Result<bool> {
+        let cost = self.objective.value(&self.coefficients)?;
+        self.finer.set_horizon(self.horizon);
+        let exact = self.finer.value(&self.coefficients)?;
+        let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
+        self.finer_cost = [exact, error];
+        let on_the_way = if end { 0.0 } else { ON_THE_WAY };
+        Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
+    }
+
+    /// Sets margins from the local maxima of the rows between the points.
+    ///
+    /// During the search they raise the rows at the two points of the segment next to a maximum to its height. At the
+    /// `end` they only grow, by twice the excess of a maximum, so that the process terminates.
+    fn set_margins(&mut self, peaks: &[Peak], end: bool) {
+        if !end {
+            self.margins.fill(RESERVE);
+        }
+        let (grid, integrand) = (self.grid, self.objective.cost_mut());
+        let count = integrand.rows.count();
+        for peak in peaks {
+            let after = grid.times.partition_point(|t| *t < peak.time);
+            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
+            let asked = |g: &usize| !grid.collocated[g % grid.points()];
+            let beside = [
+                (own.start..after.min(own.end)).rfind(asked),
+                (after.max(own.start)..own.end).find(asked),
+            ];
+            for g in beside.into_iter().flatten() {
+                let at = g * count + peak.row;
+                if !end {
+                    let beside = RESERVE + peak.height - integrand.h[at];
+                    self.margins[at] = self.margins[at].max(beside);
+                } else if peak.height > 0.0 {
+                    self.margins[at] += 2.0 * peak.height + RESERVE;
+                }
+            }
+        }
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
+    fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        self.place(x);
+        let cost = self.objective.value(&self.coefficients)?;
+        let bounds = self.bounds();
+        let (integrand, margins) = (self.objective.cost_mut(), &self.margins);
+        h.clear();
+        h.extend(
+            integrand
+                .h
+                .iter()
+                .zip(margins)
+                .map(|(h, margin)| h + margin),
+        );
+        if let Some(free) = self.free_horizon {
+            h.extend(bounds);
+            if self.horizon <= 0.0 {
+                return Ok(f64::INFINITY);
+            }
+            return Ok(self.unlisted(h, cost + free.weight * self.horizon));
+        }
+        Ok(self.unlisted(h, cost))
+    }
+
+    fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        self.place(x);
+        self.set_terms(iterate);
+        self.objective
+            .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
+        let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
+        out.gradient.rows_mut(0, own).copy_from(&of.gradient);
+        std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
+        let (bounds, horizon) = (self.bounds(), self.horizon);
+        if let (Some(free), Some((border, corner))) = (self.free_horizon, &mut out.hessian.border) {
+            let of = &self.derivatives.horizon;
+            border.copy_from(&of.mixed);
+            out.gradient[own] = of.first + free.weight;
+            *corner = of.second;
+            let first = self.margins.len() - 2;
+            for row in iterate.working.iter().filter(|row| row.at >= first) {
+                let side = row.at - first;
+                let slope = [-1.0, 1.0][side] / free.longest;
+                let term = iterate.term(row, bounds[side]);
+                out.gradient[own] +=
+                    horizon * row.weight * term.slope * slope + row.weight * term.cost;
+                *corner += horizon * row.weight * term.curvature * slope * slope;
+            }
+        }
+        Ok(())
+    }
+
+    fn measure(&self, x: &DVector<f64>) -> f64 {
+        match self.free_horizon {
+            Some(_) => x[x.len() - 1],
+            None => self.horizon,
+        }
+    }
+
+    fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        match self.free_horizon {
+            Some(_) => (0.5 * x[x.len() - 1] / step[x.len() - 1].abs()).min(1.0),
+            None => 1.0,
+        }
+    }
+
+    fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
+        let (grid, integrand) = (self.grid, self.objective.cost_mut());
+        let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
+        self.working.clear();
+        self.working.resize(h.len(), false);
+        let mut rows = Vec::new();
+        for g in 0..integrand.terms.len() {
+            let (collocated, weight) = (
+                grid.collocated[g % grid.points()],
+                grid.weights[g % grid.points()],
+            );
+            for row in 0..count {
+                let (at, equality) = (g * count + row, attributes.equalities[row]);
+                // NaN counts as near.
+                let is_far = attributes.clearances[row] && h[at] < -NEAR;
+                if equality == collocated && !is_far {
+                    self.working[at] = true;
+                    rows.push(Row {
+                        at,
+                        weight,
+                        equality,
+                    });
+                }
+            }
+        }
+        if self.free_horizon.is_some() {
+            for at in [h.len() - 2, h.len() - 1] {
+                self.working[at] = true;
+                rows.push(Row {
+                    at,
+                    weight: 1.0,
+                    equality: false,
+                });
+            }
+        }
+        rows
+    }
+
+    fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened> {
+        self.place(x);
+        if self.is_coarse(end)? {
+            return Ok(Tightened::Coarse);
+        }
+        let (peaks, violation) = self.peaks(end)?;
+        if !end && violation <= self.stage.feasible {
+            self.kept.push(x.clone());
+        }
+        if !end || violation > self.stage.feasible {
+            self.set_margins(&peaks, end);
+        }
+        Ok(Tightened::Violation(violation))
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.watch.stopped().is_some()
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The objective, infinite where a row outside the working set is violated: a step into something that was far away.
+    fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
+        let (grid, integrand) = (self.grid, &self.objective);
+        let attributes = integrand.cost().rows.attributes();
+        let count = attributes.scales.len();
+        let mut rows = h.iter().zip(&self.working).enumerate();
+        let violated = rows.any(|(at, (h, working))| {
+            !working
+                && *h > 0.0
+                && attributes.clearances[at % count]
+                && !grid.collocated[at / count % grid.points()]
+        });
+        if violated { f64::INFINITY } else { objective }
+    }
+}
