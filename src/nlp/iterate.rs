@@ -40,6 +40,18 @@ pub(crate) struct Term {
     pub cost: f64,
 }
 
+impl Term {
+    /// The term times a factor.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            slope: factor * self.slope,
+            curvature: factor * self.curvature,
+            multiplier: factor * self.multiplier,
+            cost: factor * self.cost,
+        }
+    }
+}
+
 /// A step of slack, elastic variable and multiplier.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowStep {
@@ -225,21 +237,15 @@ impl Iterate {
         [own, curvature * change * change]
     }
 
-    /// The largest fractions of a step that keep slack and elastic variable, and the multiplier, from their bounds.
-    pub fn fraction(&self, row: &Row, step: &RowStep, tau: f64) -> [f64; 2] {
-        let range = self.range(row)[1];
-        let to = |value: f64, step: f64| {
-            if step < -tau * value {
-                -tau * value / step
-            } else {
-                1.0
-            }
-        };
-        let (at, z) = (row.at, self.multiplier[row.at]);
-        [
-            to(self.slack[at], step.slack).min(to(self.elastic[at], step.elastic)),
-            to(z, step.multiplier).min(to(range - z, -step.multiplier)),
-        ]
+    /// Takes a fraction of a step from another iterate; each of slack, elastic variable and multiplier keeps at least
+    /// $1 - \tau$ of its distance from zero, the fraction-to-the-boundary rule row by row (WB 15).
+    pub fn take(&mut self, from: &Self, row: &Row, step: &RowStep, fraction: f64, tau: f64) {
+        let (at, range) = (row.at, self.range(row)[1]);
+        let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
+        self.slack[at] = moved(from.slack[at], fraction * step.slack);
+        self.elastic[at] = moved(from.elastic[at], fraction * step.elastic);
+        let z = moved(from.multiplier[at], step.multiplier);
+        self.multiplier[at] = range - moved(range - from.multiplier[at], from.multiplier[at] - z);
     }
 
     /// The terms of all rows in the barrier function, without their measure.

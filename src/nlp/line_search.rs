@@ -38,49 +38,35 @@ pub(super) fn line_search<P: Nlp>(
     let (mut fraction, mut predicted) = (problem.longest(&state.x, &step.x), f64::NAN);
     for cut in 0..options.cuts {
         let x = &state.x + &step.x * fraction;
-        let mut f = problem.value(&x, &mut h)?;
+        let f = problem.value(&x, &mut h)?;
         if !f.is_finite() {
             fraction *= options.backtracking;
             continue;
         }
-        // The steps of the rows, and the largest fractions that keep their bounds.
         let measure = problem.measure(&state.x);
-        let (mut primal, mut dual, mut slope) = (1.0_f64, 1.0_f64, step.slope);
+        let mut slope = step.slope;
         for (row, own) in state.iterate.working.iter().zip(&mut steps) {
             let change = (h[row.at] - state.h[row.at]) / fraction;
             *own = state.iterate.step(row, state.h[row.at], change);
-            let [of_primal, of_dual] = state.iterate.fraction(row, own, tau);
-            (primal, dual) = (primal.min(of_primal), dual.min(of_dual));
             let [bend, condensed] = state.iterate.bend(row, own, change);
             slope += measure * row.weight * (condensed - bend);
+            trial.take(&state.iterate, row, own, fraction, tau);
+            let (s, t) = (&mut trial.slack[row.at], &mut trial.elastic[row.at]);
+            [*s, *t] = meet(h[row.at], *s, *t);
         }
         if cut == 0 {
             predicted = -slope;
         }
-        let mut alpha = fraction;
-        let mut at = x;
-        if primal < fraction {
-            alpha = primal;
-            at = &state.x + &step.x * alpha;
-            f = problem.value(&at, &mut h)?;
-        }
-        trial.slack.copy_from_slice(&state.iterate.slack);
-        trial.elastic.copy_from_slice(&state.iterate.elastic);
-        for (row, own) in state.iterate.working.iter().zip(&steps) {
-            let (s, t) = (&mut trial.slack[row.at], &mut trial.elastic[row.at]);
-            [*s, *t] = meet(h[row.at], *s + alpha * own.slack, *t + alpha * own.elastic);
-        }
+        let (alpha, at) = (fraction, x);
         let after = f + problem.measure(&at) * trial.barrier_terms(&h);
         let (gained, rounding) = (before - after, ROUNDING * before.abs().max(f.abs()));
         let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
         if hidden || gained >= -options.sufficient_decrease * alpha * slope {
-            let multipliers = dual.min(1.0);
-            for (row, own) in state.iterate.working.iter().zip(&steps) {
-                trial.multiplier[row.at] =
-                    state.iterate.multiplier[row.at] + multipliers * own.multiplier;
+            for row in &state.iterate.working {
                 trial.safeguard(row, options.multiplier_range);
             }
-            state.progress.alpha = [alpha, multipliers];
+            state.progress.alpha = [alpha, 1.0];
+            state.progress.alpha = [alpha, 1.0];
             state.iterate = trial;
             (state.x, state.f) = (at, f);
             std::mem::swap(&mut state.h, &mut h);

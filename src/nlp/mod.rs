@@ -284,8 +284,25 @@ impl State {
     /// Adapts the margins of the rows at the current point.
     fn tighten<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<Tightened> {
         let found = problem.tighten(&self.x, false)?;
+        if let Tightened::Violation(violation) = found
+            && violation > options.feasible
+        {
+            self.raise_penalty(options);
+        }
         self.reset(problem, options)?;
         Ok(found)
+    }
+
+    /// Raises the penalty if a multiplier has reached it; returns false if it is the largest one already.
+    fn raise_penalty(&mut self, options: &Options) -> bool {
+        let Barrier { mu, nu } = self.iterate.barrier;
+        if !self.iterate.working.iter().any(|row| self.iterate.is_at_penalty(row)) {
+            return true;
+        }
+        let most = options.largest_penalty * self.scale() / self.measure;
+        let raised = (nu * options.penalty_factor).min(most);
+        self.iterate.set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
+        raised > nu
     }
 
     /// Looks at the rows between the points at a stationary point. Returns the status if the search is over; otherwise
@@ -312,20 +329,8 @@ impl State {
         if self.rounds > options.rounds {
             return Ok(Some(Status::Infeasible));
         }
-        let Barrier { mu, nu } = self.iterate.barrier;
-        if self
-            .iterate
-            .working
-            .iter()
-            .any(|row| self.iterate.is_at_penalty(row))
-        {
-            let most = options.largest_penalty * self.scale() / self.measure;
-            if nu >= most {
-                return Ok(Some(Status::Infeasible));
-            }
-            let nu = (nu * options.penalty_factor).min(most);
-            self.iterate
-                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
+        if !self.raise_penalty(options) {
+            return Ok(Some(Status::Infeasible));
         }
         self.reset(problem, options)?;
         Ok(None)

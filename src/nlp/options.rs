@@ -59,15 +59,15 @@ impl Default for Options {
             tolerance: 1e-6,
             feasible: 5e-7,
             iterations: 500,
-            first_barrier: 0.1,
+            first_barrier: env("AGHF_MU", 0.1),
             warm_barrier: 1e-2,
             last_barrier: 1e-7,
-            barrier_factor: 0.2,
+            barrier_factor: env("AGHF_KAPPA", 0.2),
             barrier_power: 1.5,
-            barrier_done: 0.1,
-            fraction_to_boundary: 0.99,
-            penalty: 1e2,
-            penalty_factor: 30.0,
+            barrier_done: env("AGHF_DONE", 0.1),
+            fraction_to_boundary: env("AGHF_TAU", 0.99),
+            penalty: env("AGHF_PEN", 10.0),
+            penalty_factor: env("AGHF_PENF", 10.0),
             largest_penalty: 1e9,
             sufficient_decrease: 1e-4,
             backtracking: 0.5,
@@ -81,4 +81,8 @@ impl Default for Options {
             rounds: 20,
         }
     }
+}
+
+fn env(name: &str, default: f64) -> f64 {
+    std::env::var(name).map_or(default, |v| v.parse().unwrap_or(default))
 }

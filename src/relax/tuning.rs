@@ -51,7 +51,7 @@ pub(super) const HOPELESS: [f64; 3] = [0.02, 0.1, 1.0];
 pub(super) const LOWER: [Stage; 2] = [
     Stage {
         tolerance: 0.1,
-        iterations: 12,
+        iterations: 30,
         quadrature_tolerance: 0.02,
         last_barrier: 1e-2,
         feasible: 1e-2,

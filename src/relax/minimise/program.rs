@@ -169,7 +169,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let points = integrand.terms.len();
         for row in iterate.working.iter().filter(|row| row.at < points * count) {
             let h = integrand.h[row.at] + self.margins[row.at];
-            let term = iterate.term(row, h);
+            let part = row.weight / self.grid.weights[row.at / count % self.grid.points()];
+            let term = iterate.term(row, h).times(part);
             integrand.terms[row.at / count].push((row.at % count, term));
         }
     }
@@ -336,6 +337,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 let (at, equality) = (g * count + row, attributes.equalities[row]);
                 // NaN counts as near.
                 let is_far = attributes.clearances[row] && h[at] < -NEAR;
+                // Equalities have the weights of a rule of their own.
+                let weight = if equality { weight / Grid::COLLOCATED } else { weight };
                 if equality == collocated && !is_far {
                     self.working[at] = true;
                     rows.push(Row {
