@@ -244,7 +244,7 @@ impl Iterate {
         let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
         self.slack[at] = moved(from.slack[at], fraction * step.slack);
         self.elastic[at] = moved(from.elastic[at], fraction * step.elastic);
-        let z = moved(from.multiplier[at], step.multiplier);
+        let z = moved(from.multiplier[at], fraction * step.multiplier);
         self.multiplier[at] = range - moved(range - from.multiplier[at], from.multiplier[at] - z);
     }
 

@@ -20,7 +20,6 @@ pub(crate) struct Kkt {
     pub gradient: DVector<f64>,
     pub hessian: Bordered,
     norm: Bordered,
-    norm_factor: Bordered,
     factor: Bordered,
     /// The last multiple of the norm that was added.
     regularisation: f64,
@@ -99,17 +98,9 @@ impl Kkt {
             gradient: DVector::zeros(order),
             hessian: norm.clone(),
             factor: norm.clone(),
-            norm_factor,
             norm,
             regularisation: 0.0,
         })
-    }
-
-    /// The norm of the gradient, dual to that of steps, relative to `scale`.
-    pub fn stationarity(&self, scale: f64) -> f64 {
-        let mut natural = self.gradient.clone();
-        self.norm_factor.solve(&mut natural);
-        natural.dot(&self.gradient).sqrt() / scale
     }
 
     /// A direction of length 1 along which the condensed matrix has negative curvature; `None` at a minimum. By inverse
@@ -179,6 +170,7 @@ impl Kkt {
         self.factor.solve(&mut x);
         let slope = self.gradient.dot(&x);
         progress.step = self.length(&x);
+        progress.stationarity = (-slope / scale).sqrt();
         Some(Step { x, slope })
     }
 }

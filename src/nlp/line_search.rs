@@ -22,6 +22,11 @@ pub(super) fn line_search<P: Nlp>(
 ) -> Result<Option<f64>> {
     let rows = state.iterate.working.len();
     let before = state.merit(problem);
+    state.merits.push_back(before);
+    while state.merits.len() > options.memory {
+        state.merits.pop_front();
+    }
+    let highest = state.merits.iter().copied().fold(before, f64::max);
     let tau = options
         .fraction_to_boundary
         .max(1.0 - state.complementarity());
@@ -35,7 +40,7 @@ pub(super) fn line_search<P: Nlp>(
         rows
     ];
     let mut trial = state.iterate.clone();
-    let (mut fraction, mut predicted) = (problem.longest(&state.x, &step.x), f64::NAN);
+    let (mut fraction, mut predicted) = (problem.longest(&state.x, &step.x).min(options.longest_step / state.progress.step), f64::NAN);
     for cut in 0..options.cuts {
         let x = &state.x + &step.x * fraction;
         let f = problem.value(&x, &mut h)?;
@@ -59,7 +64,7 @@ pub(super) fn line_search<P: Nlp>(
         }
         let (alpha, at) = (fraction, x);
         let after = f + problem.measure(&at) * trial.barrier_terms(&h);
-        let (gained, rounding) = (before - after, ROUNDING * before.abs().max(f.abs()));
+        let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
         let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
         if hidden || gained >= -options.sufficient_decrease * alpha * slope {
             for row in &state.iterate.working {

@@ -103,7 +103,8 @@ pub(crate) enum Status {
 pub(crate) struct Progress {
     pub objective: f64,
     pub measure: f64,
-    /// The norm of the gradient of the Lagrangian relative to the objective.
+    /// The Newton decrement $\sqrt{g^T H^{-1} g / f}$ with the condensed matrix `H`: half its square is the predicted
+    /// relative decrease of the barrier function.
     pub stationarity: f64,
     /// The barrier parameter relative to the objective, summed over all rows.
     pub complementarity: f64,
@@ -138,6 +139,8 @@ pub(crate) struct State {
     /// The numbers of iterations, and of times that rows were tightened at the end.
     iterations: usize,
     rounds: usize,
+    /// The barrier function at the last iterates with this barrier and working set.
+    merits: std::collections::VecDeque<f64>,
 }
 
 /// Solves a nonlinear program from `x`, with known multipliers if there are any.
@@ -160,6 +163,7 @@ pub(crate) fn solve<P: Nlp>(
             observe(&state.progress);
             return state.end(problem, status);
         }
+        let step = state.kkt.step(state.scale(), &mut state.progress, options);
         if state.is_stationary(options) {
             observe(&state.progress);
             match state.tighten_end(problem, options)? {
@@ -167,7 +171,7 @@ pub(crate) fn solve<P: Nlp>(
                 None => continue,
             }
         }
-        let taken = match state.kkt.step(state.scale(), &mut state.progress, options) {
+        let taken = match step {
             Some(step) => line_search(problem, &mut state, &step, options)?,
             None => None,
         };
@@ -225,7 +229,8 @@ impl State {
             None => options.first_barrier,
         };
         let barrier = Barrier {
-            mu: first.max(options.last_barrier) * scale / weight.max(f64::MIN_POSITIVE),
+            // Without rows any will do.
+            mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: options.penalty * scale / measure,
         };
         let mut iterate = Iterate::new(h.len(), barrier);
@@ -243,6 +248,7 @@ impl State {
             measure,
             iterations: 0,
             rounds: 0,
+            merits: Default::default(),
         })
     }
 
@@ -255,7 +261,7 @@ impl State {
         self.progress = Progress {
             objective: self.f,
             measure: self.measure,
-            stationarity: self.kkt.stationarity(self.scale()),
+            stationarity: f64::INFINITY,
             complementarity: self.complementarity(),
             infeasibility: working.fold(0.0, |most, row| self.h[row.at].max(most)),
             ..Progress::default()
@@ -319,6 +325,7 @@ impl State {
         self.rounds += 1;
         if violation <= options.feasible {
             if self.rounds <= options.rounds
+                && self.progress.regularisation > 0.0
                 && let Some(direction) = self.kkt.negative_curvature(self.scale())
                 && leave_saddle(problem, self, &direction, options)?
             {
@@ -338,6 +345,7 @@ impl State {
 
     /// Evaluates the rows again after a change of margins.
     fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
+        self.merits.clear();
         self.f = problem.value(&self.x, &mut self.h)?;
         let working = problem.working_set(&self.h);
         self.iterate.set_working(working, &self.h);

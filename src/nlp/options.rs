@@ -21,6 +21,8 @@ pub struct Options {
     pub barrier_power: f64,
     /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced.
     pub barrier_done: f64,
+    /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima.
+    pub longest_step: f64,
     /// The smallest fraction to the boundary: 0.99 as in WB (8).
     pub fraction_to_boundary: f64,
     /// The first penalty of a violation, relative to the objective: a violation of a tenth of the scale of one row all
@@ -32,6 +34,9 @@ pub struct Options {
     pub largest_penalty: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
     pub sufficient_decrease: f64,
+    /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo, Lampariello
+    /// and Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW 15.4).
+    pub memory: usize,
     /// The factor of backtracking: 0.5 as in WB.
     pub backtracking: f64,
     /// The largest number of cuts of a step.
@@ -65,11 +70,13 @@ impl Default for Options {
             barrier_factor: env("AGHF_KAPPA", 0.2),
             barrier_power: 1.5,
             barrier_done: env("AGHF_DONE", 0.1),
+            longest_step: env("AGHF_LONG", 1.0),
             fraction_to_boundary: env("AGHF_TAU", 0.99),
-            penalty: env("AGHF_PEN", 10.0),
+            penalty: env("AGHF_PEN", 1.0),
             penalty_factor: env("AGHF_PENF", 10.0),
             largest_penalty: 1e9,
             sufficient_decrease: 1e-4,
+            memory: env("AGHF_MEM", 4.0) as usize,
             backtracking: 0.5,
             cuts: 25,
             room: 0.02,
