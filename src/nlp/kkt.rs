@@ -21,8 +21,10 @@ pub(crate) struct Kkt {
     pub hessian: Bordered,
     norm: Bordered,
     factor: Bordered,
-    /// The last multiple of the norm that was added.
+    /// The last multiple of the norm that was added to an indefinite matrix.
     regularisation: f64,
+    /// The smallest multiple to be tried.
+    floor: f64,
 }
 
 /// A Newton step.
@@ -100,7 +102,24 @@ impl Kkt {
             factor: norm.clone(),
             norm,
             regularisation: 0.0,
+            floor: 0.0,
         })
+    }
+
+    /// Adapts the smallest multiple of the norm to the fraction of the last step that was taken, as the radius of a trust
+    /// region would be: short fractions show that the quadratic model does not hold that far.
+    pub fn adapt(&mut self, alpha: f64, used: f64, options: &Options) {
+        let [_, more, less] = options.regularisation_factors;
+        self.floor = if alpha < options.short_fraction {
+            more * used.max(options.smallest_regularisation)
+        } else if alpha > options.long_fraction {
+            less * self.floor
+        } else {
+            self.floor
+        };
+        if self.floor < options.smallest_regularisation {
+            self.floor = 0.0;
+        }
     }
 
     /// A direction of length 1 along which the condensed matrix has negative curvature; `None` at a minimum. By inverse
@@ -140,7 +159,7 @@ impl Kkt {
     pub fn step(&mut self, scale: f64, progress: &mut Progress, options: &Options) -> Option<Step> {
         let [first, later, less] = options.regularisation_factors;
         let known = self.regularisation;
-        let mut multiple = 0.0;
+        let mut multiple = self.floor;
         progress.factorisations = 0;
         loop {
             progress.factorisations += 1;
@@ -149,7 +168,9 @@ impl Kkt {
             if self.factor.factorise() {
                 break;
             }
-            multiple = if multiple == 0.0 && known == 0.0 {
+            multiple = if multiple > 0.0 && multiple == self.floor {
+                (later * multiple).max(less * known)
+            } else if multiple == 0.0 && known == 0.0 {
                 options.first_regularisation
             } else if multiple == 0.0 {
                 (less * known).max(f64::EPSILON)

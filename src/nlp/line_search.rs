@@ -27,9 +27,8 @@ pub(super) fn line_search<P: Nlp>(
         state.merits.pop_front();
     }
     let highest = state.merits.iter().copied().fold(before, f64::max);
-    let tau = options
-        .fraction_to_boundary
-        .max(1.0 - state.complementarity());
+    let tau = options.fraction_to_boundary;
+    let split = std::env::var("AGHF_SPLIT").is_ok();
     let mut h = vec![0.0; state.h.len()];
     let mut steps = vec![
         RowStep {
@@ -57,7 +56,7 @@ pub(super) fn line_search<P: Nlp>(
             slope += measure * row.weight * (condensed - bend);
             trial.take(&state.iterate, row, own, fraction, tau);
             let (s, t) = (&mut trial.slack[row.at], &mut trial.elastic[row.at]);
-            [*s, *t] = meet(h[row.at], *s, *t);
+            [*s, *t] = if split { state.iterate.split(row, h[row.at]) } else { meet(h[row.at], *s, *t) };
         }
         if cut == 0 {
             predicted = -slope;

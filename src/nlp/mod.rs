@@ -194,6 +194,8 @@ pub(crate) fn solve<P: Nlp>(
                 state.iterate.working.len()
             );
         }
+        let [alpha, used] = [state.progress.alpha[0], state.progress.regularisation];
+        state.kkt.adapt(alpha, used, options);
         let solved = taken.is_none_or(|decrease| update.is_solved(&state, decrease));
         if solved && !state.is_last_barrier(options) {
             let barrier = update.next(&state);

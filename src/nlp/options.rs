@@ -50,6 +50,11 @@ pub struct Options {
     /// The factors of that multiple after a failed factorisation, the first time and later, and after a success: 100, 8
     /// and 1/3 as in WB.
     pub regularisation_factors: [f64; 3],
+    /// The smallest multiple but zero, from which it grows after short fractions of steps.
+    pub smallest_regularisation: f64,
+    /// The fractions of a step below and above which the multiple grows and shrinks.
+    pub short_fraction: f64,
+    pub long_fraction: f64,
     /// The largest multiple.
     pub largest_regularisation: f64,
     /// The first length of a step along a direction of negative curvature, in the norm of steps.
@@ -71,18 +76,21 @@ impl Default for Options {
             barrier_power: 1.5,
             barrier_done: env("AGHF_DONE", 0.1),
             longest_step: env("AGHF_LONG", 1.0),
-            fraction_to_boundary: env("AGHF_TAU", 0.99),
+            fraction_to_boundary: env("AGHF_TAU", 0.9),
             penalty: env("AGHF_PEN", 1.0),
             penalty_factor: env("AGHF_PENF", 10.0),
             largest_penalty: 1e9,
             sufficient_decrease: 1e-4,
-            memory: env("AGHF_MEM", 4.0) as usize,
+            memory: env("AGHF_MEM", 8.0) as usize,
             backtracking: 0.5,
             cuts: 25,
             room: 0.02,
             multiplier_range: 1e10,
             first_regularisation: 1e-4,
             regularisation_factors: [100.0, 8.0, 1.0 / 3.0],
+            smallest_regularisation: env("AGHF_DMIN", 1e-3),
+            short_fraction: env("AGHF_SHORT", 0.3),
+            long_fraction: env("AGHF_LONGF", 0.6),
             largest_regularisation: 1e10,
             saddle_step: 0.3,
             rounds: 20,

@@ -23,7 +23,7 @@ pub(super) const FLOOR: f64 = -0.05;
 pub(super) const RESERVE: f64 = 2e-7;
 
 /// The distance from its bound up to which a clearance is in the working set, m.
-pub(super) const NEAR: f64 = 0.12;
+pub(super) const NEAR: f64 = 0.05;
 
 // Barrier. All relative to the cost per second.
 

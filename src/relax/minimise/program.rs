@@ -327,6 +327,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
         self.working.clear();
         self.working.resize(h.len(), false);
+        let near = std::env::var("AGHF_NEAR").map_or(NEAR, |v| v.parse().unwrap_or(NEAR));
         let mut rows = Vec::new();
         for g in 0..integrand.terms.len() {
             let (collocated, weight) = (
@@ -336,7 +337,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             for row in 0..count {
                 let (at, equality) = (g * count + row, attributes.equalities[row]);
                 // NaN counts as near.
-                let is_far = attributes.clearances[row] && h[at] < -NEAR;
+                let is_far = attributes.clearances[row] && h[at] < -near;
                 // Equalities have the weights of a rule of their own.
                 let weight = if equality { weight / Grid::COLLOCATED } else { weight };
                 if equality == collocated && !is_far {
