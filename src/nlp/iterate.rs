@@ -86,9 +86,11 @@ impl Iterate {
         self.multiplier[row.at] + self.range(row)[0]
     }
 
-    /// Returns true if the multiplier of a row has nearly reached the penalty.
+    /// Returns true if the multiplier of a row is so near the penalty that its elastic variables do not vanish with the
+    /// barrier parameter. Those of an equality differ by $2 \mu \lambda / (\nu^2 - \lambda^2)$.
     pub fn is_at_penalty(&self, row: &Row) -> bool {
-        self.lambda(row).abs() > 0.9 * self.barrier.nu
+        let share = if row.equality { 0.1 } else { 0.9 };
+        self.lambda(row).abs() > share * self.barrier.nu
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
