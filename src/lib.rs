@@ -61,7 +61,9 @@ pub mod model;
 pub mod motion;
 #[doc(hidden)]
 pub mod names;
-mod nlp;
+#[doc(hidden)]
+#[cfg(feature = "solvers")]
+pub mod nlp;
 #[cfg(feature = "solvers")]
 pub mod ode;
 #[cfg(feature = "solvers")]

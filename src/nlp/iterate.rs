@@ -4,7 +4,7 @@ use super::Barrier;
 
 /// A row of the working set.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub struct Row {
     /// The index among all rows.
     pub at: usize,
     /// The weight without the measure of the problem.
@@ -18,7 +18,7 @@ pub(crate) struct Row {
 /// $\lambda = z + z_0$, where $z_0 = 0$ for an inequality and $-\nu$ for an equality, and the range
 /// $\bar z = \nu - z_0$, both have the conditions $s z = \mu$ and $t (\bar z - z) = \mu$.
 #[derive(Clone, Debug)]
-pub(crate) struct Iterate {
+pub struct Iterate {
     pub working: Vec<Row>,
     pub barrier: Barrier,
     pub slack: Vec<f64>,
@@ -29,7 +29,7 @@ pub(crate) struct Iterate {
 
 /// The weights of a row in the condensed equations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Term {
+pub struct Term {
     /// That of its gradient.
     pub slope: f64,
     /// That of the product of its gradient with itself.
@@ -54,7 +54,7 @@ impl Term {
 
 /// A step of slack, elastic variable and multiplier.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RowStep {
+pub struct RowStep {
     pub slack: f64,
     pub elastic: f64,
     pub multiplier: f64,

@@ -1,0 +1,195 @@
+//! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
+
+use crate::common::config;
+use aghf::nlp::{Barrier, Iterate, Row};
+use nalgebra::{Matrix3, Vector3};
+use proptest::prelude::*;
+
+/// A row of weight 1.
+fn row(equality: bool) -> Row {
+    Row {
+        at: 0,
+        weight: 1.0,
+        equality,
+    }
+}
+
+/// One row with a slack, an elastic variable and a multiplier at this fraction of its range.
+fn one_row(row: Row, barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
+    let mut iterate = Iterate::new(1, barrier);
+    iterate.set_working(vec![row], &[0.0]);
+    iterate.slack[0] = slack;
+    iterate.elastic[0] = elastic;
+    iterate.multiplier[0] = fraction * range(row, barrier);
+    iterate
+}
+
+/// The sum of the multipliers of slack and elastic variable.
+fn range(row: Row, barrier: Barrier) -> f64 {
+    if row.equality {
+        2.0 * barrier.nu
+    } else {
+        barrier.nu
+    }
+}
+
+/// Numbers of all orders of magnitude between these powers of ten.
+fn size(from: f64, to: f64) -> impl Strategy<Value = f64> {
+    (from..to).prop_map(|power| 10.0_f64.powf(power))
+}
+
+fn barriers() -> impl Strategy<Value = Barrier> {
+    (size(-12.0, 1.0), size(-2.0, 9.0)).prop_map(|(mu, nu)| Barrier { mu, nu })
+}
+
+proptest! {
+    #![proptest_config(config(128))]
+
+    /// Slack and elastic variable satisfy $h + s = t$ and $\mu / s + \mu / t = \bar z$, the conditions of the least
+    /// barrier function for a row, without loss of digits.
+    #[test]
+    fn a_split_is_the_minimum(
+        barrier in barriers(), equality: bool, sign: bool, h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
+    ) {
+        let (row, h) = (row(equality), if sign { h } else { -h });
+        let [s, t] = Iterate::new(1, barrier).split(&row, h);
+        prop_assert!(s > 0.0 && t > 0.0, "{s} {t}");
+        prop_assert!((h + s - t).abs() <= 1e-14 * (h.abs() + s + t), "{h} {s} {t}");
+        let sum = barrier.mu / s + barrier.mu / t;
+        let whole = range(row, barrier);
+        prop_assert!((sum - whole).abs() <= 1e-13 * whole, "{sum} {whole}");
+    }
+
+    /// The step of a row solves the three linearised conditions $s z = \mu$, $t (\bar z - z) = \mu$ and $h + s = t$, and
+    /// the condensed terms predict the multiplier at its end.
+    #[test]
+    fn condensed_and_complete_equations_agree(
+        barrier in (size(-4.0, 0.0), size(-1.0, 2.0)), equality: bool,
+        at in [size(-3.0, 0.0).boxed(), size(-3.0, 0.0).boxed(), (0.01..0.99).boxed()],
+        h in -1.0..1.0_f64, change in -1.0..1.0_f64,
+    ) {
+        let (row, barrier) = (row(equality), Barrier { mu: barrier.0, nu: barrier.1 });
+        let iterate = one_row(row, barrier, at);
+        let [s, t, fraction] = at;
+        let (z, upper) = (fraction * range(row, barrier), (1.0 - fraction) * range(row, barrier));
+        let matrix = Matrix3::new(z, 0.0, s, 0.0, upper, -t, 1.0, -1.0, 0.0);
+        let right = Vector3::new(barrier.mu - s * z, barrier.mu - t * upper, t - s - h - change);
+        let exact = matrix.lu().solve(&right).expect("the matrix is regular");
+        let step = iterate.step(&row, h, change);
+        assert_close!(&[step.slack, step.elastic, step.multiplier], exact.as_slice(), 1e-9);
+        let term = iterate.term(&row, h);
+        prop_assert!(term.curvature > 0.0);
+        prop_assert_eq!(term.multiplier, iterate.lambda(&row));
+        let next = iterate.lambda(&row) + step.multiplier;
+        assert_close!(&[term.slope + term.curvature * change], &[next], 1e-9);
+    }
+
+    /// The slope of the barrier function along a step is that of the condensed equations less the curvature of slack and
+    /// elastic variable.
+    #[test]
+    fn slope_along_a_step(
+        barrier in (size(-4.0, 0.0), size(-1.0, 2.0)), equality: bool,
+        at in [size(-3.0, 0.0).boxed(), size(-3.0, 0.0).boxed(), (0.01..0.99).boxed()],
+        change in -1.0..1.0_f64,
+    ) {
+        let (row, barrier) = (row(equality), Barrier { mu: barrier.0, nu: barrier.1 });
+        let iterate = one_row(row, barrier, at);
+        let ([s, t, _], h) = (at, at[1] - at[0]);
+        let step = iterate.step(&row, h, change);
+        let penalty = if equality { barrier.nu * (step.slack + step.elastic) } else { barrier.nu * step.elastic };
+        let exact = penalty - barrier.mu * (step.slack / s + step.elastic / t);
+        let [own, condensed] = iterate.bend(&row, &step, change);
+        let found = iterate.term(&row, h).slope * change + condensed - own;
+        let size = 1.0 + own + barrier.nu * (step.slack.abs() + step.elastic.abs());
+        prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
+    }
+
+    /// Whatever the step, slack, elastic variable and multiplier keep a fraction of their distances from zero, and of
+    /// the multiplier from its upper bound; a step within these is taken as it is.
+    #[test]
+    fn a_step_stays_inside(
+        equality: bool, at in [size(-9.0, 3.0).boxed(), size(-9.0, 3.0).boxed(), (1e-6..1.0 - 1e-6).boxed()],
+        h in -1e3..1e3_f64, change in -1e3..1e3_f64, fraction in 0.0..1.0_f64,
+    ) {
+        let (row, barrier, tau) = (row(equality), Barrier { mu: 1e-3, nu: 7.0 }, 0.9);
+        let from = one_row(row, barrier, at);
+        let step = from.step(&row, h, change);
+        let mut to = from.clone();
+        to.take(&from, &row, &step, fraction, tau);
+        let upper = |iterate: &Iterate| range(row, barrier) - iterate.multiplier[0];
+        for (kept, before, by) in [
+            (to.slack[0], from.slack[0], step.slack),
+            (to.elastic[0], from.elastic[0], step.elastic),
+            (to.multiplier[0], from.multiplier[0], step.multiplier),
+            (upper(&to), upper(&from), -step.multiplier),
+        ] {
+            let least = (1.0 - tau) * before;
+            prop_assert!(kept >= least - 1e-12 * range(row, barrier), "{kept} {least}");
+            let whole = before + fraction * by;
+            prop_assert!(whole < least || (kept - whole).abs() <= 1e-9 * (1.0 + whole.abs()), "{kept} {whole}");
+        }
+    }
+
+    /// A multiplier, however wrong, ends between zero and the sum of both.
+    #[test]
+    fn a_safeguarded_multiplier_is_in_its_range(
+        barrier in barriers(), equality: bool,
+        at in [size(-12.0, 9.0).boxed(), size(-12.0, 9.0).boxed(), (0.0..1.0).boxed()],
+    ) {
+        let row = row(equality);
+        let mut iterate = one_row(row, barrier, at);
+        iterate.safeguard(&row, 1e10);
+        let z = iterate.multiplier[0];
+        prop_assert!(z > 0.0 && z < range(row, barrier), "{z}");
+        let term = iterate.term(&row, at[1] - at[0]);
+        prop_assert!(term.slope.is_finite() && term.curvature > 0.0, "{term:?}");
+    }
+}
+
+/// The multiplier of an equality does not change with the penalty.
+#[test]
+fn a_penalty_leaves_the_multipliers_of_equalities() {
+    let mut iterate = one_row(row(true), Barrier { mu: 1e-3, nu: 2.0 }, [0.1, 0.1, 0.7]);
+    let before = iterate.lambda(&row(true));
+    iterate.set_barrier(Barrier { mu: 1e-3, nu: 50.0 }, 1e10);
+    assert!((iterate.lambda(&row(true)) - before).abs() <= 1e-14 * 50.0);
+}
+
+/// A known multiplier moves a row away from its bound to the slack that belongs to it, up to a largest one; a zero is
+/// not a known multiplier.
+#[test]
+fn known_multipliers_have_their_slacks() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    for (known, expected) in [(0.5, 2e-3), (1e-3, 0.02)] {
+        let mut iterate = one_row(row(false), barrier, [1e-6, 1e-6, 0.9]);
+        iterate.set_multipliers(&[known], &[0.0], 0.02, 1e10);
+        assert_close!(
+            &[iterate.slack[0], iterate.elastic[0]],
+            &[expected; 2],
+            1e-15
+        );
+        assert_eq!(iterate.multiplier[0], known);
+    }
+    let mut iterate = one_row(row(false), barrier, [1e-6, 1e-6, 0.9]);
+    iterate.set_multipliers(&[0.0], &[0.0], 0.02, 1e10);
+    assert_eq!((iterate.slack[0], iterate.multiplier[0]), (1e-6, 0.9));
+}
+
+/// A row that leaves the working set and returns begins anew, at the minimum of its barrier function.
+#[test]
+fn a_returning_row_begins_anew() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    let mut iterate = one_row(row(false), barrier, [5.0, 6.0, 0.9]);
+    iterate.set_working(Vec::new(), &[0.3]);
+    assert_eq!(iterate.multiplier, [0.0]);
+    iterate.set_working(vec![row(false)], &[-0.3]);
+    assert_eq!(
+        [iterate.slack[0], iterate.elastic[0]],
+        iterate.split(&row(false), -0.3)
+    );
+    assert_close!(
+        &[iterate.multiplier[0]],
+        &[barrier.mu / iterate.slack[0]],
+        1e-15
+    );
+}
