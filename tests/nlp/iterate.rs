@@ -60,8 +60,8 @@ proptest! {
         prop_assert!((sum - whole).abs() <= 1e-13 * whole, "{sum} {whole}");
     }
 
-    /// The step of a row solves the three linearised conditions $s z = \mu$, $t (\bar z - z) = \mu$ and $h + s = t$, and
-    /// the condensed terms predict the multiplier at its end.
+    /// The step of a row solves the three linearised conditions $s z = \mu$, $t (\bar z - z) = \mu$ and $h + s = t$,
+    /// and the condensed terms predict the multiplier at its end.
     #[test]
     fn condensed_and_complete_equations_agree(
         barrier in (size(-4.0, 0.0), size(-1.0, 2.0)), equality: bool,
@@ -84,8 +84,8 @@ proptest! {
         assert_close!(&[term.slope + term.curvature * change], &[next], 1e-9);
     }
 
-    /// The slope of the barrier function along a step is that of the condensed equations less the curvature of slack and
-    /// elastic variable.
+    /// The slope of the barrier function along a step is that of the condensed equations less the curvature of slack
+    /// and elastic variable.
     #[test]
     fn slope_along_a_step(
         barrier in (size(-4.0, 0.0), size(-1.0, 2.0)), equality: bool,
@@ -99,7 +99,10 @@ proptest! {
         let penalty = if equality { barrier.nu * (step.slack + step.elastic) } else { barrier.nu * step.elastic };
         let exact = penalty - barrier.mu * (step.slack / s + step.elastic / t);
         let [own, condensed] = iterate.bend(&row, &step, change);
-        let found = iterate.term(&row, h).slope * change + condensed - own;
+        let term = iterate.term(&row, h);
+        let value = if equality { barrier.nu * (s + t) } else { barrier.nu * t } - barrier.mu * (s * t).ln();
+        assert_close!(&[term.cost, iterate.barrier_terms(&[h])], &[value; 2], 1e-12);
+        let found = term.slope * change + condensed - own;
         let size = 1.0 + own + barrier.nu * (step.slack.abs() + step.elastic.abs());
         prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
     }

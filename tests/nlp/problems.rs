@@ -1,7 +1,7 @@
 //! Programs of Hock and Schittkowski, *Test Examples for Nonlinear Programming Codes*, 1981 (HS), and others whose
 //! solutions are known, with their multipliers.
 //!
-//! The method measures everything relative to the objective, so a constant is added to one that vanishes at its minimum.
+//! The method measures relative to the objective, so a constant is added to one that vanishes at its minimum.
 
 use crate::dense::{Dense, accurate};
 use aghf::nlp::{Options, Solution, Status};
