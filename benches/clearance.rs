@@ -11,7 +11,7 @@ use aghf::constraint::{
 };
 use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
-use aghf::scalar::{Lanes, Scalar};
+use aghf::scalar::{Lanes, Scalar, Wide};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
 use common::{Times, criterion, measure, report, wave};
@@ -22,8 +22,6 @@ use std::hint::black_box;
 /// As many as a Panda has in the sphere set of its planners.
 const BALLS: usize = 59;
 const BOXES: usize = 12;
-
-type Four = Lanes<f64, 4>;
 
 /// Balls about the line of an arm, as many on the base as on each link.
 fn balls(model: &Model) -> Vec<CollisionSphere> {
@@ -66,16 +64,16 @@ fn time(
     constraint: &impl Constraint,
 ) {
     let rows = constraint.dim();
-    let x: Vec<Four> = (0..2 * model.dof())
+    let x: Vec<Wide> = (0..2 * model.dof())
         .map(|i| Lanes([0.0, 0.1, 0.2, 0.3].map(|t| (0.7 * i as f64 + t).sin())))
         .collect();
-    let all: Vec<Four> = wave(rows, 0.7).into_iter().map(Lanes::splat).collect();
+    let all: Vec<Wide> = wave(rows, 0.7).into_iter().map(Lanes::splat).collect();
     let mut some = all.clone();
     for (_, w) in some.iter_mut().enumerate().filter(|(i, _)| i % 20 > 0) {
-        *w = Four::from_f64(0.0);
+        *w = Wide::from_f64(0.0);
     }
     let mut g = all.clone();
-    let mut evaluator = Evaluator::<f64, Four>::new(model);
+    let mut evaluator = Evaluator::<f64, Wide>::new(model);
     measure(criterion, times, &format!("{name}, values"), rows, || {
         let here = evaluator.at(black_box(&x)).expect("the same robot");
         here.value(constraint, &mut g).expect("as many rows");

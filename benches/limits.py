@@ -37,14 +37,16 @@ def percentile(ascending: list, share: float) -> float:
 
 def solve(aghf: Path, name: str, robot: str, extra: list, folder: str) -> tuple:
     """The duration of the search in seconds, if there was one, and the reason of a failure, if it failed."""
-    command = [aghf, "solve", name, "--robot", robot, "--mimic", "independent", "--json", "--out", folder, "--force", *extra]
+    of_robot = ["--robot", robot, "--mimic", "independent"]
+    command = [aghf, "solve", name, *of_robot, "--json", "--out", folder, "--force", *extra]
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode not in (0, 3):
         return None, run.stderr.strip() or f"exit code {run.returncode}"
     summary = json.loads(run.stdout)
     if summary["success"]:
         return summary["solve_seconds"], None
-    reason = summary["failure"] or f"final error {summary['final_error_inf']}, limits broken: {summary['limit_violations']}"
+    missed = f"final error {summary['final_error_inf']}, limits broken: {summary['limit_violations']}"
+    reason = summary["failure"] or missed
     return summary["solve_seconds"], reason
 
 

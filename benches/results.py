@@ -85,7 +85,8 @@ def scenarios(folder: str) -> str:
 
 
 def families(folder: str) -> str:
-    head = "family | success | mean effort | worst final error with feedback | smallest clearance, m | median solve, ms | slowest, ms"
+    head = "family | success | mean effort | worst final error with feedback | smallest clearance, m"
+    head += " | median solve, ms | slowest, ms"
     rows = []
     for family in FAMILIES:
         all_of = [solved(f"{family}_{i:02}", folder) for i in range(1, 11)]
@@ -144,7 +145,8 @@ def processor() -> str:
 
 def machine() -> str:
     """The processor, and the commit."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    revision = ["git", "rev-parse", "--short", "HEAD"]
+    commit = subprocess.run(revision, cwd=ROOT, capture_output=True, text=True).stdout.strip()
     return f"Last run of `benches/results.py`: commit {commit}, one core of {os.cpu_count()} of {processor()}."
 
 

@@ -58,8 +58,10 @@ def inverse_dynamics(urdf):
         shift = ca.SX(placement.translation) + ca.SX(placement.rotation @ slide) * q[i]
         places.append((rotation, shift))
         parent = model.parents[i + 1] - 1
-        # Angular velocity, angular and linear acceleration of the body before it; gravity is an acceleration of the base.
-        w, dw, dv = bodies[parent][:3] if parent >= 0 else (ca.SX.zeros(3), ca.SX.zeros(3), ca.SX(-model.gravity.linear))
+        # Angular velocity, angular and linear acceleration of the body before it; gravity is an acceleration of the
+        # base.
+        base = (ca.SX.zeros(3), ca.SX.zeros(3), ca.SX(-model.gravity.linear))
+        w, dw, dv = bodies[parent][:3] if parent >= 0 else base
         moved = dv + ca.cross(dw, shift) + ca.cross(w, ca.cross(w, shift))
         w, dw, dv = rotation.T @ w, rotation.T @ dw, rotation.T @ moved
         dw, dv = dw + turn * a[i] + ca.cross(w, turn * v[i]), dv + slide * a[i] + 2 * ca.cross(w, slide * v[i])
@@ -100,7 +102,8 @@ class Collocation:
         torques = ca.horzcat(*(dynamics(qs[:, j], vs[:, j], a[:, j]) for j in range(3)))
         effort = h * ca.dot(ca.sum1(torques[driven, :] ** 2).T, WEIGHTS)
         end = [q + h * (vs @ WEIGHTS), v + h * (a @ WEIGHTS)]
-        of = ca.Function("interval", [ca.vertcat(q, v, ca.vec(a))], [ca.vertcat(*end), effort, ca.vec(torques[passive, :])])
+        values = [ca.vertcat(*end), effort, ca.vec(torques[passive, :])]
+        of = ca.Function("interval", [ca.vertcat(q, v, ca.vec(a))], values)
         x = ca.MX.sym("x", 5 * n, intervals)
         ends, efforts, zeros = of.map(intervals)(x)
         start = ca.DM(scenario["q_start"] + scenario["v_start"])
@@ -108,7 +111,8 @@ class Collocation:
         states = ca.horzcat(x[: 2 * n, :], goal)
         rows = ca.vertcat(x[: 2 * n, 0] - start, ca.vec(ends - states[:, 1:]), ca.vec(zeros))
         programme = {"x": ca.vec(x), "f": ca.sum2(efforts), "g": rows}
-        options = {"ipopt.print_level": 0, "print_time": 0, "ipopt.sb": "yes", "ipopt.max_iter": 1500, "ipopt.tol": 1e-8}
+        silent = {"ipopt.print_level": 0, "print_time": 0, "ipopt.sb": "yes"}
+        options = {**silent, "ipopt.max_iter": 1500, "ipopt.tol": 1e-8}
         self.solver = ca.nlpsol("solver", "ipopt", programme, options)
 
     def guess(self, seed, amplitude):
@@ -116,13 +120,15 @@ class Collocation:
         scenario, horizon = self.scenario, self.scenario["horizon_s"]
         s = (np.arange(self.intervals)[:, None] + np.append(0, NODES)) / self.intervals
         q0, v0, q1, v1 = (np.array(scenario[key])[:, None, None] for key in ("q_start", "v_start", "q_goal", "v_goal"))
-        q = q0 + (v0 * horizon) * (s - 2 * s**2 + s**3) + (q1 - q0) * (3 * s**2 - 2 * s**3) + (v1 * horizon) * (s**3 - s**2)
+        q = q0 + (q1 - q0) * (3 * s**2 - 2 * s**3)
+        q = q + (v0 * horizon) * (s - 2 * s**2 + s**3) + (v1 * horizon) * (s**3 - s**2)
         if seed:
             random = np.random.default_rng(seed)
             window = (4 * s * (1 - s)) ** 2
             size = amplitude * random.uniform(0.2, 1.5)
             for k in range(4):
-                q = q + size * random.normal(size=(self.n, 1, 1)) * window * np.sin((k + 1) * np.pi * s + random.uniform(0, np.pi))
+                amplitudes = size * random.normal(size=(self.n, 1, 1))
+                q = q + amplitudes * window * np.sin((k + 1) * np.pi * s + random.uniform(0, np.pi))
         # Slopes by differences: a guess need not be exact.
         time_of = s.ravel() * horizon
         flat = q.reshape(self.n, -1)
@@ -154,7 +160,8 @@ class Collocation:
         """IPOPT's status, the effort and the unknowns."""
         found = self.solver(x0=guess, lbg=0, ubg=0)
         stats = self.solver.stats()
-        return {"status": stats["return_status"], "success": bool(stats["success"]), "effort": float(found["f"])}, found["x"]
+        told = {"status": stats["return_status"], "success": bool(stats["success"]), "effort": float(found["f"])}
+        return told, found["x"]
 
 
 def reference(name, starts, intervals, amplitude):

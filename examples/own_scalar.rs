@@ -1,5 +1,4 @@
-//! A scalar of one's own: it counts the operations on it. Prints how many the inverse dynamics of each built-in robot
-//! take.
+//! A scalar of one's own that counts operations, and prints those of the inverse dynamics of each built-in robot.
 
 use aghf::dynamics::{Data, InverseDynamicsDerivatives, rnea, rnea_derivatives};
 use aghf::scalar::{AlgebraOver, Scalar, impl_scalar_operators};

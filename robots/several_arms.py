@@ -4,8 +4,8 @@
     python3 robots/several_arms.py          # writes kinova_gen3_2arms and kinova_gen3_3arms
     python3 robots/several_arms.py --check  # exit code 1 if a file is not what would be written
 
-Links and joints of arm k get the prefix arm_k_. Their bases stand along y, APART metres from each other, so arms may meet: nothing in the
-scenarios keeps them clear of each other.
+Links and joints of arm k get the prefix arm_k_. Their bases stand along y, APART metres from each other, so arms may
+meet: nothing in the scenarios keeps them clear of each other.
 """
 
 import re
@@ -23,7 +23,8 @@ def arms(count: int) -> str:
     body = re.search(r'<robot name="kinova_gen3">\n(.*)</robot>', text, re.DOTALL).group(1)
     parts = [
         '<?xml version="1.0"?>\n',
-        f"<!-- {count} Kinova Gen3, {APART} m apart: written by robots/several_arms.py. Figures: see robots/SOURCES.md. -->\n",
+        f"<!-- {count} Kinova Gen3, {APART} m apart: written by robots/several_arms.py. "
+        "Figures: see robots/SOURCES.md. -->\n",
         f'<robot name="kinova_gen3_{count}arms">\n',
         '  <link name="base"/>\n',
     ]

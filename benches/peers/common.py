@@ -70,7 +70,8 @@ class Table:
         """Adds a row, tells it on the terminal and writes the file."""
         self.rows.append(row)
         told = f"{row.scenario:22} {row.method:34} {'success' if row.success else 'FAILED ':8} "
-        told += f"{'valid' if row.valid else 'INVALID':8} effort {row.effort:10.4g}  {1e3 * row.seconds:9.1f} ms  {row.note}"
+        told += f"{'valid' if row.valid else 'INVALID':8} effort {row.effort:10.4g}  "
+        told += f"{1e3 * row.seconds:9.1f} ms  {row.note}"
         print(told, flush=True)
         self.write()
 

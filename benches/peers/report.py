@@ -77,8 +77,9 @@ def machine():
     own = subprocess.run([AGHF, "--version"], capture_output=True, text=True).stdout.strip()
     date = datetime.date.today().isoformat()
     return (
-        f"{own} at {commit}, {versions}, Python {platform.python_version()}, gcc {compiler}, on one core of {cpu}, {date}; "
-        f"load at the end {os.getloadavg()[1]:.1f} on {os.cpu_count()} cores, so other work ran beside where it is above 1."
+        f"{own} at {commit}, {versions}, Python {platform.python_version()}, gcc {compiler}, on one core of {cpu}, "
+        f"{date}; load at the end {os.getloadavg()[1]:.1f} on {os.cpu_count()} cores, so other work ran beside where "
+        "it is above 1."
     )
 
 
@@ -124,8 +125,10 @@ def write(table, notes, folder, command, extra=""):
 
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color-scheme:light dark}"
-    "table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em .7em;border-bottom:1px solid #8884;text-align:right}"
-    "td:nth-child(-n+2),th:nth-child(-n+2){text-align:left}.scroll{overflow-x:auto}text{font-size:12px;fill:currentColor}"
+    "table{border-collapse:collapse;margin:1em 0}"
+    "td,th{padding:.2em .7em;border-bottom:1px solid #8884;text-align:right}"
+    "td:nth-child(-n+2),th:nth-child(-n+2){text-align:left}"
+    ".scroll{overflow-x:auto}text{font-size:12px;fill:currentColor}"
 )
 COLOURS = ["#2266cc", "#66aaee", "#dd7700", "#229944", "#bb3355", "#8855bb", "#888800", "#008899", "#666666"]
 
@@ -160,7 +163,8 @@ def plot(rows):
         colour = COLOURS[methods.index(row.method) % len(COLOURS)]
         tip = html.escape(f"{row.scenario}, {row.method}: {time:.3g} ms, effort {row.effort:.4g}")
         parts.append(
-            f'<circle cx="{x(time):.1f}" cy="{y(ratio):.1f}" r="4" fill="{colour}" fill-opacity=".7"><title>{tip}</title></circle>'
+            f'<circle cx="{x(time):.1f}" cy="{y(ratio):.1f}" r="4" fill="{colour}" fill-opacity=".7">'
+            f"<title>{tip}</title></circle>"
         )
     for i, method in enumerate(methods):
         parts.append(f'<circle cx="645" cy="{40 + 20 * i}" r="5" fill="{COLOURS[i % len(COLOURS)]}"/>')

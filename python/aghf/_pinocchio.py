@@ -63,7 +63,8 @@ def _joint(model, i: int) -> tuple:
     joint, name = model.joints[i], model.names[i]
     element = f"joint '{name}'"
     if joint.nv != 1 or "Mimic" in joint.shortname():
-        raise _refused(model, element, f"it is a {joint.shortname()}, a joint has one degree of freedom of its own here")
+        condition = f"it is a {joint.shortname()}, a joint has one degree of freedom of its own here"
+        raise _refused(model, element, condition)
     if model.armature[joint.idx_v] != 0.0:
         raise _refused(model, element, "it has an armature, which the dynamics here do not have")
     data = joint.createData()

@@ -127,7 +127,8 @@ def _compare(states, value, first, second, names, samples: int, seed: int) -> Ta
             if ours.shape != expected.shape:
                 raise ValueError(f"{name}: its shape is {ours.shape[-2:]}, expected {expected.shape[-2:]}")
             error = np.abs(ours - expected).max() / max(np.abs(expected).max(), 1.0)
-            worst[name, witness] = max(worst.get((name, witness), 0.0), error, key=lambda e: np.inf if np.isnan(e) else e)
+            largest = worst.get((name, witness), 0.0)
+            worst[name, witness] = max(largest, error, key=lambda e: np.inf if np.isnan(e) else e)
     return Table.from_rows(
         {
             "quantity": name,

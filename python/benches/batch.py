@@ -2,7 +2,8 @@
 
     python python/benches/batch.py [ROBOT] [STATES]
 
-Runs the Rust benchmarks first (`cargo bench`, minutes where they are to be built), on the same machine and for a robot with as many joints.
+Runs the Rust benchmarks first (`cargo bench`, minutes where they are to be built), on the same machine and for a robot
+with as many joints.
 """
 
 import os
@@ -105,7 +106,8 @@ def main(robot: str, count: int) -> None:
     one, all_cores = in_process(robot, count, 1), in_process(robot, count, os.cpu_count())
     pinocchio = by_pinocchio(robot)
     print(f"{robot}, {count} states, microseconds per state; {os.cpu_count()} cores, numpy {np.__version__}")
-    print("| function | Rust, single | Python, one core | all cores | one core / Rust | faster on all cores | Pinocchio from Python |")
+    columns = ["function", "Rust, single", "Python, one core", "all cores", "one core / Rust", "faster on all cores"]
+    print(f"| {' | '.join(columns)} | Pinocchio from Python |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for name in RUST:
         there = f"{pinocchio[name]:.2f}" if name in pinocchio else "-"

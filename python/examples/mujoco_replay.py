@@ -1,6 +1,7 @@
 """MuJoCo as an independent judge: our motion, replayed in its simulation with a controller.
 
-The torques of the motion and a feedback on positions and velocities drive the robot; MuJoCo knows nothing of the motion but them.
+The torques of the motion and a feedback on positions and velocities drive the robot; MuJoCo knows nothing of
+the motion but them.
 
     pip install mujoco
     python python/examples/mujoco_replay.py [SCENARIO]

@@ -1,4 +1,6 @@
-"""Shows a motion in the viser visualiser of Pinocchio: ``python pinocchio_viser.py [SCENARIO] [--once]``, then open the address it prints.
+"""Shows a motion in the viser visualiser of Pinocchio, at the address it prints.
+
+    python pinocchio_viser.py [SCENARIO] [--once]
 
 ``--once`` plays the motion once and ends. Shapes are those of the URDF, where it has any.
 """

@@ -1,8 +1,9 @@
 """Solves scenarios on a cluster of Ray: ``python ray_solve.py [COUNT]``.
 
 Here the cluster is this machine with two workers of one core. On several machines start ``ray start --head`` on one and
-``ray start --address=HEAD:6379`` on the others, install this package on each, and call ``ray.init(address="auto")``: the rest stays.
-A solution itself stays with its worker; what travels are scenarios, summaries and arrays.
+``ray start --address=HEAD:6379`` on the others, install this package on each, and call
+``ray.init(address="auto")``: the rest stays. A solution itself stays with its worker; scenarios,
+summaries and arrays travel.
 """
 
 import sys

@@ -7,7 +7,7 @@
 use crate::error::raised;
 use aghf::Result;
 use aghf::model::Model;
-use aghf::scalar::{AlgebraOver, Lanes, Scalar, Tanh};
+use aghf::scalar::{AlgebraOver, LANES, Scalar, Tanh, Wide};
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -20,12 +20,6 @@ pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 
 /// An array for Python.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
-
-/// The number of states evaluated together in SIMD lanes.
-const LANES: usize = 4;
-
-/// Several states.
-type Wide = Lanes<f64, LANES>;
 
 /// The smallest batch that is spread over threads.
 const LEAST_PARALLEL: usize = 64;

@@ -3,7 +3,7 @@
 use aghf::constraint::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
 use aghf::model::Model;
 use aghf::relax::{RunningCost, StageDerivatives, StageInput};
-use aghf::scalar::{AlgebraOver, Lanes, Scalar};
+use aghf::scalar::{AlgebraOver, LANES, Scalar, Wide};
 use aghf::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -12,9 +12,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// The SIMD lanes of constraints.
-type Wide = Lanes<f64, 4>;
 
 /// The first exception raised by a Python function, which an error of the library cannot carry.
 #[derive(Clone, Debug, Default)]
@@ -198,7 +195,8 @@ impl PyConstraint {
 
     /// The error for a scalar type that Python cannot evaluate.
     fn refused<S>() -> Error {
-        let condition = "a constraint in Python is evaluated over float64 alone: methods that differentiate its values by dual numbers cannot take it";
+        let condition = "a constraint in Python is evaluated over float64 alone: methods that differentiate its \
+            values by dual numbers cannot take it";
         Error::input("Python", std::any::type_name::<S>(), condition)
     }
 }
@@ -210,7 +208,7 @@ fn lanes_of<S: Scalar>() -> Result<usize> {
     if zero.is::<f64>() {
         Ok(1)
     } else if zero.is::<Wide>() {
-        Ok(4)
+        Ok(LANES)
     } else {
         Err(PyConstraint::refused::<S>())
     }

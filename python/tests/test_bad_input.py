@@ -1,5 +1,6 @@
-"""Bad input: the cases of the Rust tests again, each an exception with the same words, and states that are no states."""
+"""Bad input: the cases of the Rust tests again, each an exception with the same words, and no states."""
 
+import json
 import re
 from pathlib import Path
 
@@ -9,27 +10,20 @@ import pytest
 import aghf
 from problems import PENDULUM
 
-ERRORS = Path(__file__).parents[2] / "tests" / "urdf" / "errors.rs"
+TESTS = Path(__file__).parents[2] / "tests" / "urdf"
 
 
 def bad_robots():
     """The good robot of the Rust test, and its changes: what, replacement, element, words of the condition."""
-    source = ERRORS.read_text(encoding="utf-8")
+    source = (TESTS / "refused.rs").read_text(encoding="utf-8")
     arm = re.search(r'const ARM: &str = r#"(.*?)"#;', source, re.DOTALL)[1]
-    cases = []
-    for raw, plain in re.findall(r'r#"([^"\n].*?)"#|"([^"\n]*)"', source):
-        parts = (raw or plain).split(" | ")
-        if len(parts) != 3 or "{" in parts[0]:
-            continue
-        what, replacement = parts[0].split(" => ")
-        for bad in ["NaN", "inf", "-inf", "1e999"] if "BAD" in replacement else [""]:
-            cases.append((what, replacement.replace("BAD", bad), parts[1], parts[2].split("; ")))
-    return arm, cases
+    cases = json.loads((TESTS / "refused.json").read_text(encoding="utf-8"))["arm"]
+    return arm.replace('"', "'"), [(*case, "")[:4] for case in cases]
 
 
 def test_bad_robots(tmp_path):
     arm, cases = bad_robots()
-    assert aghf.Model.from_urdf(arm).dof == 2 and len(cases) > 60
+    assert aghf.Model.from_urdf(arm).dof == 2 and len(cases) > 50
     for number, (what, replacement, element, words) in enumerate(cases):
         assert arm.count(what) == 1, what
         path = tmp_path / f"arm_{number}.urdf"
@@ -38,7 +32,7 @@ def test_bad_robots(tmp_path):
             aghf.Model.from_urdf(path)
         error = raised.value
         assert (error.file, error.element) == (str(path), element), error
-        assert all(word in error.condition for word in words), error
+        assert words in error.condition, error
     for text in ["<", "<robot>", "<sdf/>", '<robot name="arm"/>', arm[:900], arm.replace("robot", "sdf")]:
         with pytest.raises(aghf.InputError):
             aghf.Model.from_urdf(text)
@@ -87,7 +81,7 @@ def test_what_is_no_scenario():
         ({"method": "flow", "tolerance": -1.0}, "positive"),
         ({"method": "flow", "jacobian": "magic"}, "magic"),
         ({"method": "flow", "integrator": "magic"}, "magic"),
-        ({"method": "flow", "segments": 2}, "flow"),
+        ({"method": "flow", "segments": 2}, "unknown field `segments`"),
         ({"method": "magic"}, "magic"),
         ({"degree": 3}, "at least 4"),
         ({"degree": 2**63}, "degree"),
@@ -95,7 +89,7 @@ def test_what_is_no_scenario():
         ({"starts": 0}, "at least 1"),
         ({"segments": 17}, "at most 16"),
         ({"degree_tolerance": 0}, "positive"),
-        ({"k": 1e5}, "no such parameter"),
+        ({"k": 1e5}, "unknown field `k`"),
         ({"surprise": 1}, "surprise"),
         ({"seed": -1}, "options"),
         ({"time_limit_s": float("nan")}, "options"),
@@ -109,7 +103,8 @@ def test_bad_options(options, words):
 def test_bad_states():
     model = aghf.Model.builtin("kinova_gen3")
     good = np.zeros((4, 7))
-    for bad in [np.zeros(6), np.zeros((4, 8)), np.zeros((2, 2, 7)), np.zeros(0), 1.0, "seven", None, [[0.0] * 7, [0.0]]]:
+    arrays = [np.zeros(size) for size in [6, (4, 8), (2, 2, 7), 0]]
+    for bad in [*arrays, 1.0, "seven", None, [[0.0] * 7, [0.0]]]:
         for arguments in [(bad, good, good), (good, bad, good)]:
             with pytest.raises(ValueError):
                 aghf.rnea(model, *arguments)

@@ -45,7 +45,8 @@ def test_the_notebook_runs(tmp_path):
     notebook = nbformat.read(EXAMPLES / "quick_start.ipynb", as_version=4)
     client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}})
     client.execute()
-    pages = [output for cell in notebook.cells for output in cell.get("outputs", []) if "text/html" in output.get("data", {})]
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    pages = [output for output in outputs if "text/html" in output.get("data", {})]
     assert any("srcdoc" in page["data"]["text/html"] for page in pages), "the motion is shown"
 
 

@@ -23,7 +23,7 @@ class Squares:
 
 
 class Floor:
-    """The end of the second pendulum, of 1 m like the first, does not sink below a height: curved, with a name and a scale."""
+    """The end of the second pendulum, of 1 m like the first, does not sink below a height: a curved constraint."""
 
     rows = 1
     names = ("height of the end",)

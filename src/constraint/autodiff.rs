@@ -7,12 +7,12 @@ use crate::scalar::{AlgebraOver, Jet, Scalar};
 use crate::spatial::Placement;
 
 /// The number of tangents per pass.
-const LANES: usize = 4;
+const TANGENTS: usize = 4;
 
 /// The numbers for gradients.
-type First<S> = Jet<S, LANES>;
+type First<S> = Jet<S, TANGENTS>;
 /// The numbers for Hessians: rows in the inner tangent, columns in the outer ones.
-type Second<S> = Jet<Jet<S, 1>, LANES>;
+type Second<S> = Jet<Jet<S, 1>, TANGENTS>;
 
 /// Numbers with tangents, stored so that they are allocated only once.
 #[derive(Clone, Debug)]
@@ -98,8 +98,8 @@ pub(super) fn add_weighted_derivatives<C: Scalar, S: AlgebraOver<C>, K: Constrai
     let m = at.x.len();
     let chunks = |end: usize| {
         (0..end)
-            .step_by(LANES)
-            .map(move |start| start..(start + LANES).min(end))
+            .step_by(TANGENTS)
+            .map(move |start| start..(start + TANGENTS).min(end))
     };
 
     let moving = &mut scratch.first;

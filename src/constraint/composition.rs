@@ -172,7 +172,8 @@ delegate!(
     it => ((&it.0, &it.1), (&it.2, &it.3))
 );
 delegate!(
-    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>] (K0, K1, K2, K3, K4),
+    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>]
+        (K0, K1, K2, K3, K4),
     it => ((&it.0, &it.1), (&it.2, (&it.3, &it.4)))
 );
 delegate!(

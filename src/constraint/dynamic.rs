@@ -3,7 +3,7 @@
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Lanes, Scalar};
+use crate::scalar::{AlgebraOver, Scalar, Wide};
 use num_dual::{Dual64, DualSVec64};
 use std::any::{Any, type_name};
 use std::fmt::Debug;
@@ -102,7 +102,7 @@ impl<K: Constraint + Clone + Debug + Send + Sync + 'static> DynConstraint for K 
 
     fn functions(&self, slot: &mut dyn Any) {
         fill::<K, f64>(slot);
-        fill::<K, Lanes<f64, 4>>(slot);
+        fill::<K, Wide>(slot);
         fill::<K, Dual64>(slot);
         fill::<K, DualSVec64<8>>(slot);
     }

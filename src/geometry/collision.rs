@@ -72,7 +72,7 @@ impl Capsule {
     }
 
     /// The ball of the capsule that is nearest to a solid, in the base frame; `None` for a shape without a closed form
-    /// ([`Shape::nearest_on_segment`](super::Shape::nearest_on_segment)). `placements` are those of all bodies.
+    /// ([`Solid::nearest_on_segment`](super::Solid::nearest_on_segment)). `placements` are those of all bodies.
     ///
     /// # Errors
     /// `placements` has no entry for the body.

@@ -101,8 +101,11 @@ impl Shape<f64> {
                     }
                 }
             }
-            // It has no length and is refused above.
-            Self::HalfSpace => {}
+            // A half-space is refused above: it has no length.
+            _ => {
+                let condition = format!("a {} has no cover", self.name());
+                return Err(Error::input("cover by balls", "shape", condition));
+            }
         }
         Ok(cover)
     }

@@ -14,8 +14,8 @@
 //! derivatives are those of one of these faces: the first one in the order of the axes, on the positive side. A
 //! direction out of the shape therefore exists everywhere.
 //!
-//! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other, and
-//! answers questions about their distances.
+//! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other,
+//! and answers questions about their distances.
 //!
 //! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, and give the largest excess.
 //!
@@ -23,13 +23,15 @@
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
 mod collision;
+mod corner;
 mod cover;
 mod mesh;
 mod scene;
 mod shape;
 
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
-pub use shape::{Distance, FLAT, Shape, Solid, Sphere};
+pub use shape::{Distance, Shape, Solid, Sphere};

@@ -1,5 +1,6 @@
 //! Convex shapes, their placements, and the signed distances of points from them.
 
+use super::corner::{Bent, beyond, corner, excess, length};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{
     Placement, apply_constant, apply_constant_transpose, matrix, rotation_of_z_to,
@@ -93,8 +94,8 @@ impl Shape<f64> {
 }
 
 impl Solid {
-    /// The half-space $n \cdot p \le \delta$ in m, such as the ground; the normal `n` is a vector of any length but zero
-    /// into the free space, and $\delta$ the offset along the unit normal.
+    /// The half-space $n \cdot p \le \delta$ in m, such as the ground; the normal `n` is a vector of any length but
+    /// zero into the free space, and $\delta$ the offset along the unit normal.
     #[must_use]
     pub fn half_space(normal: &Vector3<f64>, offset: f64) -> Self {
         let rotation = rotation_of_z_to(normal);
@@ -121,10 +122,6 @@ impl Solid {
         Some(from + along * fraction)
     }
 }
-
-/// The length in m below which a distance is replaced by that from a plane: far below any relevant size, and far above
-/// the size at which $1 / d^3$ overflows.
-pub const FLAT: f64 = 1e-12;
 
 /// The signed distance of a point from a surface, with its derivatives in the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -282,111 +279,5 @@ impl<C: Scalar> Solid<C> {
     fn in_shape<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> Vector3<S> {
         let from = p - self.placement.translation.map(S::lift);
         apply_constant_transpose(&self.placement.rotation, &from)
-    }
-}
-
-/// Computes $|x| - h$.
-#[inline]
-fn beyond<C: Scalar, S: AlgebraOver<C>>(x: S, half: C) -> S {
-    x.if_negative(-x, x) - S::lift(half)
-}
-
-/// The positive part of a number.
-#[inline]
-fn excess<S: Scalar>(q: S) -> S {
-    q.if_negative(S::zero(), q)
-}
-
-#[inline]
-fn sum_of_squares<S: Scalar, const K: usize>(v: &[S; K]) -> S {
-    v.iter().fold(S::zero(), |sum, v| sum + *v * *v)
-}
-
-/// A number that is negative if the length with this square is below [`FLAT`].
-#[inline]
-fn short<S: Scalar>(square: S) -> S {
-    square - S::from_f64(FLAT * FLAT)
-}
-
-/// Computes $|v|$, or the first entry if the length is below [`FLAT`].
-#[inline]
-fn length<S: Scalar, const K: usize>(v: [S; K]) -> S {
-    let square = sum_of_squares(&v);
-    short(square).if_negative(v[0], square.sqrt())
-}
-
-/// The distance from the corner $q \le 0$: inside, from the nearest of the sides; outside, from all sides that `q` is
-/// beyond.
-#[inline]
-fn corner<S: Scalar, const K: usize>(q: [S; K]) -> S {
-    let mut most = q[0];
-    for q in &q[1..] {
-        most = (most - *q).if_negative(*q, most);
-    }
-    let outside = sum_of_squares(&q.map(excess)).sqrt();
-    (most - S::from_f64(FLAT)).if_negative(most, outside)
-}
-
-/// A function of `K` numbers that is linear in one region and a length in another, with its derivatives.
-struct Bent<S: Scalar, const K: usize> {
-    value: S,
-    gradient: [S; K],
-    hessian: [[S; K]; K],
-}
-
-impl<S: Scalar, const K: usize> Bent<S, K> {
-    /// Computes $|v|$ for numbers `v` whose derivatives are `moves`, one or zero; the linear function with the given
-    /// value and gradient if `flat` is negative.
-    #[inline]
-    fn new(v: [S; K], moves: [S; K], flat: S, (value, gradient): (S, [S; K])) -> Self {
-        let length = sum_of_squares(&v).sqrt();
-        let inverse = S::one() / length;
-        let n = v.map(|v| v * inverse);
-        let hessian = |i: usize, j: usize| {
-            let own = if i == j { moves[i] } else { S::zero() };
-            flat.if_negative(S::zero(), (own - n[i] * n[j]) * inverse)
-        };
-        Self {
-            value: flat.if_negative(value, length),
-            gradient: std::array::from_fn(|i| flat.if_negative(gradient[i], n[i])),
-            hessian: std::array::from_fn(|i| std::array::from_fn(|j| hessian(i, j))),
-        }
-    }
-
-    /// Computes [`length`] of numbers whose derivatives are `moves`.
-    #[inline]
-    fn length(v: [S; K], moves: [S; K]) -> Self {
-        let first = std::array::from_fn(|i| if i == 0 { S::one() } else { S::zero() });
-        Self::new(v, moves, short(sum_of_squares(&v)), (v[0], first))
-    }
-
-    /// Computes [`corner`].
-    #[inline]
-    fn corner(q: [S; K]) -> Self {
-        let (zero, one) = (S::zero(), S::one());
-        let mut most = q[0];
-        let mut nearest = std::array::from_fn(|i| if i == 0 { one } else { zero });
-        for i in 1..K {
-            let less = most - q[i];
-            most = less.if_negative(q[i], most);
-            for (j, side) in nearest.iter_mut().enumerate() {
-                *side = less.if_negative(if i == j { one } else { zero }, *side);
-            }
-        }
-        let moves = q.map(|q| q.if_negative(zero, one));
-        let inside = most - S::from_f64(FLAT);
-        Self::new(q.map(excess), moves, inside, (most, nearest))
-    }
-}
-
-impl<S: Scalar> Bent<S, 3> {
-    /// Converts to the distance from a surface at `radius`, in coordinates that differ by the signs `sign`.
-    #[inline]
-    fn distance(self, radius: S, sign: &Vector3<S>) -> Distance<S> {
-        Distance {
-            value: self.value - radius,
-            normal: Vector3::from_fn(|i, _| self.gradient[i] * sign[i]),
-            curvature: matrix(|i, j| self.hessian[i][j] * sign[i] * sign[j]),
-        }
     }
 }

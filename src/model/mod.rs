@@ -142,6 +142,18 @@ impl<C: Scalar> Model<C> {
 }
 
 impl Model<f64> {
+    /// The largest sum of the lengths of links from the base up to a joint, m: an upper bound of its distance from the
+    /// base if no joint slides.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let mut lengths = vec![0.0; self.joints.len()];
+        for (i, joint) in self.joints.iter().enumerate() {
+            let before = joint.parent().map_or(0.0, |parent| lengths[parent]);
+            lengths[i] = before + joint.origin().translation.norm();
+        }
+        lengths.into_iter().fold(0.0, f64::max)
+    }
+
     /// Converts the constants to another type, like Pinocchio's `cast`: dual numbers for derivatives with respect to a
     /// mass, elements of a finite field for the proof of an identity.
     #[must_use]

@@ -1,11 +1,34 @@
 //! Random robots for tests and benches.
 
-use super::{JointKind, JointSpec, Limits, Model};
+use super::{Joint, JointKind, JointSpec, Limits, Model};
 use crate::error::Result;
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+
+impl Model {
+    /// Draws positions of all joints within their limits, uniformly; where a limit is missing, within one turn or 2 pi
+    /// metres.
+    pub fn random_configuration(&self, rng: &mut impl Rng) -> Vec<f64> {
+        let draw = |joint: &Joint<f64>| {
+            let Limits { lower, upper, .. } = *joint.limits();
+            let lower = if lower.is_finite() {
+                lower
+            } else {
+                upper.min(PI) - 2.0 * PI
+            };
+            let upper = if upper.is_finite() {
+                upper
+            } else {
+                lower + 2.0 * PI
+            };
+            lower + (upper - lower) * rng.random::<f64>()
+        };
+        self.joints.iter().map(draw).collect()
+    }
+}
 
 /// A random vector in the cube of side two about the origin.
 fn vector(rng: &mut ChaCha8Rng) -> Vector3<f64> {

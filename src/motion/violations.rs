@@ -6,13 +6,8 @@ use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::Model;
-use crate::scalar::Lanes;
+use crate::scalar::{LANES, Lanes, Wide};
 use nalgebra::{DMatrix, DVector};
-
-/// The number of times evaluated together in SIMD lanes.
-const LANES: usize = 4;
-/// The values of a quantity at these times.
-type Wide = Lanes<f64, LANES>;
 
 /// The largest value over time of one row of constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]

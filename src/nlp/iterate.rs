@@ -86,13 +86,15 @@ impl Iterate {
         self.multiplier[row.at] + self.range(row)[0]
     }
 
-    /// Returns true if the multiplier of a row has nearly reached the penalty.
+    /// Returns true if the multiplier of a row is so near the penalty that its elastic variables do not vanish with the
+    /// barrier parameter. Those of an equality differ by $2 \mu \lambda / (\nu^2 - \lambda^2)$.
     pub fn is_at_penalty(&self, row: &Row) -> bool {
-        self.lambda(row).abs() > 0.9 * self.barrier.nu
+        let share = if row.equality { 0.1 } else { 0.9 };
+        self.lambda(row).abs() > share * self.barrier.nu
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    pub fn split(&self, row: &Row, h: f64) -> [f64; 2] {
+    fn split(&self, row: &Row, h: f64) -> [f64; 2] {
         let (mu, range) = (self.barrier.mu, self.range(row)[1]);
         let product = h * range;
         let root = product.hypot(2.0 * mu);
@@ -248,6 +250,26 @@ impl Iterate {
         self.multiplier[at] = range - moved(range - from.multiplier[at], from.multiplier[at] - z);
     }
 
+    /// Enlarges slack or elastic variable of a row until $h + s = t$.
+    pub fn meet(&mut self, row: &Row, h: f64) {
+        let (s, t) = (&mut self.slack[row.at], &mut self.elastic[row.at]);
+        let excess = h + *s - *t;
+        if excess > 0.0 {
+            *t += excess;
+        } else {
+            *s -= excess;
+        }
+    }
+
+    /// Safeguards the multipliers of all rows; see [`safeguard`](Self::safeguard).
+    pub fn safeguard_all(&mut self, range: f64) {
+        let working = std::mem::take(&mut self.working);
+        for row in &working {
+            self.safeguard(row, range);
+        }
+        self.working = working;
+    }
+
     /// The terms of all rows in the barrier function, without their measure.
     pub fn barrier_terms(&self, h: &[f64]) -> f64 {
         let (mut sum, mu) = (0.0, self.barrier.mu);
@@ -260,7 +282,7 @@ impl Iterate {
     }
 
     /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
-    pub fn safeguard(&mut self, row: &Row, range: f64) {
+    fn safeguard(&mut self, row: &Row, range: f64) {
         let (mu, [_, whole]) = (self.barrier.mu, self.range(row));
         let (s, t) = (self.slack[row.at], self.elastic[row.at]);
         let z = &mut self.multiplier[row.at];
@@ -270,15 +292,5 @@ impl Iterate {
             let upper = (whole - *z).max(mu / t / range);
             *z = whole - upper.min((mu / t * range).min((1.0 - 1e-12) * whole));
         }
-    }
-}
-
-/// Slack and elastic variable with $h + s = t$, each not smaller than it was.
-pub(crate) fn meet(h: f64, s: f64, t: f64) -> [f64; 2] {
-    let excess = h + s - t;
-    if excess > 0.0 {
-        [s, t + excess]
-    } else {
-        [s - excess, t]
     }
 }

@@ -113,9 +113,9 @@ pub struct Progress {
     pub infeasibility: f64,
     /// The multiple of the norm that was added to the Hessian.
     pub regularisation: f64,
-    /// The lengths of the step in the norm, and the fractions of it that `x` and the multipliers take.
+    /// The length of the step in the norm, and the fraction of it that was taken.
     pub step: f64,
-    pub alpha: [f64; 2],
+    pub alpha: f64,
     pub factorisations: usize,
 }
 
@@ -177,25 +177,7 @@ pub fn solve<P: Nlp>(
             None => None,
         };
         observe(&state.progress);
-        if std::env::var("AGHF_TRACE").is_ok() {
-            eprintln!(
-                "{:4} f {:.6e} T {:.4} stat {:.2e} compl {:.1e} infeas {:.2e} delta {:.1e} step {:.2e} alpha {:.2e} {:.2e} pred {:.2e} nf {} rows {}",
-                state.iterations,
-                state.f,
-                state.measure,
-                state.progress.stationarity,
-                state.progress.complementarity,
-                state.progress.infeasibility,
-                state.progress.regularisation,
-                state.progress.step,
-                state.progress.alpha[0],
-                state.progress.alpha[1],
-                taken.unwrap_or(f64::NAN) / state.f,
-                state.progress.factorisations,
-                state.iterate.working.len()
-            );
-        }
-        let [alpha, used] = [state.progress.alpha[0], state.progress.regularisation];
+        let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
         state.kkt.adapt(alpha, used, options);
         let solved = taken.is_none_or(|decrease| update.is_solved(&state, decrease));
         if solved && !state.is_last_barrier(options) {
@@ -305,12 +287,18 @@ impl State {
     /// Raises the penalty if a multiplier has reached it; returns false if it is the largest one already.
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
-        if !self.iterate.working.iter().any(|row| self.iterate.is_at_penalty(row)) {
+        if !self
+            .iterate
+            .working
+            .iter()
+            .any(|row| self.iterate.is_at_penalty(row))
+        {
             return true;
         }
         let most = options.largest_penalty * self.scale() / self.measure;
         let raised = (nu * options.penalty_factor).min(most);
-        self.iterate.set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
+        self.iterate
+            .set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
         raised > nu
     }
 

@@ -3,12 +3,7 @@
 use crate::constraint::{Constraint, Evaluator};
 use crate::error::{Result, check_length};
 use crate::model::Model;
-use crate::scalar::Lanes;
-
-/// The number of configurations checked together in SIMD lanes.
-const LANES: usize = 4;
-/// The values of a quantity at these configurations.
-type Wide = Lanes<f64, LANES>;
+use crate::scalar::{LANES, Wide};
 
 /// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`.
 #[derive(Debug)]

@@ -22,7 +22,8 @@ pub(super) const FLOOR: f64 = -0.05;
 /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
 pub(super) const RESERVE: f64 = 2e-7;
 
-/// The distance from its bound up to which a clearance is in the working set, m.
+/// The distance from its bound up to which a clearance is in the working set, relative to the reach of the robot: a few
+/// steps near the end are shorter.
 pub(super) const NEAR: f64 = 0.05;
 
 // Barrier. All relative to the cost per second.

@@ -10,6 +10,12 @@ use super::{AlgebraOver, Scalar, Tanh, Zero, impl_scalar_operators};
 #[repr(align(32))]
 pub struct Lanes<S, const W: usize>(pub [S; W]);
 
+/// The number of lanes of [`Wide`]: as many `f64` as a vector of AVX2 has.
+pub const LANES: usize = 4;
+
+/// The values of a quantity at [`LANES`] points, which go through the dynamics together.
+pub type Wide<S = f64> = Lanes<S, LANES>;
+
 impl<S: Scalar, const W: usize> Lanes<S, W> {
     /// The same number in all lanes.
     #[inline(always)]

@@ -18,7 +18,7 @@ mod operators;
 mod prime_field;
 
 pub use jet::Jet;
-pub use lanes::Lanes;
+pub use lanes::{LANES, Lanes, Wide};
 pub use prime_field::PrimeField;
 
 #[doc(inline)]

@@ -47,8 +47,9 @@ fn write_shape(xml: &mut Xml, shape: &CollisionShape) -> io::Result<()> {
             radius,
             half_length,
         }) => empty(xml, "capsule", &round(radius, half_length)),
-        CollisionShape::Solid(Shape::HalfSpace) => {
-            Err(io::Error::other("a half-space has no element in a URDF"))
+        CollisionShape::Solid(shape) => {
+            let condition = format!("a {} has no element in a URDF", shape.name());
+            Err(io::Error::other(condition))
         }
         CollisionShape::Mesh { file, scale } => {
             let attributes = [("filename", file.clone()), ("scale", numbers(scale))];

@@ -98,7 +98,8 @@ proptest! {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_value(size in prop::array::uniform4(0.1..1.0_f64), p in point(1.2), turn in point(3.0), off in point(1.0)) {
+    fn derivatives_are_those_of_the_value(size in prop::array::uniform4(0.1..1.0_f64), p in point(1.2),
+        turn in point(3.0), off in point(1.0)) {
         for shape in sizes(size) {
             let solid = Solid { placement: Placement::new(Rotation3::new(turn).into_inner(), off), shape };
             let ours = solid.distance_derivatives(&p);

@@ -107,7 +107,7 @@ fn quadrature_is_exact_for_polynomials_of_its_degree() {
 #[test]
 fn bad_settings_are_errors() {
     for (p, horizon, element) in [
-        (1, 1.0, "p:"),
+        (1, 1.0, "degree:"),
         (5, 0.0, "horizon"),
         (5, f64::NAN, "horizon"),
     ] {

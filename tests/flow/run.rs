@@ -247,7 +247,7 @@ fn every_jacobian_gives_the_same_curve() {
         let scenario = Scenario::load(name);
         let problem = scenario.problem();
         let of = |key: &str| scenario.number(&format!("/flow/{key}"));
-        let settings = FlowSettings::new(of("p") as usize, of("k"), of("s_max"));
+        let settings = FlowSettings::new(of("degree") as usize, of("k"), of("s_max"));
         let reference = run(&problem, &settings).curve;
         for (kind_name, kind) in JacobianKind::by_name() {
             let settings = FlowSettings {

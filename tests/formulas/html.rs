@@ -19,7 +19,8 @@ const RAW: [&str; 6] = ["code", "pre", "script", "style", "title", "math"];
 /// Padding for parts above and below the line, which would get a scroll bar in rustdoc's style, and fonts with
 /// stretchable brackets.
 const STYLE: &str = "<style>math { font-family: \"Latin Modern Math\", \"STIX Two Math\", \"Cambria Math\", math; } \
-    .docblock p:has(math), .docblock li:has(math), .item-table :has(math) { overflow-y: hidden; padding-block: 0.2em; } \
+    .docblock p:has(math), .docblock li:has(math), .item-table :has(math) { overflow-y: hidden; \
+        padding-block: 0.2em; } \
     math[display=block] { margin-block: 0.5em; padding-block: 0.3em; }</style>";
 
 /// Renders the formulas between dollars in the prose of a page as MathML.

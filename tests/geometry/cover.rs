@@ -32,7 +32,7 @@ fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
             let ball = Vector3::new(a, b, c).cap_magnitude(1.0) * radius;
             ball + Vector3::z() * (half_length * if c < 0.0 { -1.0 } else { b })
         }
-        Shape::HalfSpace => unreachable!("it has no cover"),
+        _ => unreachable!("it has no cover"),
     }
 }
 
@@ -102,7 +102,7 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
                 Shape::Cuboid { .. } => 0.5 * 3.0_f64.sqrt() * spacing,
                 Shape::Cylinder { .. } => 0.5 * 5.0_f64.sqrt() * spacing,
                 Shape::Capsule { radius, .. } => radius.hypot(0.5 * spacing) - radius,
-                Shape::HalfSpace => unreachable!("it has no cover"),
+                _ => unreachable!("it has no cover"),
             };
             let found = sticks_out(&cover, &shape, rng);
             assert!(
@@ -221,8 +221,9 @@ fn folder(name: &str) -> PathBuf {
 }
 
 const OBJ: &str = "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n";
-const STL: &str = "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n\
-facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 2 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid two\n";
+const STL: &str = "solid two\n\
+    facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n\
+    facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 2 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid two\n";
 
 /// The two triangles of the texts above as a binary STL.
 fn binary() -> Vec<u8> {

@@ -125,7 +125,8 @@ fn namespace(py: Python<'_>) -> &Bound<'_, PyDict> {
 fn open_venv(py: Python<'_>) {
     let prepared = std::fs::read_to_string(venv().join("prepared")).unwrap_or_default();
     let version = py.eval(
-        c"' '.join([__import__('os').path.realpath(__import__('sys').base_prefix), *__import__('sys').version.split()])",
+        c"' '.join([__import__('os').path.realpath(__import__('sys').base_prefix), \
+            *__import__('sys').version.split()])",
         None,
         None,
     );
@@ -133,7 +134,8 @@ fn open_venv(py: Python<'_>) {
     let wanted = format!("{interpreter}\n{}", include_str!("requirements.txt"));
     assert!(
         prepared.trim_end() == wanted.trim_end(),
-        "target/oracle/venv is not there, not whole, of other pins or of another Python than this one ({interpreter}): run \
+        "target/oracle/venv is not there, not whole, of other pins or of another Python than this one \
+        ({interpreter}): run \
          `tests/run`, which makes it anew"
     );
     let info = py.version_info();

@@ -12,7 +12,8 @@ proptest! {
     #![proptest_config(config(128))]
 
     #[test]
-    fn lanes_divide_each_by_its_own(a in prop::array::uniform4(-3.0..3.0_f64), b in prop::array::uniform4(0.1..3.0_f64)) {
+    fn lanes_divide_each_by_its_own(a in prop::array::uniform4(-3.0..3.0_f64),
+        b in prop::array::uniform4(0.1..3.0_f64)) {
         let alone: [f64; 4] = std::array::from_fn(|i| a[i] / b[i]);
         prop_assert_eq!((Lanes(a) / Lanes(b)).0, alone);
         let mut assigned = Lanes(a);
@@ -78,7 +79,8 @@ proptest! {
     /// cancellation, and is as good as one is. An angle beyond what the fast path is for has the bits that it has
     /// alone, and changes none of the others'.
     #[test]
-    fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::collection::vec(angle(), 1..10), far in beyond(), place in 0..9_usize) {
+    fn the_fast_paths_agree_with_the_generic_code_in_sines(angles in prop::collection::vec(angle(), 1..10),
+        far in beyond(), place in 0..9_usize) {
         let bits = |(s, c): &(f64, f64)| (s.to_bits(), c.to_bits());
         let mut fast = vec![(0.0, 0.0); angles.len()];
         f64::sin_cos_of_several(&angles, &mut fast);

@@ -113,7 +113,8 @@ proptest! {
 
     /// The inertia of a moving body changes by `B + B^T`.
     #[test]
-    fn the_coriolis_matrix_gives_the_rate_of_inertia(x in numbers(16), at in numbers(6), v in numbers(6), m in numbers(6)) {
+    fn the_coriolis_matrix_gives_the_rate_of_inertia(x in numbers(16), at in numbers(6), v in numbers(6),
+        m in numbers(6)) {
         let (at, v, m) = (placement(&at), motion(&v), motion(&m));
         let inertia = body(&particles(&x));
         let lift = |x: &Vector3<f64>| x.map(Dual64::from);
@@ -136,7 +137,8 @@ proptest! {
     /// Beyond a free joint an acceleration along its axis requires no force, and no other acceleration requires a force
     /// along it.
     #[test]
-    fn an_articulated_body_gives_way_along_the_axis(x in numbers(16), s in numbers(6), t in numbers(6), m in numbers(6)) {
+    fn an_articulated_body_gives_way_along_the_axis(x in numbers(16), s in numbers(6), t in numbers(6),
+        m in numbers(6)) {
         let (inertia, s, t, m) = (body(&particles(&x)), motion(&s), motion(&t), motion(&m));
         let mut articulated = ArticulatedInertia::new(&inertia);
         close(articulated.apply(&m), inertia.apply(&m));

@@ -77,9 +77,11 @@ fn a_summary_has_a_line_a_kind_of_what_bears_on_motions() {
 fn a_moment_of_rounding_is_not_impossible() {
     let notes = |ixz: &str| {
         let text = format!(
-            "<robot name='r'><link name='base'/><link name='body'><inertial><origin xyz='0 0 -0.5'/><mass value='1.33687'/>
+            "<robot name='r'><link name='base'/><link name='body'><inertial><origin xyz='0 0 -0.5'/>\
+            <mass value='1.33687'/>
                <inertia ixx='0' ixy='0' ixz='{ixz}' iyy='0' iyz='0' izz='0'/></inertial></link>
-             <joint name='j' type='continuous'><parent link='base'/><child link='body'/><axis xyz='0 1 0'/></joint></robot>"
+             <joint name='j' type='continuous'><parent link='base'/><child link='body'/>\
+             <axis xyz='0 1 0'/></joint></robot>"
         );
         let (_, report) = parse_urdf(&text, "r.urdf").expect("it swings");
         report.len() - 1

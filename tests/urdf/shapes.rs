@@ -17,7 +17,8 @@ pub const ROBOT: &str = r#"<robot name="shapes">
   </link>
   <link name="tool">
     <collision><origin xyz="0.01 0.02 0.03"/><geometry><sphere radius="0.07"/></geometry></collision>
-    <collision><origin rpy="0 1.5707963267948966 0"/><geometry><capsule radius="0.02" length="0.1"/></geometry></collision>
+    <collision><origin rpy="0 1.5707963267948966 0"/><geometry><capsule radius="0.02" length="0.1"/></geometry>
+    </collision>
   </link>
   <link name="finger">
     <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
@@ -25,7 +26,8 @@ pub const ROBOT: &str = r#"<robot name="shapes">
   </link>
   <joint name="turn" type="revolute"><origin xyz="0 0 0.3" rpy="0.3 0 0"/><parent link="base"/><child link="arm"/>
     <axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="flange" type="fixed"><origin xyz="0 0.1 0.5" rpy="0 0 0.5"/><parent link="arm"/><child link="tool"/></joint>
+  <joint name="flange" type="fixed"><origin xyz="0 0.1 0.5" rpy="0 0 0.5"/><parent link="arm"/><child link="tool"/>
+  </joint>
   <joint name="grip" type="revolute"><origin xyz="0.1 0 0" rpy="0 0.4 0"/><parent link="tool"/><child link="finger"/>
     <axis xyz="1 0 0"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
 </robot>"#;

@@ -10,7 +10,8 @@ pub const SRDF: &str = r#"<robot name="shapes">
   <group name="all"><chain base_link="base" tip_link="nowhere"/></group>
   <disable_collisions link1="base" link2="arm" reason="Adjacent"/>
   <disable_collisions link1="finger" link2="base"/>
-  <link_sphere_approximation link="tool"><sphere center="0.1 0 0" radius="0.2"/><sphere center="0 0.1 0" radius="0.3"/></link_sphere_approximation>
+  <link_sphere_approximation link="tool"><sphere center="0.1 0 0" radius="0.2"/>
+  <sphere center="0 0.1 0" radius="0.3"/></link_sphere_approximation>
   <link_sphere_approximation link="finger"><sphere center="0 0 0" radius="0"/></link_sphere_approximation>
 </robot>"#;
 

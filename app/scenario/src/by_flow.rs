@@ -110,7 +110,8 @@ pub(super) fn solve_by_flow_to_rest(
     let failure = (!solution.at_rest).then(|| match solution.stopped {
         Some(stopped) => format!("{stopped} before the flow was at rest"),
         None => format!(
-            "the flow did not come to rest: gradient norm {:.1e}, slip {:.1e}, largest violation {:.1e}, passive torque {:.1e} of the largest",
+            "the flow did not come to rest: gradient norm {:.1e}, slip {:.1e}, largest violation {:.1e}, passive \
+            torque {:.1e} of the largest",
             solution.gradient_norm, solution.slip, solution.violation, solution.passive_share
         ),
     });

@@ -54,7 +54,7 @@ impl fmt::Display for LimitViolation {
         let Self {
             name, unit, at_s, ..
         } = self;
-        let by = three_figures(self.by);
+        let by = three_digits(self.by, f64::round);
         let space = if unit.is_empty() { "" } else { " " };
         write!(f, "{name} by {by}{space}{unit} at {} s", time(*at_s))
     }
@@ -65,18 +65,25 @@ fn time(t: f64) -> String {
     if t == 0.0 || (1.0..1e6).contains(&t) {
         format!("{t:.3}")
     } else {
-        three_figures(t)
+        three_digits(t, f64::round)
     }
 }
 
-/// Formats a positive number with three significant digits.
-fn three_figures(x: f64) -> String {
-    if !(1e-3..1e4).contains(&x) {
-        return format!("{x:.2e}");
+/// Formats a positive number with three significant digits, or as an integer from 1000 on, rounded by `round`.
+pub(crate) fn three_digits(x: f64, round: fn(f64) -> f64) -> String {
+    let digits = (2.0 - x.log10().floor()).max(0.0);
+    let scale = 10_f64.powf(digits);
+    // Zero, subnormal and infinite numbers have no scale.
+    let x = if scale.is_normal() {
+        round(x * scale) / scale
+    } else {
+        x
+    };
+    if (1e-3..1e4).contains(&x) {
+        format!("{x:.*}", digits as usize)
+    } else {
+        format!("{x:.2e}")
     }
-    // The logarithm is -3 for 1e-3 and 2 for 999; larger numbers have no decimals.
-    let decimals = (2.0 - x.log10().floor()).max(0.0);
-    format!("{x:.*}", decimals as usize)
 }
 
 /// The kind of a limit.
@@ -157,7 +164,7 @@ impl Feasibility {
     pub fn reason(&self, tolerance: f64) -> Option<String> {
         let in_words = |violation: &LimitViolation| match violation.limit {
             Limit::Passive => {
-                let largest = three_figures(self.largest_torque);
+                let largest = three_digits(self.largest_torque, f64::round);
                 format!(
                     "{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}"
                 )

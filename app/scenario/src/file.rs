@@ -98,7 +98,7 @@ pub struct ScenarioFile {
     /// effort, and reports this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub running_cost: Option<RunningCostWeights>,
-    /// For the relaxation: the bounds and the price of a free horizon; the search starts from `horizon_s`.
+    /// For the relaxation: the bounds and the weight of a free horizon; the search starts from `horizon_s`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
     /// The obstacles to keep clear of.

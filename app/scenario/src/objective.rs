@@ -57,7 +57,7 @@ pub enum PerJoint {
     Each(Vec<f64>),
 }
 
-/// The bounds and the price of a free horizon.
+/// The bounds and the weight of a free horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
@@ -68,7 +68,7 @@ pub struct HorizonBounds {
     pub shortest_s: f64,
     /// The longest horizon, s.
     pub longest_s: f64,
-    /// The price per second.
+    /// The cost per second.
     pub weight: f64,
 }
 

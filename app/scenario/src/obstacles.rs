@@ -87,7 +87,7 @@ pub enum RobotShape {
     },
     /// The collision shapes of the URDF: spheres as they are, others covered by balls.
     Collision {
-        /// The spacing of the balls, m; see [`Shape::cover`] and [`cover_triangles`](aghf::geometry::cover_triangles).
+        /// The spacing of the balls, m: the largest distance between neighbours along a shape.
         #[serde(default = "default_spacing")]
         spacing_m: f64,
     },

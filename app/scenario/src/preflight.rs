@@ -1,5 +1,6 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
+use super::feasibility::three_digits;
 use super::{HorizonBounds, Limit, Scenario};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
@@ -133,7 +134,10 @@ impl Scenario {
         }
         let joint = &self.model.joints()[i];
         let (name, unit) = (joint.name(), Limit::Velocity.unit(joint.kind()));
-        let (least, speed) = (short(least, f64::ceil), short(speed, f64::round));
+        let (least, speed) = (
+            three_digits(least, f64::ceil),
+            three_digits(speed, f64::round),
+        );
         let horizon = plain(horizon);
         let condition = format!(
             "it is {horizon} s, but joint '{name}' needs at least {least} s at its velocity limit of {speed} {unit}, \
@@ -188,7 +192,7 @@ impl Scenario {
             };
             if torque.abs() > most + TOLERANCE {
                 let (name, unit) = (joint.name(), Limit::Torque.unit(joint.kind()));
-                let (torque, most) = (short(torque.abs(), f64::ceil), plain(most));
+                let (torque, most) = (three_digits(torque.abs(), f64::ceil), plain(most));
                 let but = if self.is_passive(i) {
                     "it is passive".to_owned()
                 } else {
@@ -206,14 +210,4 @@ impl Scenario {
     fn refuse(&self, key: &str, condition: String) -> Result<()> {
         Err(Error::input(&self.name, key, condition))
     }
-}
-
-/// Formats a positive number with three digits, rounded by `round`.
-fn short(x: f64, round: fn(f64) -> f64) -> String {
-    if !(1e-3..1e6).contains(&x) {
-        return format!("{x:e}");
-    }
-    let digits = 2 - x.log10().floor() as i32;
-    let scale = 10_f64.powi(digits);
-    format!("{:.*}", digits.max(0) as usize, round(x * scale) / scale)
 }

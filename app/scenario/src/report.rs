@@ -236,7 +236,8 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
             starts => format!("none of {starts} starts led"),
         };
         return Some(format!(
-            "{starts} to a motion within the constraints, which is the end of the search and no proof that there is none"
+            "{starts} to a motion within the constraints, which is the end of the search and no proof that there is \
+            none"
         ));
     }
     if !converged {

@@ -84,7 +84,8 @@ pub(super) fn collision_geometry(
         } => {
             if !(bounded(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
                 return refuse(format!(
-                    "a radius that is not negative and a positive spacing are needed, no number above {LARGEST_LENGTH} m"
+                    "a radius that is not negative and a positive spacing are needed, no number above \
+                    {LARGEST_LENGTH} m"
                 ));
             }
             let capsules = Capsule::along_links(model, radius_m);

@@ -56,7 +56,8 @@ pub(super) fn scene(
             pairs => format!(", {pairs} pairs of these included"),
         };
         let condition = format!(
-            "{obstacles} obstacles and {balls} balls of the robot have more than {MOST_DISTANCES} distances between them{own}"
+            "{obstacles} obstacles and {balls} balls of the robot have more than {MOST_DISTANCES} distances between \
+            them{own}"
         );
         return refuse(key, condition);
     }
@@ -85,8 +86,8 @@ impl Scenario {
         Ok(Some(smallest))
     }
 
-    /// The names of a part of the robot, its link or otherwise the joint that moves it, and of the obstacle or part that
-    /// is closest to it.
+    /// The names of a part of the robot, its link or otherwise the joint that moves it, and of the obstacle or part
+    /// that is closest to it.
     #[must_use]
     pub fn names_of<'a>(&'a self, pair: &ClosestPair<'a>) -> [&'a str; 2] {
         let name = |part: Part<'a>| {

@@ -9,7 +9,7 @@ use aghf::input::read_text;
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf::urdf::{DisabledPair, Srdf};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -20,9 +20,6 @@ const CONFIGURATIONS: usize = 10_000;
 
 /// The seed of the random configurations.
 const SEED: u64 = 0;
-
-/// Half of the range from which the position of a joint without limits is drawn, rad or m.
-const UNLIMITED: f64 = std::f64::consts::PI;
 
 /// The pairs of links of a robot that may overlap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,7 +91,7 @@ impl IgnoredPairs {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let mut placements = vec![Placement::identity(); model.dof()];
         for _ in 0..CONFIGURATIONS {
-            let q = random_configuration(model, &mut rng);
+            let q = model.random_configuration(&mut rng);
             forward_kinematics(model, &q, &mut placements)?;
             let balls = robot.placed(&placements)?;
             pairs.retain(|_, of_balls| {
@@ -160,24 +157,4 @@ pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> R
         }
     }
     Ok(())
-}
-
-/// Random positions within the limits of the joints.
-fn random_configuration(model: &Model, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let joints = model.joints().iter();
-    let draw = joints.map(|joint| {
-        let (lower, upper) = (joint.limits().lower, joint.limits().upper);
-        let lower = if lower.is_finite() {
-            lower
-        } else {
-            upper.min(UNLIMITED) - 2.0 * UNLIMITED
-        };
-        let upper = if upper.is_finite() {
-            upper
-        } else {
-            lower + 2.0 * UNLIMITED
-        };
-        lower + (upper - lower) * rng.random::<f64>()
-    });
-    draw.collect()
 }

@@ -2,9 +2,9 @@
 
     python robots.py REPOSITORY FOLDER
 
-ROBOT.txt holds the numbers of joints and states; per joint its parent (0 is the base), kind, axis, placement in the parent
-(rotation row by row, translation) and the mass, centre and inertia about the centre of its body, as Pinocchio reads them
-from the URDF; per state positions, velocities, accelerations and forces.
+ROBOT.txt holds the numbers of joints and states; per joint its parent (0 is the base), kind, axis, placement in the
+parent (rotation row by row, translation) and the mass, centre and inertia about the centre of its body, as Pinocchio
+reads them from the URDF; per state positions, velocities, accelerations and forces.
 """
 
 import sys
@@ -40,8 +40,8 @@ def chain(joints: int) -> str:
 def kind(joint) -> tuple[str, np.ndarray]:
     """The kind of a joint of Pinocchio and its axis.
 
-    Continuous joints, whose position is a cosine and a sine in Pinocchio, become revolute ones: everyone gets the same angles
-    and takes the sines and cosines of all of them.
+    Continuous joints, whose position is a cosine and a sine in Pinocchio, become revolute ones: everyone gets the
+    same angles and takes the sines and cosines of all of them.
     """
     name = joint.shortname().removeprefix("JointModel")
     kinds = {"RUB": "revolute", "RevoluteUnbounded": "revolute", "R": "revolute", "Revolute": "revolute"}

@@ -7,13 +7,8 @@ use crate::dynamics::{
 use crate::error::{Result, check_length};
 use crate::linalg::weighted_gram;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Lanes, Scalar};
+use crate::scalar::{AlgebraOver, LANES, Lanes, Scalar, Wide};
 use nalgebra::{DMatrix, DVector};
-
-/// The number of points that go through the dynamics side by side.
-pub(super) const LANES: usize = 4;
-/// The values of a number at these points.
-pub(super) type Wide<S> = Lanes<S, LANES>;
 
 /// The Lagrangian
 ///

@@ -1,10 +1,10 @@
 //! The augmented Lagrangian of constraints, added to the Lagrangian of a flow.
 
-use super::analytic::LANES;
 use super::row_terms::RowTerms;
 use super::{AnalyticLagrangian, LagrangianDerivatives, PointLagrangian, StateGrid, StatePoints};
 use crate::constraint::{Constraint, Constraints};
 use crate::error::Result;
+use crate::scalar::LANES;
 use nalgebra::DMatrix;
 
 /// A [`AnalyticLagrangian`] $L_0$ with rows of constraints by duals,

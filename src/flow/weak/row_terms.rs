@@ -1,11 +1,10 @@
 //! The terms of an augmented Lagrangian for rows of constraints.
 
-use super::analytic::{LANES, Wide};
 use super::{ControlPoint, LagrangianDerivatives, StateGrid, StatePoints};
 use crate::constraint::{Constraint, Constraints, Evaluator, Side, Weights};
 use crate::error::Result;
 use crate::model::Model;
-use crate::scalar::Lanes;
+use crate::scalar::{LANES, Lanes, Wide};
 
 /// The condition on a row at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,11 +3,12 @@
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::nlp::Term;
-use crate::relax::transcription::{LANES, Rows, Wide, alone};
+use crate::relax::transcription::{Rows, alone};
 use crate::relax::{
     ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
+use crate::scalar::{LANES, Wide};
 
 /// The running cost $l$, and the weighted rows $h_j$ whose weights are those of the condensed equations of the
 /// interior-point method ([`Term`]): the gradient is $l_z + \sum_j \sigma_j \nabla h_j$ and the Hessian

@@ -134,7 +134,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
             cost: progress.objective,
             gradient_norm: progress.stationarity,
             damping: progress.regularisation,
-            step: progress.step * progress.alpha[0],
+            step: progress.step * progress.alpha,
             factorisations: progress.factorisations,
             violation: progress.infeasibility,
         });

@@ -34,6 +34,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     margins: Vec<f64>,
     /// True for rows of the working set.
     working: Vec<bool>,
+    /// The distance from its bound up to which a clearance is in the working set, m.
+    near: f64,
     stage: Stage,
     /// True if the number of points may increase.
     refinable: bool,
@@ -89,6 +91,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             kept: Vec::new(),
             grid,
             objective,
+            near: NEAR * problem.model().reach(),
             stage,
             watch,
         }
@@ -327,7 +330,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
         self.working.clear();
         self.working.resize(h.len(), false);
-        let near = std::env::var("AGHF_NEAR").map_or(NEAR, |v| v.parse().unwrap_or(NEAR));
         let mut rows = Vec::new();
         for g in 0..integrand.terms.len() {
             let (collocated, weight) = (
@@ -337,9 +339,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             for row in 0..count {
                 let (at, equality) = (g * count + row, attributes.equalities[row]);
                 // NaN counts as near.
-                let is_far = attributes.clearances[row] && h[at] < -near;
+                let is_far = attributes.clearances[row] && h[at] < -self.near;
                 // Equalities have the weights of a rule of their own.
-                let weight = if equality { weight / Grid::COLLOCATED } else { weight };
+                let weight = if equality {
+                    weight / Grid::COLLOCATED
+                } else {
+                    weight
+                };
                 if equality == collocated && !is_far {
                     self.working[at] = true;
                     rows.push(Row {

@@ -1,6 +1,5 @@
 //! The control effort as a running cost.
 
-use super::point_cost::{LANES, Wide};
 use super::{
     ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives, WeightedSquares,
@@ -11,7 +10,7 @@ use crate::dynamics::{
 use crate::error::{Result, check_length};
 use crate::linalg::weighted_gram;
 use crate::model::Model;
-use crate::scalar::{AlgebraOver, Scalar};
+use crate::scalar::{AlgebraOver, LANES, Scalar, Wide};
 use nalgebra::{DMatrix, DVector};
 
 /// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:

@@ -20,7 +20,6 @@ pub use point_cost::{
     ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
-pub(super) use point_cost::{LANES, Wide};
 pub(super) use rows::Rows;
 pub(super) use scan::{Peak, Scan};
 

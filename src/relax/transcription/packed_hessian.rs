@@ -1,9 +1,8 @@
 //! Hessians at quadrature points, and their products with pairs of functions.
 
 use super::Grid;
-use super::point_cost::LANES;
 use crate::linalg::multiply;
-use crate::scalar::{Lanes, Scalar};
+use crate::scalar::{LANES, Lanes, Scalar};
 use nalgebra::DMatrix;
 
 /// The stored blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$, $x \le y$: the symmetric ones first.

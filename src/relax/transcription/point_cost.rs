@@ -2,7 +2,7 @@
 
 use super::PackedHessian;
 use crate::error::Result;
-use crate::scalar::{Lanes, Scalar};
+use crate::scalar::{Lanes, Scalar, Wide};
 use nalgebra::{DMatrix, DVector};
 
 /// A curve at one quadrature point.
@@ -68,11 +68,6 @@ impl<'a, S: Scalar> Points<'a, S> {
         }
     }
 }
-
-/// The number of points that go through the dynamics side by side.
-pub(in crate::relax) const LANES: usize = 4;
-/// The values of a number at these points.
-pub(in crate::relax) type Wide<S> = Lanes<S, LANES>;
 
 impl<S: Scalar> Points<'_, S> {
     /// Copies $[q; v; a]$ of the points from `start` on into lanes, and the last point into unused lanes; returns the

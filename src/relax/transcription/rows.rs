@@ -1,12 +1,12 @@
 //! The rows of constraints at the points of a curve.
 
-use super::point_cost::{LANES, Wide};
 use super::{CostWithControl, Points};
 use crate::constraint::{
     Constraint, Constraints, Evaluator, RowKind, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::model::Model;
+use crate::scalar::{LANES, Wide};
 use nalgebra::DMatrix;
 
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.

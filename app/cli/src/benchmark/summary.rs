@@ -77,7 +77,8 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
 #[must_use]
 pub fn table(families: &[Family]) -> String {
     let mut text = String::from(
-        "| family | problems | valid | no solution | minima | median ms | 90 % | 99 % | worst | effort N²m²s | duration s | least clearance mm |\n\
+        "| family | problems | valid | no solution | minima | median ms | 90 % | 99 % | worst | effort N²m²s | \
+        duration s | least clearance mm |\n\
          | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
     );
     for family in families {
@@ -86,7 +87,8 @@ pub fn table(families: &[Family]) -> String {
             .clearance
             .map_or_else(String::new, |m| format!("{:.2}", 1e3 * m));
         text += &format!(
-            "| {} | {} | {} | {} | {} | {median:.0} | {ninety:.0} | {ninety_nine:.0} | {worst:.0} | {:.0} | {:.2} | {clearance} |\n",
+            "| {} | {} | {} | {} | {} | {median:.0} | {ninety:.0} | {ninety_nine:.0} | {worst:.0} | {:.0} | {:.2} | \
+            {clearance} |\n",
             family.name,
             family.problems,
             family.valid,

@@ -9,8 +9,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// The commands that download the problems.
-const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-planner vamp-planner==0.6.4; tar xzf vamp_planner-0.6.4.tar.gz; \
-tar xjf vamp_planner-0.6.4/resources/panda/problems.tar.bz2 -C vamp_planner-0.6.4/resources/panda; then name vamp_planner-0.6.4/resources/panda";
+const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-planner vamp-planner==0.6.4; \
+    tar xzf vamp_planner-0.6.4.tar.gz; \
+    tar xjf vamp_planner-0.6.4/resources/panda/problems.tar.bz2 -C vamp_planner-0.6.4/resources/panda; \
+    then name vamp_planner-0.6.4/resources/panda";
 
 /// Solve the planning problems of a folder one by one on one core, judge each motion, and report by family.
 ///

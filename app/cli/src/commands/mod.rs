@@ -44,7 +44,7 @@ const FAILED: u8 = 3;
 /// Plans motions of robots with the Affine Geometric Heat Flow.
 ///
 /// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits,
-/// with a price on the duration.
+/// with a cost of the duration.
 #[derive(Debug, Parser)]
 #[command(name = "aghf", version, after_help = EXIT_CODES)]
 struct Cli {
@@ -52,7 +52,8 @@ struct Cli {
     command: Option<Command>,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the solve failed.";
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the solve \
+    failed.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

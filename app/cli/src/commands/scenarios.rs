@@ -18,7 +18,8 @@ pub(super) struct Scenarios {
     robot: RobotArgs,
     /// Print the JSON Schema of scenario files instead, which a file may name as "$schema" for completion in an editor,
     /// or that of the options of a solve.
-    #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario", conflicts_with_all = ["scenario", "keys"])]
+    #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario",
+        conflicts_with_all = ["scenario", "keys"])]
     schema: Option<Keys>,
     /// Print a Markdown table of the keys of scenario files instead, or of the options of a solve.
     #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario", conflicts_with = "scenario")]

@@ -114,7 +114,8 @@ fn answer(mut stream: TcpStream, page: &Path) -> std::io::Result<()> {
     };
     write!(
         stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n",
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\n\
+        Cache-Control: no-store\r\nConnection: close\r\n\r\n",
         body.len()
     )?;
     if !request.starts_with("HEAD") {

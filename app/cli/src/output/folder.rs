@@ -66,9 +66,12 @@ impl OutputFolder {
     /// # Errors
     /// The folder cannot be created.
     pub fn private(name: &str) -> Result<Self> {
-        let folder = tempfile::Builder::new()
-            .prefix(&format!("aghf-{name}-"))
-            .tempdir();
+        let prefix = format!("aghf-{name}-");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix);
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let folder = builder.tempdir();
         let folder = folder.map_err(|e| Error::io(std::env::temp_dir(), e))?;
         Self::new(&folder.keep(), true, false)
     }

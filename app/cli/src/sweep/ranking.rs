@@ -28,8 +28,8 @@ pub struct Ranked {
     pub solve_seconds: Option<f64>,
     /// Median wall time of a solve, s.
     pub median_seconds: Option<f64>,
-    /// The time for the ranking, s, infinite without a success: the mean for a flow, as in the paper; the median for the
-    /// relaxation, because a single solve that needs many more starts than the others would dominate the mean.
+    /// The time for the ranking, s, infinite without a success: the mean for a flow, as in the paper; the median for
+    /// the relaxation, because a single solve that needs many more starts than the others would dominate the mean.
     #[serde(skip)]
     pub seconds: f64,
     /// The mean of efforts, costs and actions, the largest error and the smallest clearance, one column each.
@@ -71,8 +71,8 @@ fn smallest(values: &[f64]) -> f64 {
 }
 
 /// Ranks the parameters of a sweep, best first, for all scenarios if there are several and then for each: those with
-/// the highest rate of success come first, and among these the [fastest](field@Ranked::seconds). `rows` are those of all
-/// sets, in order.
+/// the highest rate of success come first, and among these the [fastest](field@Ranked::seconds). `rows` are those of
+/// all sets, in order.
 #[must_use]
 pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     let scenarios: Vec<&[Row]> = rows.chunks(sweep.sets_a_scenario()).collect();

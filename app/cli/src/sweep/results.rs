@@ -208,7 +208,8 @@ fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
     match difference(&found, &sweep.identity()) {
         Some(key) => {
             let key = if key.is_empty() { "sweep" } else { &key[1..] };
-            let condition = "the results here are of a sweep with another value; choose another folder or remove this one";
+            let condition = "the results here are of a sweep with another value; choose another folder or remove \
+                this one";
             refuse(key.to_owned(), condition)
         }
         None => Ok(()),

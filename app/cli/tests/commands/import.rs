@@ -116,7 +116,8 @@ fn a_problem_becomes_a_scenario() {
         [&file["free_horizon"], &file["horizon_s"]],
         [&free, &json!(2.0)]
     );
-    let table = json!({ "name": "table", "shape": { "box": { "size_m": [1.0, 2.0, 0.1] } }, "pose": { "position_m": [0.1, 0.0, -1.0] } });
+    let table = json!({ "name": "table", "shape": { "box": { "size_m": [1.0, 2.0, 0.1] } },
+        "pose": { "position_m": [0.1, 0.0, -1.0] } });
     assert_eq!(file["obstacles"][0], table);
     // The object is turned by half a turn about z, the cylinder by another one about x.
     let pose = json!({ "position_m": [0.9, -0.2, 0.5], "orientation_xyzw": [0.0, 1.0, 0.0, 0.0] });
@@ -209,7 +210,8 @@ fn pairs_are_those_of_the_srdf_or_found() {
 
 #[test]
 fn spheres_of_an_srdf_are_written_with_the_robot() {
-    let spheres = r#"<link_sphere_approximation link="arm"><sphere center="0.1 0 0" radius="0.06"/></link_sphere_approximation></robot>"#;
+    let spheres = r#"<link_sphere_approximation link="arm"><sphere center="0.1 0 0" radius="0.06"/>
+        </link_sphere_approximation></robot>"#;
     let folder = folder("spheres", "robot.srdf", Some("</robot>"), spheres);
     let run = aghf(
         &folder,

@@ -4,8 +4,10 @@ use crate::command::{Run, aghf, aghf_reading, assert_bad_input, empty_folder};
 use std::fs::File;
 use std::path::Path;
 
-const SCENARIO: &str = r#"{"robot": "pendulum_1", "horizon_s": 2, "q_start": [0], "v_start": [0], "q_goal": [1], "v_goal": [0]}"#;
-const SWEEP: &str = "method = 'flow'\nscenarios = ['s.json']\ntime_limit_s = 60\ndegree = [4]\nk = [1e5]\ns_max = [0.1]\n";
+const SCENARIO: &str = r#"{"robot": "pendulum_1", "horizon_s": 2, "q_start": [0], "v_start": [0], "q_goal": [1],
+    "v_goal": [0]}"#;
+const SWEEP: &str = "method = 'flow'\nscenarios = ['s.json']\ntime_limit_s = 60\ndegree = [4]\nk = [1e5]\n\
+    s_max = [0.1]\n";
 
 /// Three sliders, the first of which has damping and all of which have friction, none with an effort limit; the last
 /// one carries a body that is none.
@@ -20,7 +22,8 @@ fn odd_robot() -> String {
             "<link name='l{i}'><inertial><mass value='1'/>
                <inertia ixx='{mass}' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
              <joint name='j{i}' type='prismatic'><parent link='l{}'/><child link='l{i}'/><axis xyz='{} {} {}'/>
-               <limit lower='-2' upper='2' velocity='5' effort='0'/><dynamics damping='{damping}' friction='0.1'/></joint>",
+               <limit lower='-2' upper='2' velocity='5' effort='0'/>\
+               <dynamics damping='{damping}' friction='0.1'/></joint>",
             i - 1,
             i32::from(i == 1),
             i32::from(i == 2),

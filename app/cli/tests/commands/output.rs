@@ -292,7 +292,7 @@ fn a_summary_gives_tables_at_any_rate() {
         ),
         (
             json!({"provenance": {"options": {"degree": "nine"}}}),
-            "provenance.options.degree",
+            "provenance.options; degree: invalid type",
         ),
         (
             json!({"provenance": {"scenario": {"q_start": []}}}),

@@ -152,8 +152,8 @@ fn json_is_the_summary_and_nothing_else() {
 #[test]
 fn options_override_the_scenario_and_show_in_the_summary() {
     let folder = empty_folder("options");
-    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --degree 8 --k 3e4 --s-max 50 --tolerance 1e-5 \
-        --guess line_state --out deep/in/here --json --no-report";
+    let arguments = "solve pendulum_1_swingup --method flow --jacobian dual --degree 8 --k 3e4 --s-max 50 \
+        --tolerance 1e-5 --guess line_state --out deep/in/here --json --no-report";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let expected = ["deep/in/here/summary.json", "deep/in/here/trajectory.csv"];

@@ -20,7 +20,8 @@ fn robot(first: &str, second: &str, joint: &str) -> String {
         )
     };
     format!(
-        "<robot name=\"made_up\"><material name=\"red\"><color rgba=\"1 0 0 1\"/></material><link name=\"base\"/>{}{}{}{}</robot>",
+        "<robot name=\"made_up\"><material name=\"red\"><color rgba=\"1 0 0 1\"/></material>\
+        <link name=\"base\"/>{}{}{}{}</robot>",
         link("one", first),
         link("two", second),
         joints(joint, "base", "one", "0.2"),
@@ -34,7 +35,8 @@ fn scenario(folder: &Path, urdf: &str, obstacle: &str) -> Scenario {
     let scenario = json!({
         "robot": "robot.urdf", "horizon_s": 1.0,
         "q_start": [0.0, 0.0], "v_start": [0.0, 0.0], "q_goal": [0.5, 0.3], "v_goal": [0.0, 0.0],
-        "obstacles": [{ "name": obstacle, "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [3.0, 3.0, 3.0] } }],
+        "obstacles": [{ "name": obstacle, "shape": { "sphere": { "radius_m": 0.1 } },
+        "pose": { "position_m": [3.0, 3.0, 3.0] } }],
     });
     let path = folder.join("move.json");
     std::fs::write(&path, scenario.to_string()).expect("writable");
@@ -52,7 +54,8 @@ fn kinds(data: &Value, body: Value) -> Vec<String> {
 #[test]
 fn a_link_shows_its_visuals_else_its_collision_shapes_else_capsules() {
     let folder = folder("shapes");
-    let visual = "<visual><origin xyz=\"0 0 0.5\"/><geometry><box size=\"0.1 0.2 1\"/></geometry><material name=\"red\"/></visual>";
+    let visual = "<visual><origin xyz=\"0 0 0.5\"/><geometry><box size=\"0.1 0.2 1\"/></geometry>\
+        <material name=\"red\"/></visual>";
     let collision =
         "<collision><geometry><cylinder radius=\"0.1\" length=\"1\"/></geometry></collision>";
     let missing = "<visual><geometry><mesh filename=\"not_there.stl\"/></geometry></visual>";

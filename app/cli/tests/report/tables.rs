@@ -36,7 +36,8 @@ fn plots(data: &Value) -> Vec<&Value> {
 /// A sweep of twelve sets of two scenarios, and made-up rows: those of degree 7 fail at the goal, number 3 before there
 /// is a motion.
 fn swept(test: &str) -> (Sweep, Vec<Row>) {
-    let text = "method = \"flow\"\nscenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntime_limit_s = 1.0\ndegree = [5, 7]\nk = [1e5, 1e6, 1e7]\ns_max = [0.1]";
+    let text = "method = \"flow\"\nscenarios = [\"pendulum_1_swingup\", \"pendulum_2_swingup\"]\ntime_limit_s = 1.0\n\
+        degree = [5, 7]\nk = [1e5, 1e6, 1e7]\ns_max = [0.1]";
     let file = folder(test).join("s.toml");
     std::fs::write(&file, text).expect("writable");
     let sweep = Sweep::load(&file.to_string_lossy()).expect("it is right");

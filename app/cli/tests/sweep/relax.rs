@@ -152,7 +152,8 @@ enforced_limits.position = [false]
 fn a_set_is_stopped_at_its_time() {
     let text = |starts, timeout| {
         format!(
-            "method = \"relax\"\nscenarios = [\"kinova_free_01\"]\ntime_limit_s = {timeout}\ndegree = [{}]\nstarts = [{starts}]",
+            "method = \"relax\"\nscenarios = [\"kinova_free_01\"]\ntime_limit_s = {timeout}\ndegree = [{}]\n\
+            starts = [{starts}]",
             if starts == 1 { 6 } else { 64 }
         )
     };

@@ -208,7 +208,8 @@ fn the_identity_and_the_columns_have_the_names_of_the_parameters() {
 /// A parameter that is also a key of the summary has one column.
 #[test]
 fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
-    let text = "method = \"duals\"\nscenarios = [\"pendulum_1_swingup\"]\ntime_limit_s = 60\nk = [1e4, 1e6]\nfeedback.kp = [10, 20]\n";
+    let text = "method = \"duals\"\nscenarios = [\"pendulum_1_swingup\"]\ntime_limit_s = 60\nk = [1e4, 1e6]\n\
+        feedback.kp = [10, 20]\n";
     let sweep = load("duals", text).expect("good");
     let gains = sweep
         .sets
@@ -257,7 +258,8 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     };
     assert_eq!(sweep.options(&sweep.sets[0]).expect("good"), usual.into());
 
-    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\nplanned_starts = [\"later\", \"first\"]";
+    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\n\
+        planned_starts = [\"later\", \"first\"]";
     let sweep = load("of_a_folder", grid).expect("good");
     assert_eq!(names(&sweep), expected);
     let planned = |i: usize| sweep.parameters(&sweep.sets[i])["planned_starts"].clone();

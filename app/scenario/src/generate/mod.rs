@@ -270,7 +270,8 @@ impl Family {
             }
         }
         let condition = format!(
-            "none with a solution was found in {ATTEMPTS} draws for seed {seed} and {robot}; its torques may not hold it at rest, or no link reach an obstacle"
+            "none with a solution was found in {ATTEMPTS} draws for seed {seed} and {robot}; its torques may not \
+            hold it at rest, or no link reach an obstacle"
         );
         Err(Error::input(name, "scenario", condition))
     }

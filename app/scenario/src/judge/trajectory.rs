@@ -153,7 +153,8 @@ impl Columns {
                 Some((joint, quantity)) => &mut found[joint][quantity],
                 None if name == "t" => &mut time,
                 None => {
-                    let condition = "a column is t, or q_, v_, a_ or u_ and the name of a joint of the robot that moves";
+                    let condition = "a column is t, or q_, v_, a_ or u_ and the name of a joint of the robot that \
+                        moves";
                     return Err((format!("column '{name}'"), condition.to_owned()));
                 }
             };

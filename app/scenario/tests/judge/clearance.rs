@@ -11,10 +11,14 @@ use serde_json::json;
 #[test]
 fn a_thin_obstacle_between_two_samples_is_seen() {
     let obstacles = [
-        json!({ "obstacles": [{ "name": "sheet", "shape": { "box": { "size_m": [1e-4, 0.02, 0.02] } }, "pose": { "position_m": [0.1, 0, 0] } }] }),
-        json!({ "obstacles": [{ "name": "wire", "shape": { "cylinder": { "radius_m": 1e-4, "length_m": 0.1 } }, "pose": { "position_m": [0.1, 0, 0] } }] }),
-        json!({ "obstacles": [{ "name": "wire", "shape": { "capsule": { "radius_m": 1e-4, "length_m": 0.1 } }, "pose": { "position_m": [0.1, 0, 0.05] } }] }),
-        json!({ "obstacles": [{ "name": "grain", "shape": { "sphere": { "radius_m": 1e-4 } }, "pose": { "position_m": [0.1, 0.0, 0.0] } }] }),
+        json!({ "obstacles": [{ "name": "sheet", "shape": { "box": { "size_m": [1e-4, 0.02, 0.02] } },
+            "pose": { "position_m": [0.1, 0, 0] } }] }),
+        json!({ "obstacles": [{ "name": "wire", "shape": { "cylinder": { "radius_m": 1e-4, "length_m": 0.1 } },
+            "pose": { "position_m": [0.1, 0, 0] } }] }),
+        json!({ "obstacles": [{ "name": "wire", "shape": { "capsule": { "radius_m": 1e-4, "length_m": 0.1 } },
+            "pose": { "position_m": [0.1, 0, 0.05] } }] }),
+        json!({ "obstacles": [{ "name": "grain", "shape": { "sphere": { "radius_m": 1e-4 } },
+            "pose": { "position_m": [0.1, 0.0, 0.0] } }] }),
     ];
     for (i, keys) in obstacles.into_iter().enumerate() {
         let scenario = scenario(&format!("thin_{i}"), keys.clone());
@@ -70,7 +74,8 @@ fn grazing_is_decided() {
         (-0.00995, Outcome::Pass),
         (-0.0098, Outcome::Fail),
     ] {
-        let keys = json!({ "obstacles": [{ "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, offset] } }] });
+        let keys = json!({ "obstacles": [{ "shape": { "half_space": {} },
+            "pose": { "position_m": [0.0, 0.0, offset] } }] });
         let scenario = scenario(&format!("grazing_{offset}"), keys);
         let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 11);
         let judgement = verdict(&scenario, &motion);
@@ -82,7 +87,8 @@ fn grazing_is_decided() {
 /// Within the resolution of what is accepted nothing is claimed.
 #[test]
 fn what_cannot_be_proved_is_undecided() {
-    let keys = json!({ "obstacles": [{ "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -0.009_900_001] } }] });
+    let keys = json!({ "obstacles": [{ "shape": { "half_space": {} },
+        "pose": { "position_m": [0.0, 0.0, -0.009_900_001] } }] });
     let scenario = scenario("undecided", keys);
     let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 11);
     let judgement = verdict(&scenario, &motion);
@@ -123,7 +129,8 @@ proptest::proptest! {
         x in -0.6..0.6f64, y in -1.0..1.0f64, size in 0.001..0.3f64,
         from in proptest::array::uniform3(-1.5..1.5f64), to in proptest::array::uniform3(-1.5..1.5f64),
     ) {
-        let keys = json!({ "obstacles": [{ "shape": { "box": { "size_m": [size, 0.001, 0.03] } }, "pose": { "position_m": [x, y, 0.02] } }] });
+        let keys = json!({ "obstacles": [{ "shape": { "box": { "size_m": [size, 0.001, 0.03] } },
+            "pose": { "position_m": [x, y, 0.02] } }] });
         let scenario = scenario("proved", keys);
         let motion = good(&scenario.model, from, to, 4);
         let tolerances = Tolerances { overlap_m: 1e-3, ..Tolerances::default() };

@@ -16,17 +16,20 @@ const URDF: &str = r#"<robot name="gantry">
     <collision><geometry><sphere radius="0.01"/></geometry></collision>
   </link>
   <link name="upper">
-    <inertial><origin xyz="0.25 0 0"/><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
+    <inertial><origin xyz="0.25 0 0"/><mass value="1"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
   </link>
   <link name="fore">
-    <inertial><origin xyz="0.25 0 0"/><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
+    <inertial><origin xyz="0.25 0 0"/><mass value="1"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
     <collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.01"/></geometry></collision>
   </link>
   <joint name="slide" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>
     <limit lower="-2" upper="2" velocity="5" effort="300"/></joint>
   <joint name="shoulder" type="revolute"><parent link="carriage"/><child link="upper"/><axis xyz="0 0 1"/>
     <limit lower="-3" upper="3" velocity="8" effort="200"/></joint>
-  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0.5 0 0"/>
+  <axis xyz="0 0 1"/>
     <limit lower="-4" upper="4" velocity="8" effort="100"/></joint>
 </robot>"#;
 

@@ -223,7 +223,8 @@ fn extrema_between_samples_are_found() {
     let scenario = scenario(
         "extrema",
         json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [0.0, 0.0, 0.0],
-        "v_start": [0.0, 2.0, 0.0], "v_goal": [0.0, -2.0, 0.0], "enforced_limits": { "torque": false, "velocity": { "joints": ["shoulder"] } } }),
+        "v_start": [0.0, 2.0, 0.0], "v_goal": [0.0, -2.0, 0.0],
+        "enforced_limits": { "torque": false, "velocity": { "joints": ["shoulder"] } } }),
     );
     // q = 2 t (1 - t) is within the samples of a cubic, with the highest point halfway.
     let mut motion = good(&scenario.model, [0.0; 3], [0.0; 3], 2);
@@ -280,7 +281,8 @@ fn torques_between_samples_are_found() {
 fn overflow_is_not_valid() {
     let scenario = scenario(
         "overflow",
-        json!({ "obstacles": [{ "shape": { "box": { "size_m": [4, 4, 0.1] } }, "pose": { "position_m": [0, 0, 1] } }] }),
+        json!({ "obstacles": [{ "shape": { "box": { "size_m": [4, 4, 0.1] } },
+            "pose": { "position_m": [0, 0, 1] } }] }),
     );
     let mut motion = good(&scenario.model, FROM, TO, 11);
     motion.v[5][0] = 1e308;

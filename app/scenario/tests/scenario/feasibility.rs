@@ -111,7 +111,7 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
         (0.01234, "0.0123"),
         (1.5, "1.50"),
         (999.0, "999"),
-        (1234.5, "1234"),
+        (1234.5, "1235"),
         (2e5, "2.00e5"),
     ] {
         let speed = LimitViolation {

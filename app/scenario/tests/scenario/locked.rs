@@ -67,7 +67,8 @@ fn the_shape_is_that_of_the_whole_robot() {
     });
     let reduced = load("reduced", &with(five(), among.clone())).expect("it is good");
     let all = json!({
-        "locked_joints": {}, "q_start": vec![0.0; 7], "v_start": vec![0.0; 7], "q_goal": vec![0.0; 7], "v_goal": vec![0.0; 7],
+        "locked_joints": {}, "q_start": vec![0.0; 7], "v_start": vec![0.0; 7], "q_goal": vec![0.0; 7],
+        "v_goal": vec![0.0; 7],
     });
     let whole = load("whole", &with(with(five(), among.clone()), all)).expect("it is good");
     let expected = balls(&whole, &[0.3, -0.4, 0.5, 0.6, -0.25, 0.8, 0.9]);

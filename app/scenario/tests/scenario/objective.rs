@@ -162,7 +162,8 @@ fn what_was_found_is_told() {
     // All at once, and above a floor: the robot has no limits.
     let all = json!({
         "free_final_velocity": true, "running_cost": { "velocity": 1.0 },
-        "free_horizon": bounds(600.0), "obstacles": [{ "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -1.9] } }],
+        "free_horizon": bounds(600.0), "obstacles": [{ "shape": { "half_space": {} },
+        "pose": { "position_m": [0.0, 0.0, -1.9] } }],
     });
     let (_, details) = solved("all", all);
     assert!(details.horizon_s < 1.5 && details.largest_violation.is_some());

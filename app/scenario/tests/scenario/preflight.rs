@@ -218,7 +218,8 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
     assert!(error.contains("inside 'obstacles[0]'"), "{error}");
     let beside = |spacing: f64| {
         let [x, y, z] = origins(&good.model, &good.file.q_start)[5];
-        let obstacle = json!([{ "shape": { "sphere": { "radius_m": 0.08 } }, "pose": { "position_m": [x, y, z + 0.1] } }]);
+        let obstacle = json!([{ "shape": { "sphere": { "radius_m": 0.08 } },
+            "pose": { "position_m": [x, y, z + 0.1] } }]);
         let shape = json!({ "swept_links": { "radius_m": 0.01, "spacing_m": spacing } });
         with(
             kinova(),

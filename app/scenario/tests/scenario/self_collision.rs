@@ -95,13 +95,15 @@ fn pairs_that_a_file_names_are_part_of_the_scenario() {
 fn neighbours_and_links_that_always_overlap_may() {
     let link = |name: &str, x: f64, radius: f64| {
         format!(
-            r#"<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+            r#"<link name="{name}"><inertial><mass value="1"/>
+                <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
             <collision><origin xyz="{x} 0 0"/><geometry><sphere radius="{radius}"/></geometry></collision></link>"#
         )
     };
     let joint = |name: &str, parent: &str, child: &str| {
         format!(
-            r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 0 1"/></joint>"#
+            r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/>
+                <axis xyz="0 0 1"/></joint>"#
         )
     };
     let links =

@@ -25,8 +25,10 @@ pub fn panda() -> Value {
             { "shape": { "box": { "size_m": [0.2, 0.4, 0.6] } }, "pose": { "position_m": [0.0, 0.0, 2.0] } },
             { "name": "lid", "shape": { "box": { "size_m": [1, 1, 0.1] } },
               "pose": { "position_m": [0.0, 2.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.6, 0.8] } },
-            { "name": "post", "shape": { "cylinder": { "radius_m": 0.1, "length_m": 3.0 } }, "pose": { "position_m": [2.0, 0.0, 0.0] } },
-            { "shape": { "capsule": { "radius_m": 0.2, "length_m": 1.0 } }, "pose": { "position_m": [0.0, -2.0, -0.5] } }
+            { "name": "post", "shape": { "cylinder": { "radius_m": 0.1, "length_m": 3.0 } },
+                "pose": { "position_m": [2.0, 0.0, 0.0] } },
+            { "shape": { "capsule": { "radius_m": 0.2, "length_m": 1.0 } },
+                "pose": { "position_m": [0.0, -2.0, -0.5] } }
         ],
         "self_collision": { "ignored_pairs": [["panda_link0", "panda_link1"], ["panda_hand", "panda_link6"]] }
     })

@@ -6,12 +6,9 @@ use aghf::dynamics::{
     aba, aba_derivatives, crba, rnea, rnea_derivatives, rnea_second_derivatives,
 };
 use aghf::model::Model;
-use aghf::scalar::{AlgebraOver, Lanes};
+use aghf::scalar::{AlgebraOver, LANES, Wide};
 use nalgebra::DMatrix;
 use std::hint::black_box;
-
-/// The number of states side by side.
-const LANES: usize = 4;
 
 /// Prints the results at the first states.
 pub fn values(model: &Model, states: &[State]) -> Result<()> {
@@ -53,7 +50,7 @@ fn print(name: &str, numbers: &[f64]) {
 /// Prints the times at one state at a time and at several side by side, of all functions unless one is asked for.
 pub fn times(model: &Model, states: &[State], seconds: f64, function: Option<&str>) -> Result<()> {
     times_of(model, ("single", 1), states, seconds, function)?;
-    let side_by_side = |group: &[State]| -> [Vec<Lanes<f64, LANES>>; 4] {
+    let side_by_side = |group: &[State]| -> [Vec<Wide>; 4] {
         std::array::from_fn(|part| {
             let joint = |i: usize| Lanes(std::array::from_fn(|lane| group[lane][part][i]));
             (0..model.dof()).map(joint).collect()

@@ -8,6 +8,7 @@ const CAPSULE_PARTS = (item) => {
     ["dome", [0, 0, -half], [1, 0, 0, 0], [r, r, r]],
   ];
 };
+// A shape of any other kind is drawn as the box about it.
 const SOLID_OF = { sphere: "ball", box: "box", cylinder: "cylinder" };
 
 // Positions and orientations of bodies over time.
@@ -150,7 +151,7 @@ class View {
   parts(item) {
     const position = item.pose.slice(0, 3);
     const turn = item.pose.slice(3);
-    const all = item.kind === "capsule" ? CAPSULE_PARTS(item) : [[SOLID_OF[item.kind], [0, 0, 0], [0, 0, 0, 1], item.size]];
+    const all = item.kind === "capsule" ? CAPSULE_PARTS(item) : [[SOLID_OF[item.kind] ?? "box", [0, 0, 0], [0, 0, 0, 1], item.size]];
     return all.map(([solid, at, own, scale]) => {
       const made = {
         solid: item.kind === "mesh" ? this.meshes[item.mesh] : this.renderer.solids[solid],
