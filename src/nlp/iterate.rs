@@ -94,7 +94,7 @@ impl Iterate {
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    fn split(&self, row: &Row, h: f64) -> [f64; 2] {
+    pub fn split(&self, row: &Row, h: f64) -> [f64; 2] {
         let (mu, range) = (self.barrier.mu, self.range(row)[1]);
         let product = h * range;
         let root = product.hypot(2.0 * mu);

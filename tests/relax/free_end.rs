@@ -149,7 +149,7 @@ fn a_free_horizon_is_the_best_one() {
     };
     let found = solved(&problem(1.0), &anyhow).curve.chebyshev().horizon();
     assert!((found - (9.0 * md2 / weight).powf(0.25)).abs() < 1e-7);
-    // A bound holds it, and without a price time is taken as there is.
+    // A bound holds it, and without a weight the horizon is the longest one.
     for (shortest, longest, weight, expected) in [
         (0.1, 1.5, weight, 1.5),
         (3.0, 9.0, weight, 3.0),
