@@ -4,7 +4,7 @@ use super::{Options, State};
 
 /// The parameters of the barrier function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Barrier {
+pub struct Barrier {
     /// The barrier parameter $\mu$.
     pub mu: f64,
     /// The penalty $\nu$ of a violation.

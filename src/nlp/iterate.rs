@@ -10,7 +10,7 @@ const PROGRESS: f64 = 0.25;
 
 /// A row of the working set.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub struct Row {
     /// The index among all rows.
     pub at: usize,
     /// The weight without the measure of the problem.
@@ -19,7 +19,7 @@ pub(crate) struct Row {
 
 /// A row that is an equality.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Equality {
+pub struct Equality {
     pub row: Row,
     /// The penalty $\rho$ of its square.
     pub penalty: f64,
@@ -29,7 +29,7 @@ pub(crate) struct Equality {
 /// have the conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
 #[derive(Clone, Debug)]
-pub(crate) struct Iterate {
+pub struct Iterate {
     /// The inequalities of the working set.
     pub working: Vec<Row>,
     pub equalities: Vec<Equality>,
@@ -44,7 +44,7 @@ pub(crate) struct Iterate {
 
 /// The weights of a row in the condensed equations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Term {
+pub struct Term {
     /// That of its gradient.
     pub slope: f64,
     /// That of the product of its gradient with itself.
@@ -69,7 +69,7 @@ impl Term {
 
 /// A step of slack, elastic variable and multiplier.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RowStep {
+pub struct RowStep {
     pub slack: f64,
     pub elastic: f64,
     pub multiplier: f64,
@@ -97,7 +97,7 @@ impl Iterate {
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    fn split(&self, h: f64) -> [f64; 2] {
+    pub fn split(&self, h: f64) -> [f64; 2] {
         let Barrier { mu, nu } = self.barrier;
         let product = h * nu;
         let root = product.hypot(2.0 * mu);

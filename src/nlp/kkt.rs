@@ -9,14 +9,14 @@ const INVERSE_ITERATIONS: usize = 30;
 
 /// A symmetric matrix of a block-tridiagonal part with a border of one row and column.
 #[derive(Clone, Debug)]
-pub(crate) struct Bordered {
+pub struct Bordered {
     pub matrix: BlockTridiagonal<f64>,
     /// The border and the corner, if there is one.
     pub border: Option<(DVector<f64>, f64)>,
 }
 
 /// The gradient and the condensed matrix of the equations, with the norm in which steps are measured.
-pub(crate) struct Kkt {
+pub struct Kkt {
     pub gradient: DVector<f64>,
     pub hessian: Bordered,
     norm: Bordered,
@@ -28,7 +28,7 @@ pub(crate) struct Kkt {
 }
 
 /// A Newton step.
-pub(crate) struct Step {
+pub struct Step {
     pub x: DVector<f64>,
     /// The product of gradient and step.
     pub slope: f64,

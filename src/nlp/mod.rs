@@ -19,7 +19,7 @@
 //! 2. `line_search`: backtracking on the barrier function from the fraction to the boundary; multipliers have a step
 //!    length of their own (WB 2.2).
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
-//!    ([`BarrierUpdate`]).
+//!    (`BarrierUpdate`).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature.
 
 mod barrier;
@@ -28,17 +28,18 @@ mod kkt;
 mod line_search;
 mod options;
 
-pub(crate) use barrier::{Barrier, BarrierUpdate, Monotone};
-pub(crate) use iterate::{Equality, Iterate, Row, Term};
-pub(crate) use kkt::{Bordered, Kkt};
-pub(crate) use options::Options;
+pub use barrier::Barrier;
+pub(crate) use barrier::{BarrierUpdate, Monotone};
+pub use iterate::{Equality, Iterate, Row, Term};
+pub use kkt::{Bordered, Kkt};
+pub use options::Options;
 
 use crate::error::Result;
 use line_search::{leave_saddle, line_search};
 use nalgebra::DVector;
 
 /// A nonlinear program.
-pub(crate) trait Nlp {
+pub trait Nlp {
     /// Evaluates the objective at `x`, and all rows into `h`; the objective is infinite where a row outside the working
     /// set is violated.
     ///
@@ -77,7 +78,7 @@ pub(crate) trait Nlp {
 
 /// The result of a look at the rows between the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Tightened {
+pub enum Tightened {
     /// The largest violation of a row, in its unit.
     Violation(f64),
     /// The points are too few for the objective.
@@ -86,7 +87,7 @@ pub(crate) enum Tightened {
 
 /// The reason of the end of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Status {
+pub enum Status {
     /// All tolerances are met.
     Converged,
     /// No step decreases the barrier function.
@@ -103,7 +104,7 @@ pub(crate) enum Status {
 
 /// One iteration, for observers.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Progress {
+pub struct Progress {
     pub objective: f64,
     pub measure: f64,
     /// The Newton decrement $\sqrt{g^T H^{-1} g / f}$ with the condensed matrix `H`: half its square is the predicted
@@ -122,7 +123,7 @@ pub(crate) struct Progress {
 }
 
 /// The end of a search.
-pub(crate) struct Solution {
+pub struct Solution {
     pub x: DVector<f64>,
     pub iterate: Iterate,
     pub status: Status,
@@ -150,7 +151,7 @@ pub(crate) struct State {
 ///
 /// # Errors
 /// Those of the problem.
-pub(crate) fn solve<P: Nlp>(
+pub fn solve<P: Nlp>(
     problem: &mut P,
     x: DVector<f64>,
     multipliers: Option<&[f64]>,

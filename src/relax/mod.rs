@@ -14,11 +14,12 @@
 //!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
 //!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
 //!    whether or not it is a minimum.
-//! 2. `interior_point`: one minimisation. Rows of constraints at the quadrature points become barriers that are finite
-//!    everywhere, a trust region with the exact Hessian minimises the sum, and a dense scan finds violations between
-//!    the points. Without rows it is Newton's method.
+//! 2. `minimise`: one minimisation, a nonlinear program whose unknowns are the coefficients and a free horizon, and
+//!    whose rows are those of the constraints at the quadrature points. `nlp` solves it by a primal-dual interior-point
+//!    method with exact Hessians and a line search (Nocedal and Wright, chapter 19; Wächter and Biegler, 2006). Each
+//!    row has a slack and an elastic variable with an exact penalty, so a start may violate rows. A dense scan finds
+//!    violations between the points. Without rows it is Newton's method.
 //! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
-//! 4. `strategy/horizon.rs`: a horizon at which the cost is stationary, if it is free.
 //!
 //! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
 //! costs; `tuning.rs` has all tuning constants.

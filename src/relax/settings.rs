@@ -51,7 +51,7 @@ pub struct RelaxSettings {
     pub start: Option<Curve>,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
-    /// The bounds and the price of a free horizon; the search then starts from that of the problem.
+    /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
 }
 
@@ -266,10 +266,10 @@ pub struct Iteration {
     pub points: usize,
     /// The cost $J$ before the step.
     pub cost: f64,
-    /// $\sqrt{g^T G^{-1} g / J}$ with the gradient $g$ and the Gauss-Newton metric $G$. For a problem that is linear in
-    /// the curve, half the square of this is the relative excess of the cost over its minimum.
+    /// The Newton decrement $\sqrt{g^T H^{-1} g / J}$ with the gradient $g$ of the barrier function and the condensed
+    /// matrix $H$. Half its square is the predicted relative decrease of the barrier function.
     pub gradient_norm: f64,
-    /// The multiple $\lambda$ of the trust-region norm that was added to the Hessian.
+    /// The multiple of the norm of steps, that of the velocities, that was added to the Hessian.
     pub damping: f64,
     /// The length of the step in that norm, roughly in radians; zero without a step.
     pub step: f64,
@@ -285,7 +285,7 @@ pub struct RelaxSolution {
     /// The motion, with $v = \dot q$, on the optimal horizon if that was free.
     pub curve: Curve,
     /// The integral of the running cost, by default $\int |u|^2 dt$, by a quadrature finer than that of the
-    /// minimisation. The price of a free horizon is not included.
+    /// minimisation. The weighted duration of a free horizon is not included.
     pub cost: f64,
     /// The final relative gradient norm; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,
@@ -317,8 +317,8 @@ pub struct RelaxSolution {
     /// The costs of all starts at their first degree, ascending; that is the lowest degree except for some planned
     /// starts.
     pub start_costs: Vec<f64>,
-    /// The final weight of the barriers relative to the cost: the relative excess of the cost over that with exact
-    /// complementarity.
+    /// The final barrier parameter, summed over all rows and relative to the cost: the relative excess of the cost over
+    /// that with exact complementarity.
     pub complementarity: f64,
     /// The minima found from the starts, by cost; empty without starts.
     pub minima: Vec<LocalMinimum>,
