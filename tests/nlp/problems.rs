@@ -139,9 +139,7 @@ fn hs71(x: &[HyperDual64]) -> Functions {
 
 /// Unknowns and multipliers of a solution.
 fn numbers(end: &Solution) -> (Vec<f64>, Vec<f64>) {
-    let working = end.iterate.working.iter();
-    let multipliers = working.map(|row| end.iterate.multiplier[row.at]);
-    (end.x.as_slice().to_vec(), multipliers.collect())
+    (end.x.as_slice().to_vec(), end.iterate.multiplier.clone())
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
