@@ -1,6 +1,6 @@
 //! The options of the relaxation.
 
-use super::{PASSIVE_BASIS, PASSIVE_STARTS, starts_of, time_limit};
+use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
 use crate::Scenario;
 use crate::schema::one_of;
 use aghf::error::Result;
@@ -49,6 +49,7 @@ impl RelaxOptions {
         if !scenario.file.passive.is_empty() {
             (default.degree, default.segments) = PASSIVE_BASIS;
             default.starts = PASSIVE_STARTS;
+            default.iterations = PASSIVE_ITERATIONS;
             default.start_amplitude = RelaxSettings::default().start_amplitude;
         } else if !scenario.limits_are_enforced() {
             // Limits leave little to choose between; without them there are many minima.
