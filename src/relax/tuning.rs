@@ -30,6 +30,8 @@ pub(super) const NEAR: f64 = 0.05;
 
 /// The last weight: the accepted relative excess of the cost over its minimum.
 pub(super) const LAST_BARRIER: f64 = 1e-7;
+/// The last weight if only the horizon has bounds, which are cheap to approach.
+pub(super) const LAST_BARRIER_OF_BOUNDS: f64 = 1e-12;
 
 // Equalities.
 

@@ -13,7 +13,7 @@ pub(super) use candidate::{Candidate, Multipliers};
 
 use super::running_cost::check_integral;
 use super::transcription::{Grids, Rows};
-use super::tuning::{FINE, MOST_POINTS, PASSIVE_SHARE, POINTS};
+use super::tuning::{FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS};
 use super::{CostWithControl, FreeHorizon, Iteration};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
@@ -113,7 +113,10 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         tolerance: stage.tolerance,
         feasible: stage.feasible,
         iterations: stage.iterations,
-        last_barrier: stage.last_barrier,
+        last_barrier: match rows.count() {
+            0 => LAST_BARRIER_OF_BOUNDS.min(stage.last_barrier),
+            _ => stage.last_barrier,
+        },
         ..Options::default()
     };
     let known = candidate.multipliers.at(&grid.times, rows.count());
