@@ -2,6 +2,12 @@
 
 use super::Barrier;
 
+/// The fraction of the penalty above which a multiplier shows that its row is violated because that is cheap.
+const AT_PENALTY: f64 = 0.9;
+/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as in
+/// NW, framework 17.3.
+const PROGRESS: f64 = 0.25;
+
 /// A row of the working set.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
@@ -9,21 +15,30 @@ pub struct Row {
     pub at: usize,
     /// The weight without the measure of the problem.
     pub weight: f64,
-    pub equality: bool,
 }
 
-/// The slacks $s$, elastic variables $t$ and multipliers of the rows, for all rows in their order.
-///
-/// An equality is an inequality whose slack is penalised as well, which shifts its multiplier: with
-/// $\lambda = z + z_0$, where $z_0 = 0$ for an inequality and $-\nu$ for an equality, and the range
-/// $\bar z = \nu - z_0$, both have the conditions $s z = \mu$ and $t (\bar z - z) = \mu$.
+/// A row that is an equality.
+#[derive(Clone, Copy, Debug)]
+pub struct Equality {
+    pub row: Row,
+    /// The penalty $\rho$ of its square.
+    pub penalty: f64,
+}
+
+/// The slacks $s$, elastic variables $t$ and multipliers of the rows, for all rows in their order: those of inequalities
+/// have the conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$. Equalities have the terms
+/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
 #[derive(Clone, Debug)]
 pub struct Iterate {
+    /// The inequalities of the working set.
     pub working: Vec<Row>,
+    pub equalities: Vec<Equality>,
+    /// The largest equality at the last update of their multipliers.
+    before: f64,
     pub barrier: Barrier,
     pub slack: Vec<f64>,
     pub elastic: Vec<f64>,
-    /// $z$; zero outside the working set.
+    /// $\lambda$; zero outside the working set.
     pub multiplier: Vec<f64>,
 }
 
@@ -61,9 +76,11 @@ pub struct RowStep {
 }
 
 impl Iterate {
-    pub fn new(rows: usize, barrier: Barrier) -> Self {
+    pub fn new(rows: usize, barrier: Barrier, equalities: Vec<Equality>) -> Self {
         Self {
             working: Vec::new(),
+            equalities,
+            before: f64::INFINITY,
             barrier,
             slack: vec![0.0; rows],
             elastic: vec![0.0; rows],
@@ -71,32 +88,18 @@ impl Iterate {
         }
     }
 
-    /// $z_0$ and $\bar z$ of a row.
-    fn range(&self, row: &Row) -> [f64; 2] {
-        let nu = self.barrier.nu;
-        if row.equality {
-            [-nu, 2.0 * nu]
-        } else {
-            [0.0, nu]
-        }
-    }
-
-    /// The multiplier $\lambda$ of a row.
-    pub fn lambda(&self, row: &Row) -> f64 {
-        self.multiplier[row.at] + self.range(row)[0]
-    }
-
-    /// Returns true if the multiplier of a row is so near the penalty that its elastic variables do not vanish with the
-    /// barrier parameter. Those of an equality differ by $2 \mu \lambda / (\nu^2 - \lambda^2)$.
-    pub fn is_at_penalty(&self, row: &Row) -> bool {
-        let share = if row.equality { 0.1 } else { 0.9 };
-        self.lambda(row).abs() > share * self.barrier.nu
+    /// Returns true if a multiplier has nearly reached the penalty.
+    pub fn is_at_penalty(&self) -> bool {
+        let most = AT_PENALTY * self.barrier.nu;
+        self.working
+            .iter()
+            .any(|row| self.multiplier[row.at] > most)
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    pub fn split(&self, row: &Row, h: f64) -> [f64; 2] {
-        let (mu, range) = (self.barrier.mu, self.range(row)[1]);
-        let product = h * range;
+    pub fn split(&self, h: f64) -> [f64; 2] {
+        let Barrier { mu, nu } = self.barrier;
+        let product = h * nu;
         let root = product.hypot(2.0 * mu);
         // The root less the product and the root and the product, none of which loses digits.
         let large = root + product.abs();
@@ -106,10 +109,7 @@ impl Iterate {
         } else {
             (large, small)
         };
-        [
-            (2.0 * mu + less) * 0.5 / range,
-            (2.0 * mu + more) * 0.5 / range,
-        ]
+        [(2.0 * mu + less) * 0.5 / nu, (2.0 * mu + more) * 0.5 / nu]
     }
 
     /// Replaces the working set. New rows have the slack of their value and the multiplier of that.
@@ -118,7 +118,7 @@ impl Iterate {
         for row in &working {
             let at = row.at;
             if self.multiplier[at] == 0.0 {
-                [self.slack[at], self.elastic[at]] = self.split(row, h[at]);
+                [self.slack[at], self.elastic[at]] = self.split(h[at]);
                 self.multiplier[at] = self.central(row);
             }
             kept[at] = self.multiplier[at];
@@ -129,51 +129,61 @@ impl Iterate {
 
     /// The multiplier of slack and elastic variable, the more accurate one of two.
     fn central(&self, row: &Row) -> f64 {
-        let (mu, range) = (self.barrier.mu, self.range(row)[1]);
+        let Barrier { mu, nu } = self.barrier;
         let (s, t) = (self.slack[row.at], self.elastic[row.at]);
-        if s > t { mu / s } else { range - mu / t }
+        if s > t { mu / s } else { nu - mu / t }
     }
 
-    /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. A row whose slack is smaller than
-    /// the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most to `room`.
-    pub fn set_multipliers(&mut self, lambda: &[f64], h: &[f64], room: f64, range: f64) {
+    /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is smaller
+    /// than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most to `room`.
+    pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], room: f64, range: f64) {
         for row in self.working.clone() {
-            let (at, [lower, whole]) = (row.at, self.range(&row));
-            let Some(known) = lambda.get(at).filter(|known| **known != 0.0) else {
+            let at = row.at;
+            let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let z = (known - lower).clamp(0.0, whole);
             let slack = (self.barrier.mu / z).min(room);
             if slack > self.slack[at] {
                 self.slack[at] = slack;
                 self.elastic[at] = h[at] + slack;
             }
-            self.multiplier[at] = z;
+            self.multiplier[at] = *z;
             self.safeguard(&row, range);
         }
+        for Equality { row, .. } in &self.equalities {
+            self.multiplier[row.at] = known.get(row.at).copied().unwrap_or(0.0);
+        }
+    }
+
+    /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
+    /// `factor`, at most `times` in all, if the largest is more than a quarter of that before (NW, framework 17.3).
+    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64) {
+        let mut most = 0.0_f64;
+        for Equality { row, penalty } in &self.equalities {
+            self.multiplier[row.at] += penalty * h[row.at];
+            most = most.max(h[row.at].abs());
+        }
+        if most > PROGRESS * self.before {
+            for equality in &mut self.equalities {
+                equality.penalty = (factor * equality.penalty).min(largest);
+            }
+        }
+        self.before = most;
     }
 
     /// Replaces slacks and elastic variables by the best ones for these values of the rows.
     pub fn recentre(&mut self, h: &[f64], barrier: Barrier) {
         self.barrier = barrier;
         for row in self.working.clone() {
-            [self.slack[row.at], self.elastic[row.at]] = self.split(&row, h[row.at]);
+            [self.slack[row.at], self.elastic[row.at]] = self.split(h[row.at]);
             self.multiplier[row.at] = self.central(&row);
         }
     }
 
-    /// Changes the barrier; multipliers of equalities do not move with the penalty.
+    /// Changes the barrier.
     pub fn set_barrier(&mut self, barrier: Barrier, range: f64) {
-        let old = self.barrier;
-        for row in self.working.clone() {
-            if row.equality {
-                self.multiplier[row.at] += barrier.nu - old.nu;
-            }
-        }
         self.barrier = barrier;
-        for row in self.working.clone() {
-            self.safeguard(&row, range);
-        }
+        self.safeguard_all(range);
     }
 
     /// Makes the constraints $h + s = t$ hold for other values of the rows.
@@ -189,35 +199,48 @@ impl Iterate {
         }
     }
 
-    /// The terms of a row of this value.
+    /// The terms of an inequality of this value.
     pub fn term(&self, row: &Row, h: f64) -> Term {
-        let ([lower, range], mu) = (self.range(row), self.barrier.mu);
-        let (s, t, z) = (
-            self.slack[row.at],
-            self.elastic[row.at],
-            self.multiplier[row.at],
-        );
-        let upper = range - z;
-        let curvature = z * upper / (s * upper + t * z);
+        let Barrier { mu, nu } = self.barrier;
+        let [s, t, z] = self.of(row);
+        let curvature = self.curvature(row);
         Term {
-            slope: lower + z + curvature * (h + mu / z - mu / upper),
+            slope: z + curvature * (h + mu / z - mu / (nu - z)),
             curvature,
-            multiplier: lower + z,
-            cost: range * t + lower * h - mu * (s * t).ln(),
+            multiplier: z,
+            cost: nu * t - mu * (s * t).ln(),
         }
     }
 
-    /// The Newton step of a row that changes by `change`.
+    /// The terms of an equality of this value.
+    pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
+        let (lambda, rho) = (self.multiplier[equality.row.at], equality.penalty);
+        Term {
+            slope: lambda + rho * h,
+            curvature: rho,
+            multiplier: lambda + rho * h,
+            cost: (lambda + 0.5 * rho * h) * h,
+        }
+    }
+
+    /// Slack, elastic variable and multiplier of a row.
+    fn of(&self, row: &Row) -> [f64; 3] {
+        [&self.slack, &self.elastic, &self.multiplier].map(|all| all[row.at])
+    }
+
+    /// The weight of the product of the gradient of a row with itself, $1 / (s / \lambda + t / (\nu - \lambda))$.
+    fn curvature(&self, row: &Row) -> f64 {
+        let [s, t, z] = self.of(row);
+        let upper = self.barrier.nu - z;
+        z * upper / (s * upper + t * z)
+    }
+
+    /// The Newton step of an inequality that changes by `change`.
     pub fn step(&self, row: &Row, h: f64, change: f64) -> RowStep {
-        let ([_, range], mu) = (self.range(row), self.barrier.mu);
-        let (s, t, z) = (
-            self.slack[row.at],
-            self.elastic[row.at],
-            self.multiplier[row.at],
-        );
-        let upper = range - z;
-        let curvature = z * upper / (s * upper + t * z);
-        let multiplier = curvature * (h + change + mu / z - mu / upper);
+        let Barrier { mu, nu } = self.barrier;
+        let [s, t, z] = self.of(row);
+        let upper = nu - z;
+        let multiplier = self.curvature(row) * (h + change + mu / z - mu / upper);
         RowStep {
             slack: mu / z - s - s / z * multiplier,
             elastic: mu / upper - t + t / upper * multiplier,
@@ -227,27 +250,22 @@ impl Iterate {
 
     /// The curvature of slack and elastic variable along a step, and the part of it in the condensed matrix.
     pub fn bend(&self, row: &Row, step: &RowStep, change: f64) -> [f64; 2] {
-        let range = self.range(row)[1];
-        let (s, t, z) = (
-            self.slack[row.at],
-            self.elastic[row.at],
-            self.multiplier[row.at],
-        );
-        let upper = range - z;
-        let curvature = z * upper / (s * upper + t * z);
+        let [s, t, z] = self.of(row);
+        let upper = self.barrier.nu - z;
         let own = z / s * step.slack * step.slack + upper / t * step.elastic * step.elastic;
-        [own, curvature * change * change]
+        [own, self.curvature(row) * change * change]
     }
 
-    /// Takes a fraction of a step from another iterate; each of slack, elastic variable and multiplier keeps at least
-    /// $1 - \tau$ of its distance from zero, the fraction-to-the-boundary rule row by row (WB 15).
+    /// Takes a fraction of a step from another iterate; slack, elastic variable, multiplier and its distance from the
+    /// penalty each keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
     pub fn take(&mut self, from: &Self, row: &Row, step: &RowStep, fraction: f64, tau: f64) {
-        let (at, range) = (row.at, self.range(row)[1]);
+        let (at, nu) = (row.at, self.barrier.nu);
         let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
-        self.slack[at] = moved(from.slack[at], fraction * step.slack);
-        self.elastic[at] = moved(from.elastic[at], fraction * step.elastic);
-        let z = moved(from.multiplier[at], fraction * step.multiplier);
-        self.multiplier[at] = range - moved(range - from.multiplier[at], from.multiplier[at] - z);
+        let [s, t, z] = from.of(row);
+        self.slack[at] = moved(s, fraction * step.slack);
+        self.elastic[at] = moved(t, fraction * step.elastic);
+        let by = moved(z, fraction * step.multiplier) - z;
+        self.multiplier[at] = nu - moved(nu - z, -by);
     }
 
     /// Enlarges slack or elastic variable of a row until $h + s = t$.
@@ -272,25 +290,30 @@ impl Iterate {
 
     /// The terms of all rows in the barrier function, without their measure.
     pub fn barrier_terms(&self, h: &[f64]) -> f64 {
-        let (mut sum, mu) = (0.0, self.barrier.mu);
+        let (mut sum, Barrier { mu, nu }) = (0.0, self.barrier);
         for row in &self.working {
-            let [lower, range] = self.range(row);
             let (s, t) = (self.slack[row.at], self.elastic[row.at]);
-            sum += row.weight * (range * t + lower * h[row.at] - mu * (s * t).ln());
+            sum += row.weight * (nu * t - mu * (s * t).ln());
+        }
+        for equality in &self.equalities {
+            let row = equality.row;
+            sum += row.weight * self.equality_term(equality, h[row.at]).cost;
         }
         sum
     }
 
     /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
     fn safeguard(&mut self, row: &Row, range: f64) {
-        let (mu, [_, whole]) = (self.barrier.mu, self.range(row));
+        let Barrier { mu, nu } = self.barrier;
         let (s, t) = (self.slack[row.at], self.elastic[row.at]);
         let z = &mut self.multiplier[row.at];
         if s > t {
-            *z = z.max(mu / s / range).min((mu / s * range).min(0.5 * whole));
+            *z = z.max(mu / s / range).min((mu / s * range).min(0.5 * nu));
         } else {
-            let upper = (whole - *z).max(mu / t / range);
-            *z = whole - upper.min((mu / t * range).min((1.0 - 1e-12) * whole));
+            // Not less than rounding leaves between a multiplier and the penalty.
+            let least = (mu / t / range).max(f64::EPSILON * nu);
+            let upper = (nu - *z).max(least).min((mu / t * range).max(least));
+            *z = nu - upper.min((1.0 - f64::EPSILON) * nu);
         }
     }
 }

@@ -9,7 +9,7 @@
 //! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu t_j - \mu \log s_j - \mu \log t_j)
 //!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
 //!
-//! an equality has the penalty $\nu (s_j + t_j)$. It has feasible points whatever `x` is, so no start has to keep the
+//! and equalities have the terms of an augmented Lagrangian. It has feasible points whatever `x` is, so no start has to keep the
 //! rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that cannot be
 //! kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter
 //! and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
@@ -30,7 +30,7 @@ mod options;
 
 pub use barrier::Barrier;
 pub(crate) use barrier::{BarrierUpdate, Monotone};
-pub use iterate::{Iterate, Row, Term};
+pub use iterate::{Equality, Iterate, Row, Term};
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
 
@@ -56,7 +56,10 @@ pub trait Nlp {
     /// The factor of the weights of all rows at `x`: the horizon.
     fn measure(&self, x: &DVector<f64>) -> f64;
 
-    /// The rows of the working set, for values of all rows.
+    /// The equalities, with their first penalties for an objective of this density.
+    fn equalities(&self, density: f64) -> Vec<Equality>;
+
+    /// The inequalities of the working set, for values of all rows.
     fn working_set(&mut self, h: &[f64]) -> Vec<Row>;
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
@@ -218,7 +221,7 @@ impl State {
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: options.penalty * scale / measure,
         };
-        let mut iterate = Iterate::new(h.len(), barrier);
+        let mut iterate = Iterate::new(h.len(), barrier, problem.equalities(scale / measure));
         iterate.set_working(working, &h);
         if let Some(lambda) = multipliers {
             iterate.set_multipliers(lambda, &h, options.room, options.multiplier_range);
@@ -280,19 +283,21 @@ impl State {
         {
             self.raise_penalty(options);
         }
+        self.update_equalities(options);
         self.reset(problem, options)?;
         Ok(found)
+    }
+
+    fn update_equalities(&mut self, options: &Options) {
+        let most = options.largest_penalty * self.scale() / self.measure;
+        self.iterate
+            .update_equalities(&self.h, options.penalty_factor, most);
     }
 
     /// Raises the penalty if a multiplier has reached it; returns false if it is the largest one already.
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
-        if !self
-            .iterate
-            .working
-            .iter()
-            .any(|row| self.iterate.is_at_penalty(row))
-        {
+        if !self.iterate.is_at_penalty() {
             return true;
         }
         let most = options.largest_penalty * self.scale() / self.measure;
@@ -327,6 +332,7 @@ impl State {
         if self.rounds > options.rounds {
             return Ok(Some(Status::Infeasible));
         }
+        self.update_equalities(options);
         if !self.raise_penalty(options) {
             return Ok(Some(Status::Infeasible));
         }

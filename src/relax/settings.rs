@@ -76,7 +76,7 @@ impl Default for RelaxSettings {
             tolerance: 1e-8,
             iterations: 500,
             quadrature_tolerance: 1e-3,
-            starts: 16,
+            starts: 32,
             seed: 0,
             time_limit: None,
             interrupt: Interrupt::default(),

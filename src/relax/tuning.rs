@@ -31,7 +31,13 @@ pub(super) const NEAR: f64 = 0.05;
 /// The last weight: the accepted relative excess of the cost over its minimum.
 pub(super) const LAST_BARRIER: f64 = 1e-7;
 
-// Duals of equalities.
+// Equalities.
+
+/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other start is
+/// as easy.
+pub(super) const MOTOR: f64 = 2.0;
+/// The first penalty of other equalities, relative to the cost per second.
+pub(super) const EQUALITY_PENALTY: f64 = 1e3;
 
 /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
 pub(super) const PASSIVE_SHARE: f64 = 5e-4;

@@ -139,9 +139,8 @@ fn hs71(x: &[HyperDual64]) -> Functions {
 
 /// Unknowns and multipliers of a solution.
 fn numbers(end: &Solution) -> (Vec<f64>, Vec<f64>) {
-    let working = end.iterate.working.iter();
-    let multipliers = working.map(|row| end.iterate.lambda(row));
-    (end.x.as_slice().to_vec(), multipliers.collect())
+    let x = end.x.as_slice().to_vec();
+    (x, end.iterate.multiplier.clone())
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {

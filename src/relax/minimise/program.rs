@@ -5,9 +5,11 @@ use super::{Context, Stage};
 use crate::constraint::Constraint;
 use crate::error::Result;
 use crate::motion::{Path, Watch};
-use crate::nlp::{Bordered, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
 use crate::relax::transcription::{Grid, Peak, Scan};
-use crate::relax::tuning::{FINE, FLOOR, NEAR, ON_THE_WAY, RESERVE, SCAN, SMALLEST_COST};
+use crate::relax::tuning::{
+    EQUALITY_PENALTY, FINE, FLOOR, MOTOR, NEAR, ON_THE_WAY, RESERVE, SCAN, SMALLEST_COST,
+};
 use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -75,7 +77,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
         let bounds = if free_horizon.is_some() { 2 } else { 0 };
         let count = points * rows.count() + bounds;
-        Self {
+        let mut program = Self {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
             finer_cost: [f64::NAN; 2],
@@ -85,7 +87,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             free_slope: basis.free_final_velocity(),
             horizon,
             free_horizon,
-            margins: vec![RESERVE; count],
+            margins: vec![0.0; count],
             working: Vec::new(),
             refinable,
             kept: Vec::new(),
@@ -94,7 +96,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             near: NEAR * problem.model().reach(),
             stage,
             watch,
-        }
+        };
+        program.reserve();
+        program
     }
 
     /// The unknowns of the curve.
@@ -157,7 +161,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     pub fn multipliers(&self, iterate: &Iterate) -> Vec<f64> {
         let mut all = vec![0.0; self.margins.len()];
         for row in &iterate.working {
-            all[row.at] = iterate.lambda(row);
+            all[row.at] = iterate.multiplier[row.at];
+        }
+        for Equality { row, .. } in &iterate.equalities {
+            all[row.at] = iterate.multiplier[row.at];
         }
         all
     }
@@ -170,11 +177,17 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
         let count = integrand.rows.count();
         let points = integrand.terms.len();
-        for row in iterate.working.iter().filter(|row| row.at < points * count) {
-            let h = integrand.h[row.at] + self.margins[row.at];
-            let part = row.weight / self.grid.weights[row.at / count % self.grid.points()];
-            let term = iterate.term(row, h).times(part);
+        let of_bounds = points * count;
+        for row in iterate.working.iter().filter(|row| row.at < of_bounds) {
+            let term = iterate.term(row, integrand.h[row.at] + self.margins[row.at]);
             integrand.terms[row.at / count].push((row.at % count, term));
+        }
+        for equality in &iterate.equalities {
+            let at = equality.row.at;
+            // Their rule has a small share of the quadrature.
+            let term = iterate.equality_term(equality, integrand.h[at]);
+            let term = term.times(1.0 / Grid::COLLOCATED);
+            integrand.terms[at / count].push((at % count, term));
         }
     }
 
@@ -229,13 +242,24 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
+    /// Sets the margins against rounding.
+    fn reserve(&mut self) {
+        let equalities = &self.objective.cost().rows.attributes().equalities;
+        let margins = equalities
+            .iter()
+            .map(|equality| if *equality { 0.0 } else { RESERVE });
+        for (margin, reserve) in self.margins.iter_mut().zip(margins.cycle()) {
+            *margin = reserve;
+        }
+    }
+
     /// Sets margins from the local maxima of the rows between the points.
     ///
     /// During the search they raise the rows at the two points of the segment next to a maximum to its height. At the
     /// `end` they only grow, by twice the excess of a maximum, so that the process terminates.
     fn set_margins(&mut self, peaks: &[Peak], end: bool) {
         if !end {
-            self.margins.fill(RESERVE);
+            self.reserve();
         }
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
         let count = integrand.rows.count();
@@ -325,6 +349,28 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         }
     }
 
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let rows = &self.objective.cost().rows;
+        let (count, grid) = (rows.count(), self.grid);
+        let held = rows.attributes().equalities.iter().enumerate();
+        let held: Vec<usize> = held.filter_map(|(row, held)| held.then_some(row)).collect();
+        let mut all = Vec::new();
+        for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
+            let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
+            all.extend(held.iter().map(|row| Equality {
+                row: Row {
+                    at: g * count + row,
+                    weight,
+                },
+                penalty: match rows.constraints.is_passive(*row) {
+                    true => MOTOR,
+                    false => EQUALITY_PENALTY * density,
+                },
+            }));
+        }
+        all
+    }
+
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
         let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
@@ -337,33 +383,19 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 grid.weights[g % grid.points()],
             );
             for row in 0..count {
-                let (at, equality) = (g * count + row, attributes.equalities[row]);
+                let at = g * count + row;
                 // NaN counts as near.
                 let is_far = attributes.clearances[row] && h[at] < -self.near;
-                // Equalities have the weights of a rule of their own.
-                let weight = if equality {
-                    weight / Grid::COLLOCATED
-                } else {
-                    weight
-                };
-                if equality == collocated && !is_far {
+                if !collocated && !attributes.equalities[row] && !is_far {
                     self.working[at] = true;
-                    rows.push(Row {
-                        at,
-                        weight,
-                        equality,
-                    });
+                    rows.push(Row { at, weight });
                 }
             }
         }
         if self.free_horizon.is_some() {
             for at in [h.len() - 2, h.len() - 1] {
                 self.working[at] = true;
-                rows.push(Row {
-                    at,
-                    weight: 1.0,
-                    equality: false,
-                });
+                rows.push(Row { at, weight: 1.0 });
             }
         }
         rows

@@ -21,7 +21,7 @@ pub struct RelaxOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-8, with constraints 1e-6.
     pub tolerance: Option<f64>,
-    /// Number of starts; by default 16 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
+    /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
     /// joints. There are more while none ends within the constraints.
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
