@@ -4,8 +4,8 @@ use super::Barrier;
 
 /// The fraction of the penalty above which a multiplier shows that its row is violated because that is cheap.
 const AT_PENALTY: f64 = 0.9;
-/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as in
-/// NW, framework 17.3.
+/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
+/// in NW, framework 17.3.
 const PROGRESS: f64 = 0.25;
 
 /// A row of the working set.
@@ -25,8 +25,8 @@ pub struct Equality {
     pub penalty: f64,
 }
 
-/// The slacks $s$, elastic variables $t$ and multipliers of the rows, for all rows in their order: those of inequalities
-/// have the conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$. Equalities have the terms
+/// The slacks $s$, elastic variables $t$ and multipliers of the rows, for all rows in their order: those of
+/// inequalities have the conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
 #[derive(Clone, Debug)]
 pub struct Iterate {
@@ -123,6 +123,9 @@ impl Iterate {
             }
             kept[at] = self.multiplier[at];
         }
+        for Equality { row, .. } in &self.equalities {
+            kept[row.at] = self.multiplier[row.at];
+        }
         self.multiplier = kept;
         self.working = working;
     }
@@ -134,8 +137,9 @@ impl Iterate {
         if s > t { mu / s } else { nu - mu / t }
     }
 
-    /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is smaller
-    /// than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most to `room`.
+    /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
+    /// smaller than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most
+    /// to `room`.
     pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], room: f64, range: f64) {
         for row in self.working.clone() {
             let at = row.at;

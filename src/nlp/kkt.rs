@@ -106,8 +106,8 @@ impl Kkt {
         })
     }
 
-    /// Adapts the smallest multiple of the norm to the fraction of the last step that was taken, as the radius of a trust
-    /// region would be: short fractions show that the quadratic model does not hold that far.
+    /// Adapts the smallest multiple of the norm to the fraction of the last step that was taken, as the radius of a
+    /// trust region would be: short fractions show that the quadratic model does not hold that far.
     pub fn adapt(&mut self, alpha: f64, used: f64, options: &Options) {
         let [_, more, less] = options.regularisation_factors;
         self.floor = if alpha < options.short_fraction {

@@ -11,8 +11,8 @@ const ROUNDING: f64 = 1e-13;
 /// Takes a fraction of a step that decreases the barrier function sufficiently (NW 3.4) below the largest of its last
 /// values. Returns the predicted decrease of the whole step, or `None` if no fraction does.
 ///
-/// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that slacks
-/// follow the rows to second order.
+/// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that
+/// slacks follow the rows to second order.
 pub(super) fn line_search<P: Nlp>(
     problem: &mut P,
     state: &mut State,

@@ -3,21 +3,21 @@
 //! $$ \min_x f(x) \quad \text{subject to} \quad h_j(x) \le 0 \ \text{or} \ h_j(x) = 0 . $$
 //!
 //! Each row has a slack $s_j > 0$ and an elastic variable $t_j > 0$, and an exact $\ell_1$ penalty $\nu$ bounds its
-//! multiplier (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear optimization*, 2015). With the
-//! weights $w_j$ of the rows, which are those of a quadrature, the barrier problem is
+//! multiplier (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear optimization*, 2015). With
+//! the weights $w_j$ of the rows, which are those of a quadrature, the barrier problem is
 //!
 //! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu t_j - \mu \log s_j - \mu \log t_j)
 //!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
 //!
-//! and equalities have the terms of an augmented Lagrangian. It has feasible points whatever `x` is, so no start has to keep the
-//! rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that cannot be
-//! kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter
-//! and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
+//! and equalities have the terms of an augmented Lagrangian. It has feasible points whatever `x` is, so no start has to
+//! keep the rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that
+//! cannot be kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and
+//! of Wächter and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
-//! 2. `line_search`: backtracking on the barrier function from the fraction to the boundary; multipliers have a step
-//!    length of their own (WB 2.2).
+//! 2. `line_search`: backtracking on the barrier function, below the largest of its last values; each slack and
+//!    multiplier keeps a fraction of its distance from zero (WB 2.2).
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
 //!    (`BarrierUpdate`).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature.

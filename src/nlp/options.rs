@@ -28,8 +28,8 @@ pub struct Options {
     /// problems of a seven-joint arm in clutter: 0.7 and 0.99 solve four and five of them in the time in which 0.9
     /// solves six).
     pub fraction_to_boundary: f64,
-    /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an obstacle
-    /// while the barrier parameter is large, and finds the better side.
+    /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
+    /// obstacle while the barrier parameter is large, and finds the better side.
     pub penalty: f64,
     /// The factor of the penalty at each reduction of the barrier parameter at which a multiplier has reached it.
     pub penalty_factor: f64,
@@ -37,8 +37,9 @@ pub struct Options {
     pub largest_penalty: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
     pub sufficient_decrease: f64,
-    /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo, Lampariello
-    /// and Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW 15.4).
+    /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo,
+    /// Lampariello and Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW
+    /// 15.4).
     pub memory: usize,
     /// The factor of backtracking: 0.5 as in WB.
     pub backtracking: f64,

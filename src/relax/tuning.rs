@@ -33,8 +33,8 @@ pub(super) const LAST_BARRIER: f64 = 1e-7;
 
 // Equalities.
 
-/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other start is
-/// as easy.
+/// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other start
+/// is as easy.
 pub(super) const MOTOR: f64 = 2.0;
 /// The first penalty of other equalities, relative to the cost per second.
 pub(super) const EQUALITY_PENALTY: f64 = 1e3;

@@ -1,8 +1,8 @@
 //! A minimum in a basis within constraints, by the [interior-point method](crate::nlp).
 //!
-//! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at the
-//! points of the quadrature its rows. `integrand` adds the weighted rows to the running cost. The rows of clearances are
-//! in the working set while they are near their bound.
+//! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
+//! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost. The rows of
+//! clearances are in the working set while they are near their bound.
 
 mod candidate;
 mod curvature;

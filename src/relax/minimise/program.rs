@@ -422,7 +422,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 }
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// The objective, infinite where a row outside the working set is violated: a step into something that was far away.
+    /// The objective, infinite where a row outside the working set is violated: a step into something that was far
+    /// away.
     fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
         let (grid, integrand) = (self.grid, &self.objective);
         let attributes = integrand.cost().rows.attributes();
