@@ -2,7 +2,9 @@
 
 use aghf::Result;
 use aghf::linalg::BlockTridiagonal;
-use aghf::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Tightened, solve};
+use aghf::nlp::{
+    Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve,
+};
 use aghf::relax::HyperDual64;
 use nalgebra::{DMatrix, DVector};
 
@@ -77,10 +79,9 @@ impl Dense {
     pub fn lagrangian_gradient(&self, x: &DVector<f64>, iterate: &Iterate) -> DVector<f64> {
         let all = self.twice(x);
         let mut sum = all[0].0.clone();
-        let equalities = iterate.equalities.iter().map(|equality| &equality.row);
-        for row in iterate.working.iter().chain(equalities) {
-            let factor = self.measure * row.weight * iterate.multiplier[row.at];
-            sum.axpy(factor, &all[1 + row.at].0, 1.0);
+        for (at, (.., weight, _)) in self.rows.iter().enumerate() {
+            let factor = self.measure * weight * iterate.multiplier[at];
+            sum.axpy(factor, &all[1 + at].0, 1.0);
         }
         sum
     }
@@ -92,6 +93,13 @@ impl Dense {
         matrix.diagonal[0].fill_with_identity();
         let border = None;
         Kkt::new(Bordered { matrix, border }).expect("the unit matrix is positive definite")
+    }
+
+    /// The equalities or the inequalities.
+    fn all_rows(&self, equalities: bool) -> impl Iterator<Item = Row> {
+        let rows = self.rows.iter().enumerate();
+        let of_kind = rows.filter(move |(_, row)| row.3 == equalities);
+        of_kind.map(|(at, row)| Row { at, weight: row.2 })
     }
 
     /// The solution from the start.
@@ -127,17 +135,18 @@ impl Nlp for Dense {
         let mut h = Vec::new();
         self.value(x, &mut h)?;
         let (mut gradient, mut hessian) = all[0].clone();
-        let inequalities = iterate.working.iter();
-        let inequalities = inequalities.map(|row| (row, iterate.term(row, h[row.at])));
-        let equalities = iterate.equalities.iter();
-        let equalities =
-            equalities.map(|held| (&held.row, iterate.equality_term(held, h[held.row.at])));
-        for (row, term) in inequalities.chain(equalities) {
-            let term = term.times(self.measure * row.weight);
-            let (slope, second) = &all[1 + row.at];
+        let mut add = |row: &Row, term: Term| {
+            let (term, (slope, second)) = (term.times(self.measure * row.weight), &all[1 + row.at]);
             gradient.axpy(term.slope, slope, 1.0);
             hessian += second * term.multiplier;
             hessian.ger(term.curvature, slope, slope, 1.0);
+        };
+        for row in &iterate.working {
+            add(row, iterate.term(row, h[row.at]));
+        }
+        for equality in &iterate.equalities {
+            let row = &equality.row;
+            add(row, iterate.equality_term(equality, h[row.at]));
         }
         out.gradient = gradient;
         out.hessian.matrix.diagonal[0] = hessian;
@@ -149,24 +158,15 @@ impl Nlp for Dense {
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
-        let held = self.rows.iter().enumerate().filter(|(_, (.., held))| *held);
-        let held = held.map(|(at, (.., weight, _))| Equality {
-            row: Row {
-                at,
-                weight: *weight,
-            },
+        let of = |row| Equality {
+            row,
             penalty: density,
-        });
-        held.collect()
+        };
+        self.all_rows(true).map(of).collect()
     }
 
     fn working_set(&mut self, _: &[f64]) -> Vec<Row> {
-        let rows = self.rows.iter().enumerate().filter(|(_, (.., held))| !held);
-        rows.map(|(at, (.., weight, _))| Row {
-            at,
-            weight: *weight,
-        })
-        .collect()
+        self.all_rows(false).collect()
     }
 
     fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {

@@ -134,9 +134,9 @@ fn a_free_horizon_is_the_best_one() {
     for begin in [0.3, exact, 1.0, 9.0] {
         let solution = solved(&problem(begin), &horizon(0.1, 10.0, weight));
         let found = solution.curve.chebyshev().horizon();
-        // The slope is asked for to 1e-7, and the second derivative in the logarithm of T is 9 J + w T.
+        // The barrier functions of the two bounds, 1e-7 of the cost times the logarithms of their slacks, shift it.
         assert!(
-            solution.converged && (found - exact).abs() < 1e-7,
+            solution.converged && (found - exact).abs() < 5e-6,
             "{begin}: {found} {exact}"
         );
         assert!((solution.cost - 12.0 * md2 / found.powi(3)).abs() < 1e-10);
@@ -148,8 +148,8 @@ fn a_free_horizon_is_the_best_one() {
         ..horizon(0.1, 10.0, weight)
     };
     let found = solved(&problem(1.0), &anyhow).curve.chebyshev().horizon();
-    assert!((found - (9.0 * md2 / weight).powf(0.25)).abs() < 1e-7);
-    // A bound holds it, and without a weight the horizon is the longest one.
+    assert!((found - (9.0 * md2 / weight).powf(0.25)).abs() < 5e-6);
+    // A bound holds it, to the slack that its multiplier leaves, and without a weight the horizon is the longest one.
     for (shortest, longest, weight, expected) in [
         (0.1, 1.5, weight, 1.5),
         (3.0, 9.0, weight, 3.0),
@@ -157,8 +157,11 @@ fn a_free_horizon_is_the_best_one() {
     ] {
         let begin = 0.5 * (shortest + longest);
         let solution = solved(&problem(begin), &horizon(shortest, longest, weight));
-        assert_eq!(solution.curve.chebyshev().horizon(), expected);
-        assert!(solution.converged);
+        let found = solution.curve.chebyshev().horizon();
+        assert!(
+            solution.converged && (found - expected).abs() < 1e-6,
+            "{found} {expected}"
+        );
     }
 }
 
