@@ -45,7 +45,8 @@ impl BarrierUpdate for Monotone {
         let next = next.max(options.last_barrier);
         Barrier {
             mu: next * state.scale() / state.total_weight(),
-            ..state.iterate.barrier
+            // The objective may have been zero at the start.
+            nu: (options.penalty * state.scale() / state.measure).max(state.iterate.barrier.nu),
         }
     }
 }

@@ -72,6 +72,12 @@ pub trait Nlp {
     /// Those of [`value`](Self::value).
     fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened>;
 
+    /// The largest violation of a row at `x`, between the points too, in its unit.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn violation(&mut self, x: &DVector<f64>) -> Result<f64>;
+
     /// Returns true if the search is to stop.
     fn is_stopped(&self) -> bool;
 }
@@ -81,6 +87,8 @@ pub trait Nlp {
 pub enum Tightened {
     /// The largest violation of a row, in its unit.
     Violation(f64),
+    /// Margins were larger than they need to be, and are smaller now.
+    Lowered,
     /// The points are too few for the objective.
     Coarse,
 }
@@ -316,6 +324,10 @@ impl State {
     ) -> Result<Option<Status>> {
         let violation = match problem.tighten(&self.x, true)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
+            Tightened::Lowered => {
+                self.reset(problem, options)?;
+                return Ok(None);
+            }
             Tightened::Violation(violation) => violation,
         };
         self.rounds += 1;
@@ -352,10 +364,7 @@ impl State {
 
     /// The end of the search, with the violation between the points.
     fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
-        let violation = match problem.tighten(&self.x, true)? {
-            Tightened::Violation(violation) => violation,
-            Tightened::Coarse => f64::INFINITY,
-        };
+        let violation = problem.violation(&self.x)?;
         self.progress.complementarity = self.complementarity();
         Ok(Solution {
             x: self.x,

@@ -177,11 +177,15 @@ impl Nlp for Dense {
         if self.coarse {
             return Ok(Tightened::Coarse);
         }
+        self.violation(x).map(Tightened::Violation)
+    }
+
+    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
         let mut h = Vec::new();
         self.value(x, &mut h)?;
         let rows = h.iter().zip(&self.rows);
         let violations = rows.map(|(h, (.., equality))| if *equality { h.abs() } else { *h });
-        Ok(Tightened::Violation(violations.fold(0.0, f64::max)))
+        Ok(violations.fold(0.0, f64::max))
     }
 
     fn is_stopped(&self) -> bool {

@@ -18,7 +18,7 @@ use super::{CostWithControl, FreeHorizon, Iteration};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, curve_of, passive_share};
-use crate::nlp::{Options, Progress, Status, solve};
+use crate::nlp::{Nlp, Options, Progress, Status, solve};
 use program::Program;
 
 /// The termination criteria of one minimisation.
@@ -151,7 +151,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     if stage.last && violation > stage.feasible {
         // The last curve that satisfied the constraints.
         while let Some(earlier) = program.kept.pop() {
-            let of = program.look(&earlier)?;
+            let of = program.violation(&earlier)?;
             if of <= stage.feasible {
                 (x, violation) = (earlier, of);
                 break;

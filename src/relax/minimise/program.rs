@@ -34,6 +34,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     horizon: f64,
     free_horizon: Option<FreeHorizon>,
     margins: Vec<f64>,
+    /// True once margins have been lowered at the end of the search.
+    lowered: bool,
     /// True for rows of the working set.
     working: Vec<bool>,
     /// The distance from its bound up to which a clearance is in the working set, m.
@@ -88,6 +90,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             horizon,
             free_horizon,
             margins: vec![0.0; count],
+            lowered: false,
             working: Vec::new(),
             refinable,
             kept: Vec::new(),
@@ -222,13 +225,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             }
         }
         Ok((peaks, largest))
-    }
-
-    /// The largest violation of a row at other unknowns, which become the current ones.
-    pub fn look(&mut self, x: &DVector<f64>) -> Result<f64> {
-        self.place(x);
-        self.is_coarse(true)?;
-        Ok(self.peaks(true)?.1)
     }
 
     /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
@@ -407,6 +403,16 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             return Ok(Tightened::Coarse);
         }
         let (peaks, violation) = self.peaks(end)?;
+        if end && self.stage.last && !self.lowered {
+            self.lowered = true;
+            let before = self.margins.clone();
+            self.set_margins(&peaks, false);
+            let lower = before.iter().zip(&self.margins);
+            if lower.fold(0.0_f64, |most, (a, b)| most.max(a - b)) > self.stage.feasible {
+                return Ok(Tightened::Lowered);
+            }
+            self.margins = before;
+        }
         if !end && violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }
@@ -414,6 +420,12 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             self.set_margins(&peaks, end);
         }
         Ok(Tightened::Violation(violation))
+    }
+
+    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
+        self.place(x);
+        self.is_coarse(true)?;
+        Ok(self.peaks(true)?.1)
     }
 
     fn is_stopped(&self) -> bool {
