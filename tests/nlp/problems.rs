@@ -9,8 +9,8 @@ use aghf::nlp::{Options, Solution, Status};
 use aghf::relax::HyperDual64;
 use num_dual::DualNum;
 
-/// The accuracy of multipliers. The end of a search is measured relative to the condensed matrix, whose entries along the
-/// gradients of active rows are in inverse proportion to the barrier parameter.
+/// The accuracy of multipliers. The end of a search is measured relative to the condensed matrix, whose entries along
+/// the gradients of active rows are in inverse proportion to the barrier parameter.
 const MULTIPLIER: f64 = 1e-4;
 
 /// A program with its solution.
