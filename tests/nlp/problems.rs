@@ -352,6 +352,5 @@ fn stops_are_reported() {
         coarse: true,
         ..program()
     };
-    let end = coarse.solve(&accurate());
-    assert_eq!((end.status, end.violation), (Status::Coarse, f64::INFINITY));
+    assert_eq!(coarse.solve(&accurate()).status, Status::Coarse);
 }
