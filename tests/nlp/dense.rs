@@ -28,7 +28,7 @@ pub struct Dense {
 /// The options of the tests: as accurate as rounding allows, far beyond the differences that are compared.
 pub fn accurate() -> Options {
     Options {
-        tolerance: 1e-9,
+        tolerance: 1e-8,
         feasible: 1e-9,
         last_barrier: 1e-10,
         ..Options::default()

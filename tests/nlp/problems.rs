@@ -216,7 +216,7 @@ fn rows_in_another_unit() {
                 feasible,
                 ..options
             });
-            assert_eq!(end.status, Status::Converged, "{name}");
+            assert_eq!(end.status, Status::Converged, "{name} {factor}");
             let (found, mut lambda) = numbers(&end);
             for lambda in &mut lambda {
                 *lambda *= factor;

@@ -66,7 +66,7 @@ fn more_starts_never_cost_more() {
             assert!((1..=solution.start_costs.len()).contains(&ended));
         }
         // There is more than one minimum, so that starts matter.
-        assert!(found[6].minima.len() > 1, "{name}");
+        assert!(found[6].minima.len() > 1, "{name}: {:?}", found[6].minima);
         assert!(found[6].cost < found[0].cost, "{name}");
     }
 }
