@@ -208,6 +208,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     /// The local maxima of the rows between the points, and the largest violation, in its unit.
     fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
         let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
+        let bounds = self.bounds();
         let rows = &mut self.objective.cost_mut().rows;
         let peaks = scan.peaks(rows, &self.coefficients, horizon, FLOOR)?;
         let units = &rows.attributes().units;
@@ -216,7 +217,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
         let integrand = self.objective.cost_mut();
         let count = integrand.rows.count();
-        let mut largest = highest;
+        let longest = self.free_horizon.map_or(0.0, |free| free.longest);
+        let mut largest = bounds
+            .into_iter()
+            .fold(highest, |most, bound| most.max(longest * bound));
         for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
             if self.grid.collocated[g % self.grid.points()] {
                 for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
