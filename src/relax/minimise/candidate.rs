@@ -13,6 +13,8 @@ pub(in crate::relax) struct Candidate {
     pub path: Path,
     pub horizon: f64,
     pub multipliers: Multipliers,
+    /// The first penalty of a violation, if it is not that of the options.
+    pub penalty: Option<f64>,
     /// The integral of the running cost by a quadrature finer than that of the minimisation.
     pub cost: f64,
     /// The same with the cost of time.
@@ -54,6 +56,7 @@ impl Candidate {
             path,
             horizon,
             multipliers: Multipliers::default(),
+            penalty: None,
             cost: f64::NAN,
             objective: f64::NAN,
             violation: f64::NAN,

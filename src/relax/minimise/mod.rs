@@ -112,6 +112,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     let options = Options {
         tolerance: stage.tolerance,
         feasible: stage.feasible,
+        penalty: candidate.penalty.unwrap_or(Options::default().penalty),
         iterations: stage.iterations,
         last_barrier: match rows.count() {
             0 => LAST_BARRIER_OF_BOUNDS.min(stage.last_barrier),
@@ -143,6 +144,9 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         });
     };
     let x = program.unknowns();
+    if stage.last {
+        program.kept.push(x.clone());
+    }
     let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
     candidate.multipliers = Multipliers::new(&grid, rows, &program.multipliers(&end.iterate));
     let (mut x, mut violation) = (end.x.clone(), end.violation);

@@ -9,7 +9,8 @@ use crate::relax::minimise::{Candidate, Context, minimise};
 use crate::relax::settings::{PlannedStarts, Rung};
 use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
-    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
+    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, PLANNED_PENALTY, SAME_MINIMUM,
+    SHARE_OF_STARTS, WAVE,
 };
 use crate::relax::{CostWithControl, Iteration, RelaxSettings, RelaxSolution};
 use serde::{Deserialize, Serialize};
@@ -94,7 +95,10 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             // A planned start has its own basis and enters at the highest degree.
             let (first, candidate) = match planned.start(number, context.problem)? {
                 Some(path) => {
-                    let candidate = Candidate::new(path, context.problem.horizon());
+                    let candidate = Candidate {
+                        penalty: Some(PLANNED_PENALTY),
+                        ..Candidate::new(path, context.problem.horizon())
+                    };
                     (rungs.len() - 1, candidate)
                 }
                 None => {
