@@ -87,8 +87,6 @@ pub trait Nlp {
 pub enum Tightened {
     /// The largest violation of a row, in its unit.
     Violation(f64),
-    /// Margins were larger than they need to be, and are smaller now.
-    Lowered,
     /// The points are too few for the objective.
     Coarse,
 }
@@ -324,10 +322,6 @@ impl State {
     ) -> Result<Option<Status>> {
         let violation = match problem.tighten(&self.x, true)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
-            Tightened::Lowered => {
-                self.reset(problem, options)?;
-                return Ok(None);
-            }
             Tightened::Violation(violation) => violation,
         };
         self.rounds += 1;

@@ -34,8 +34,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     horizon: f64,
     free_horizon: Option<FreeHorizon>,
     margins: Vec<f64>,
-    /// True once margins have been lowered at the end of the search.
-    lowered: bool,
+    /// The number of times that margins were adapted at the end of the search.
+    rounds: usize,
     /// True for rows of the working set.
     working: Vec<bool>,
     /// The distance from its bound up to which a clearance is in the working set, m.
@@ -90,7 +90,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             horizon,
             free_horizon,
             margins: vec![0.0; count],
-            lowered: false,
+            rounds: 0,
             working: Vec::new(),
             refinable,
             kept: Vec::new(),
@@ -255,7 +255,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 
     /// Sets margins from the local maxima of the rows between the points.
     ///
-    /// During the search they raise the rows at the two points of the segment next to a maximum to its height. At the
+    /// They raise the rows at the two points of the segment next to a maximum to its height. At the
     /// `end` they only grow, by twice the excess of a maximum, so that the process terminates.
     fn set_margins(&mut self, peaks: &[Peak], end: bool) {
         if !end {
@@ -407,21 +407,15 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             return Ok(Tightened::Coarse);
         }
         let (peaks, violation) = self.peaks(end)?;
-        if end && self.stage.last && !self.lowered {
-            self.lowered = true;
-            let before = self.margins.clone();
-            self.set_margins(&peaks, false);
-            let lower = before.iter().zip(&self.margins);
-            if lower.fold(0.0_f64, |most, (a, b)| most.max(a - b)) > self.stage.feasible {
-                return Ok(Tightened::Lowered);
-            }
-            self.margins = before;
-        }
         if !end && violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }
-        if !end || violation > self.stage.feasible {
-            self.set_margins(&peaks, end);
+        if !end {
+            self.set_margins(&peaks, false);
+        } else if violation > self.stage.feasible {
+            // Exact margins at first, and then those that only grow.
+            self.rounds += 1;
+            self.set_margins(&peaks, self.rounds > EXACT_MARGINS);
         }
         Ok(Tightened::Violation(violation))
     }
