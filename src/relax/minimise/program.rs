@@ -8,7 +8,8 @@ use crate::motion::{Path, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
 use crate::relax::transcription::{Grid, Peak, Scan};
 use crate::relax::tuning::{
-    EQUALITY_PENALTY, FINE, FLOOR, MOTOR, NEAR, ON_THE_WAY, RESERVE, SCAN, SMALLEST_COST,
+    EQUALITY_PENALTY, EXACT_MARGINS, FINE, FLOOR, MOTOR, NEAR, ON_THE_WAY, RESERVE, SCAN,
+    SMALLEST_COST,
 };
 use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
 use nalgebra::{DMatrix, DVector};
