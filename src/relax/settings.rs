@@ -51,7 +51,7 @@ pub struct RelaxSettings {
     pub start: Option<Curve>,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
-    /// The bounds and the price of a free horizon; the search then starts from that of the problem.
+    /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
 }
 
@@ -287,7 +287,7 @@ pub struct RelaxSolution {
     /// The motion, with $v = \dot q$, on the optimal horizon if that was free.
     pub curve: Curve,
     /// The integral of the running cost, by default $\int |u|^2 dt$, by a quadrature finer than that of the
-    /// minimisation. The price of a free horizon is not included.
+    /// minimisation. The cost of the time of a free horizon is not included.
     pub cost: f64,
     /// The final relative gradient norm; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,

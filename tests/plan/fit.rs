@@ -66,7 +66,7 @@ fn it_goes_through_the_waypoints() {
     }
 }
 
-/// Where a smooth curve would collide beside a corner its slope is reduced, to zero if necessary, where the curve is
+/// The slope beside a corner is reduced if a smooth curve would collide there, to zero if necessary, where the curve is
 /// the path.
 #[test]
 fn slopes_are_as_large_as_is_free() {

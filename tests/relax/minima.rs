@@ -122,7 +122,7 @@ fn more_starts_are_no_worse() {
     assert!(five.windows(2).all(|w| w[0] <= w[1]));
 }
 
-/// Where the effort is least the flow pushes no way that keeps $v = \dot q$: for variations $(\varphi, \dot\varphi)$ of
+/// At the least effort the flow pushes no way that keeps $v = \dot q$: for variations $(\varphi, \dot\varphi)$ of
 /// the state that vanish with their slope at both ends, $\int (\varphi, \dot\varphi)^T G\, \Omega\, dt = 0$, whatever
 /// the penalty.
 #[test]

@@ -45,7 +45,7 @@ const ARM: &str = r#"<?xml version="1.0"?>
 /// words of its condition, once per kind of message.
 const CASES: &str = include_str!("refused.json");
 
-/// What is wrong with a refusal at this place in these words, if anything is.
+/// The fault of a refusal that should name this place in these words, if it has one.
 fn problem<T>(result: Result<T>, place: &str, words: &str) -> Option<String> {
     let error = result
         .err()
@@ -148,7 +148,7 @@ fn joints_that_move_nothing() {
     ] {
         parse_urdf(&good, "good").expect("there is something to move");
     }
-    // What turns does not push.
+    // A rotor turns, and does not push.
     let rotor = point_mass("prismatic", "0 0 0", "0").replace("ixx=\"0\"", "ixx=\"1\"");
     refused(&rotor);
 }

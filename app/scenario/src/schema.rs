@@ -114,27 +114,22 @@ fn add_keys(root: &Value, object: &Value, prefix: &str, table: &mut String) {
 /// The objects with keys among the alternatives of a schema and of the entries of a list, each with `[]` for a list.
 fn objects_in<'s>(root: &'s Value, schema: &'s Value) -> Vec<(String, &'s Value)> {
     let mut found = Vec::new();
+    if !schema.is_object() {
+        return found;
+    }
     if let Some(name) = text(schema, "$ref").strip_prefix("#/$defs/") {
         found.extend(objects_in(root, &root["$defs"][name]));
     }
     if schema["properties"].is_object() {
         found.push((String::new(), schema));
     }
-    let entries = objects_in_value(root, &schema["items"]);
+    let entries = objects_in(root, &schema["items"]).into_iter();
     found.extend(entries.map(|(suffix, inner)| (format!("[]{suffix}"), inner)));
     for key in ["anyOf", "oneOf"] {
         let alternatives = schema[key].as_array().into_iter().flatten();
         found.extend(alternatives.flat_map(|alternative| objects_in(root, alternative)));
     }
     found
-}
-
-fn objects_in_value<'s>(
-    root: &'s Value,
-    items: &'s Value,
-) -> impl Iterator<Item = (String, &'s Value)> {
-    let items = items.is_object().then(|| objects_in(root, items));
-    items.into_iter().flatten()
 }
 
 fn properties(schema: &Value) -> Option<&Map<String, Value>> {

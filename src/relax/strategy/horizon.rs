@@ -9,14 +9,14 @@ use crate::relax::{Grid, PointCost, PointDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::DMatrix;
 
-/// The bounds and the price of a free horizon `T`: $\int l\\, dt + w T$ is minimised over `T` as well.
+/// The bounds and the weight of a free horizon `T`: $\int l\\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeHorizon {
     /// The shortest horizon, s.
     pub shortest: f64,
     /// The longest horizon, s.
     pub longest: f64,
-    /// The price $w$ per second.
+    /// The weight $w$ per second.
     pub weight: f64,
 }
 

@@ -158,8 +158,7 @@ fn run(
         counts.all += 1;
         let outcome = target(current, &input)?;
         counts.accepted += u64::from(matches!(outcome, Outcome::Accepted));
-        // What is said of an input tells how far it came: one of which something new is said is worth further
-        // mutations.
+        // The answer to an input shows how far it came: one with a new answer is worth further mutations.
         let is_new = match outcome {
             Outcome::Accepted => counts.accepted.is_multiple_of(16),
             Outcome::Refused(message) => seen.insert(shape(&message)),

@@ -3,8 +3,22 @@
 use crate::files::{FULL, GRID, load};
 use aghf_cli::sweep::Sweep;
 
+/// The fault of the refusal of a good text in which `from`, which it has, is replaced, if it does not name the file or
+/// lacks one of these words; an accepted text "is good".
+fn problem(test: &str, good: &str, from: &str, to: &str, words: &str) -> Option<String> {
+    assert!(good.contains(from), "{from}");
+    let error = match load(test, &good.replace(from, to)) {
+        Ok(_) => "grid.toml: it is good".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    let all = words.split("; ").all(|word| error.contains(word));
+    let named = error.contains("grid.toml: ");
+    (!(all && named)).then(|| format!("{error}; want {words}"))
+}
+
 #[test]
 fn bad_sweep_files_are_refused_by_name_and_key() {
+    let mut problems = Vec::new();
     for (from, to, words) in [
         (
             "time_limit_s",
@@ -91,12 +105,9 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
             "grid.toml: scenarios[1]: 'pendulum_3_swingup' is there",
         ),
     ] {
-        assert!(GRID.contains(from), "{from}");
-        let error = load("bad", &GRID.replace(from, to)).expect_err(words);
-        let error = error.to_string();
-        let all = words.split("; ").all(|word| error.contains(word));
-        assert!(all, "{error}; want {words}");
+        problems.extend(problem("bad", GRID, from, to, words));
     }
+    assert!(problems.is_empty(), "{problems:#?}");
     let error = Sweep::load("table_99")
         .expect_err("there is none")
         .to_string();
@@ -220,15 +231,7 @@ fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
             "sweep: the grid has more than 1000000 sets",
         ),
     ] {
-        assert!(FULL.contains(from), "{from}");
-        let told = match load("bad_relax", &FULL.replace(from, to)) {
-            Ok(_) => "grid.toml: it is good".to_owned(),
-            Err(error) => error.to_string(),
-        };
-        let all = words.split("; ").all(|word| told.contains(word));
-        if !(all && told.contains("grid.toml: ")) {
-            problems.push(format!("{told}; want {words}"));
-        }
+        problems.extend(problem("bad_relax", FULL, from, to, words));
     }
     assert!(problems.is_empty(), "{problems:#?}");
 }

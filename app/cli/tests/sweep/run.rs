@@ -187,7 +187,7 @@ fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
     }
 }
 
-/// What was swept is told by names of options and of keys of scenarios, in the order of the file; so are the columns.
+/// The identity and the columns have the names of options and of keys of scenarios, in the order of the file.
 #[test]
 fn the_identity_and_the_columns_have_the_names_of_the_parameters() {
     let identity = |text: &str| load("identity", text).expect("good").identity();

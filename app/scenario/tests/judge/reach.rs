@@ -1,4 +1,4 @@
-//! How far balls get.
+//! Bounds of the motion of balls.
 
 use aghf::constraint::CollisionSphere;
 use aghf::model::random_tree;

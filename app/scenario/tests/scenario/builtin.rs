@@ -1,4 +1,4 @@
-//! How near the defaults come to the least costs that are known of built-in scenarios, `robots/best_known.json`.
+//! The defaults against the least costs that are known of built-in scenarios, `robots/best_known.json`.
 
 use aghf_scenario::{Details, Scenario, Solve, builtin_scenarios};
 use serde_json::Value;

@@ -3,8 +3,8 @@
 use crate::common::assert_refused;
 use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, builtin_scenarios};
 
-/// Where the flow reaches the goal with a torque beyond its limit: the penalty that stands for the limit in its action
-/// is finite.
+/// The scenarios in which the flow reaches the goal with a torque beyond its limit: the penalty that stands for the
+/// limit in its action is finite.
 const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
 
 /// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told

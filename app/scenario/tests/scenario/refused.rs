@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// condition, once per kind of message.
 const CASES: &str = include_str!("refused.json");
 
-/// What is wrong with a refusal of this key in these words, if anything is.
+/// The fault of a refusal that should name this key in these words, if it has one.
 fn problem(result: Result<Scenario, String>, key: &str, words: &str) -> Option<String> {
     let error = result.err().unwrap_or_else(|| "accepted".to_owned());
     let good = error.starts_with(&format!("{key}: ")) && error.contains(words);
