@@ -8,9 +8,9 @@
 //! # Two methods
 //!
 //! [`relax`] minimises the control effort, or any [running cost](guide::running_cost), over motions in a polynomial
-//! basis, by Newton's method with exact Hessians and an interior-point method for limits and clearances. Its minimum is
-//! the limit of the flow for an infinite penalty. Use it to find motions. [`flow`] is the flow itself, as published and
-//! to rest. Use it to study the flow.
+//! basis, by a primal-dual interior-point method with exact Hessians. Its minimum is the limit of the flow for an
+//! infinite penalty. Use it to find motions. [`flow`] is the flow itself, as published and to rest. Use it to study the
+//! flow.
 //!
 //! # The book
 //!
@@ -61,6 +61,9 @@ pub mod model;
 pub mod motion;
 #[doc(hidden)]
 pub mod names;
+#[doc(hidden)]
+#[cfg(feature = "solvers")]
+pub mod nlp;
 #[cfg(feature = "solvers")]
 pub mod ode;
 #[cfg(feature = "solvers")]

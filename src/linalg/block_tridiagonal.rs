@@ -12,9 +12,9 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockTridiagonal<S: Scalar> {
     /// The diagonal blocks.
-    pub(crate) diagonal: Vec<DMatrix<S>>,
+    pub diagonal: Vec<DMatrix<S>>,
     /// Block `e + 1` by the last columns of block `e`.
-    pub(crate) coupling: Vec<DMatrix<S>>,
+    pub coupling: Vec<DMatrix<S>>,
 }
 
 impl<S: Scalar> BlockTridiagonal<S> {

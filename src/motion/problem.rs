@@ -2,7 +2,7 @@
 
 use crate::curve::Chebyshev;
 use crate::error::{Error, Result, check_length, plain};
-use crate::model::Model;
+use crate::model::{JointKind, Model};
 use nalgebra::DMatrix;
 
 /// A trajectory optimisation problem: from one state of a robot to another in a given time.
@@ -77,6 +77,23 @@ impl<'m> Problem<'m> {
     #[must_use]
     pub fn horizon(&self) -> f64 {
         self.horizon
+    }
+
+    /// The largest sum along the tree of the lengths of links and of the distances that joints slide from start to
+    /// goal, m: a scale for distances in the problem. Zero for a robot of one body that turns about one point.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let joints = self.model.joints();
+        let mut lengths = vec![0.0; joints.len()];
+        for (i, joint) in joints.iter().enumerate() {
+            let before = joint.parent().map_or(0.0, |parent| lengths[parent]);
+            let slides = match joint.kind() {
+                JointKind::Prismatic => (self.goal[i] - self.start[i]).abs(),
+                _ => 0.0,
+            };
+            lengths[i] = before + joint.origin().translation.norm() + slides;
+        }
+        lengths.into_iter().fold(0.0, f64::max)
     }
 
     /// The same problem on another horizon.

@@ -14,40 +14,40 @@
 //!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
 //!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
 //!    whether or not it is a minimum.
-//! 2. `interior_point`: one minimisation. Rows of constraints at the quadrature points become barriers that are finite
-//!    everywhere, a trust region with the exact Hessian minimises the sum, and a dense scan finds violations between
-//!    the points. Without rows it is Newton's method.
+//! 2. `minimise`: one minimisation, a nonlinear program whose unknowns are the coefficients and a free horizon, and
+//!    whose rows are those of the constraints at the quadrature points. `nlp` solves it by a primal-dual interior-point
+//!    method with exact Hessians and a line search (Nocedal and Wright, chapter 19; Wächter and Biegler, 2006). Each
+//!    row has a slack and an elastic variable with an exact penalty, so a start may violate rows. A dense scan finds
+//!    violations between the points. Without rows it is Newton's method.
 //! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
-//! 4. `strategy/horizon.rs`: a horizon at which the cost is stationary, if it is free.
 //!
 //! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
 //! costs; `tuning.rs` has all tuning constants.
 
-mod interior_point;
+mod minimise;
 mod running_cost;
 mod settings;
 mod strategy;
 mod transcription;
 mod tuning;
 
-pub use interior_point::{Barrier, BarrierCost, Equalities};
 pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
     StageInput, Weighted, WeightedSquares,
 };
 pub use settings::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution};
-pub(crate) use strategy::horizon_slope;
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 pub use transcription::{
-    ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Derivatives, Grid, Objective,
-    PackedHessian, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
+    ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Derivatives, Grid,
+    HorizonDerivatives, Objective, PackedHessian, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
 };
 
 use crate::constraint::{Constraint, Constraints, NONE};
 use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
-use interior_point::{Candidate, Context, minimise};
-use strategy::{Planned, Tried, minimise_to_the_end, multistart, refine, search};
+use minimise::{Candidate, Context, minimise};
+use strategy::{Planned, minimise_to_the_end, multistart, refine};
 use transcription::{Grids, Rows};
 
 /// A problem with a running cost, constraints and settings, to be solved.
@@ -144,12 +144,13 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             grids: &grids,
             rows: &rows,
             watch: &watch,
+            free_horizon: settings.free_horizon,
         };
         let planned = Planned::new(given, settings)?;
         let mut problem = problem.clone();
         let longest = settings.free_horizon.map(|free| free.longest);
         if let Some(longest) = longest.or(settings.longest_horizon) {
-            problem = problem.with_horizon(planned.horizon(longest)?)?;
+            problem = problem.with_horizon(planned.first_horizon(longest)?)?;
         }
         let from = problem.clone();
         let context = Context {
@@ -163,7 +164,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             iterations.push(iteration);
         };
         let constrained = rows.count() > 0;
-        let highest = settings.highest(constrained);
+        let highest = settings.highest();
         let passive = self.constraints.torque.has_passive();
         let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
         let mut best_start = None;
@@ -171,7 +172,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         let found = if let Some(curve) = &settings.start {
             let path = path_of(curve, settings.basis()).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
-            let start = Candidate::new(path);
+            let start = Candidate::new(path, problem.horizon());
             minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
         } else {
             let outcome = multistart(
@@ -183,42 +184,20 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             )?;
             (starts, minima) = (outcome.first_costs, outcome.minima);
             starts.sort_by(f64::total_cmp);
-            let curves = outcome.curves.iter().map(|path| curve_of(&problem, path));
+            let curves = outcome.curves.iter().map(|end| end.curve(&problem));
             minima_curves = curves.collect::<Result<_>>()?;
             let (number, guess) = outcome.best_start;
             best_start = Some(number);
-            first_guess = curve_of(&problem, &guess)?;
+            first_guess = guess.curve(&problem)?;
             outcome.best
         };
-        let (mut found, adapted) = refine(settings, found, |from, basis| {
+        let (found, adapted) = refine(settings, found, |from, basis| {
             let mut higher = from.clone();
             higher.path = higher.path.in_basis(basis);
             minimise(context, higher, highest, &mut log)
         })?;
-        let mut horizon_limited = false;
-        if let Some(free) = settings.free_horizon {
-            let first = Tried::new(free, problem.horizon(), found);
-            let searched = search(
-                free,
-                constrained,
-                settings.tolerance,
-                first,
-                &watch,
-                |horizon, from| {
-                    let problem = &problem.with_horizon(horizon)?;
-                    let from = from.found.on_horizon(problem, horizon / from.horizon);
-                    let context = Context { problem, ..context };
-                    let found = minimise(context, from, highest, &mut log)?;
-                    Ok(Tried::new(free, horizon, found))
-                },
-            )?;
-            problem = problem.with_horizon(searched.best.horizon)?;
-            found = searched.best.found;
-            found.converged &= searched.settled;
-            horizon_limited = searched.limited;
-        }
         Ok(RelaxSolution {
-            curve: curve_of(&problem, &found.path)?,
+            curve: found.curve(&problem)?,
             cost: found.cost,
             gradient_norm: found.gradient_norm,
             smallest_curvature: found.smallest_curvature,
@@ -227,14 +206,11 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             points: found.points,
             quadrature_error: found.quadrature_error,
             converged: found.converged,
-            horizon_limited,
             kept: found.kept,
             stopped: watch.stopped(),
             adapted,
             unknowns: found.path.basis.free().len() * problem.model().dof(),
-            complementarity: found
-                .barrier
-                .map_or(0.0, |[mu, _]| mu * rows.count() as f64),
+            complementarity: found.complementarity,
             start_costs: starts,
             minima,
             minima_curves,

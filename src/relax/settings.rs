@@ -1,7 +1,7 @@
 //! The settings and the results of the relaxation.
 
-use super::interior_point::Stage;
-use super::tuning::{FRESH, LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
+use super::minimise::Stage;
+use super::tuning::{LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
@@ -76,7 +76,7 @@ impl Default for RelaxSettings {
             tolerance: 1e-8,
             iterations: 500,
             quadrature_tolerance: 1e-3,
-            starts: 16,
+            starts: 32,
             seed: 0,
             time_limit: None,
             interrupt: Interrupt::default(),
@@ -119,16 +119,14 @@ impl RelaxSettings {
     }
 
     /// The last stage, at the degree and the segments of the settings.
-    pub(super) fn highest(&self, constrained: bool) -> Stage {
+    pub(super) fn highest(&self) -> Stage {
         Stage {
             tolerance: self.tolerance,
             iterations: self.iterations,
-            fresh: FRESH[usize::from(constrained)],
             quadrature_tolerance: self.quadrature_tolerance,
             last_barrier: LAST_BARRIER.max(self.tolerance * self.tolerance),
             // Whoever looks at the motion by other means finds it within the tolerance as well.
             feasible: 0.5 * Self::FEASIBLE,
-            slope: self.free_horizon.is_some(),
             last: true,
         }
     }
@@ -172,7 +170,7 @@ impl RelaxSettings {
         }
         rungs.push(Rung {
             basis: self.basis(),
-            stage: self.highest(constrained),
+            stage: self.highest(),
         });
         rungs
     }
@@ -268,10 +266,10 @@ pub struct Iteration {
     pub points: usize,
     /// The cost $J$ before the step.
     pub cost: f64,
-    /// $\sqrt{g^T G^{-1} g / J}$ with the gradient $g$ and the Gauss-Newton metric $G$. For a problem that is linear in
-    /// the curve, half the square of this is the relative excess of the cost over its minimum.
+    /// The Newton decrement $\sqrt{g^T H^{-1} g / J}$ with the gradient $g$ of the barrier function and the condensed
+    /// matrix $H$. Half its square is the predicted relative decrease of the barrier function.
     pub gradient_norm: f64,
-    /// The multiple $\lambda$ of the trust-region norm that was added to the Hessian.
+    /// The multiple of the norm of steps, that of the velocities, that was added to the Hessian.
     pub damping: f64,
     /// The length of the step in that norm, roughly in radians; zero without a step.
     pub step: f64,
@@ -287,7 +285,7 @@ pub struct RelaxSolution {
     /// The motion, with $v = \dot q$, on the optimal horizon if that was free.
     pub curve: Curve,
     /// The integral of the running cost, by default $\int |u|^2 dt$, by a quadrature finer than that of the
-    /// minimisation. The cost of the time of a free horizon is not included.
+    /// minimisation. The weighted duration of a free horizon is not included.
     pub cost: f64,
     /// The final relative gradient norm; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,
@@ -303,11 +301,9 @@ pub struct RelaxSolution {
     pub points: usize,
     /// The relative difference between the cost by this quadrature and by the finer one.
     pub quadrature_error: f64,
-    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary, at a
-    /// bound, or [limited](Self::horizon_limited).
+    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary or at
+    /// a bound.
     pub converged: bool,
-    /// True if the cost falls further towards shorter or longer horizons, on which no solve was successful.
-    pub horizon_limited: bool,
     /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
     /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
     /// an earlier iterate.
@@ -321,8 +317,8 @@ pub struct RelaxSolution {
     /// The costs of all starts at their first degree, ascending; that is the lowest degree except for some planned
     /// starts.
     pub start_costs: Vec<f64>,
-    /// The final weight of the barriers relative to the cost: the relative excess of the cost over that with exact
-    /// complementarity.
+    /// The final barrier parameter, summed over all rows and relative to the cost: the relative excess of the cost over
+    /// that with exact complementarity.
     pub complementarity: f64,
     /// The minima found from the starts, by cost; empty without starts.
     pub minima: Vec<LocalMinimum>,

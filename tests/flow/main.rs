@@ -27,6 +27,7 @@ mod curve {
 
 #[path = "../motion"]
 mod motion {
+    mod problem;
     mod simulate;
     mod violations;
 }

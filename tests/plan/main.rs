@@ -47,9 +47,9 @@ fn wall(open: &[[f64; 2]]) -> Vec<AnyConstraint> {
     outside(closed.map(|y| [0.5, y]), 0.1)
 }
 
-/// A wall that is open from 0.5 to 0.7.
+/// A wall that is open from 0.95 to 1.05.
 fn wall_with_a_gap() -> Vec<AnyConstraint> {
-    wall(&[[0.46, 0.74]])
+    wall(&[[0.86, 1.14]])
 }
 
 /// Balls all around the goal.

@@ -67,8 +67,8 @@ fn rows_that_overflow_are_a_failure() {
     }
 }
 
-/// A touch in a point takes a multiplier that is all at one time, far above the first price of an excess, and more so
-/// the more points there are. A polynomial of a lower degree is one of a higher.
+/// A touch in a point takes a multiplier that is all at one time, far above the first penalty of a violation, and more
+/// so the more points there are. A polynomial of a lower degree is one of a higher.
 #[test]
 fn a_touch_in_a_point_is_worth_its_price_at_every_degree() {
     let found = [12, 16, 20, 24].map(|degree| around_a_ball(0.2, degree));

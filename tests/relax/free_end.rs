@@ -134,7 +134,7 @@ fn a_free_horizon_is_the_best_one() {
     for begin in [0.3, exact, 1.0, 9.0] {
         let solution = solved(&problem(begin), &horizon(0.1, 10.0, weight));
         let found = solution.curve.chebyshev().horizon();
-        // The slope is asked for to 1e-7, and the second derivative in the logarithm of T is 9 J + w T.
+        // The barrier functions of the two bounds shift it by about their last parameter.
         assert!(
             solution.converged && (found - exact).abs() < 1e-7,
             "{begin}: {found} {exact}"
@@ -149,7 +149,7 @@ fn a_free_horizon_is_the_best_one() {
     };
     let found = solved(&problem(1.0), &anyhow).curve.chebyshev().horizon();
     assert!((found - (9.0 * md2 / weight).powf(0.25)).abs() < 1e-7);
-    // A bound holds it, and without a price time is taken as there is.
+    // A bound holds it, to the slack that its multiplier leaves, and without a weight the horizon is the longest one.
     for (shortest, longest, weight, expected) in [
         (0.1, 1.5, weight, 1.5),
         (3.0, 9.0, weight, 3.0),
@@ -157,8 +157,11 @@ fn a_free_horizon_is_the_best_one() {
     ] {
         let begin = 0.5 * (shortest + longest);
         let solution = solved(&problem(begin), &horizon(shortest, longest, weight));
-        assert_eq!(solution.curve.chebyshev().horizon(), expected);
-        assert!(solution.converged);
+        let found = solution.curve.chebyshev().horizon();
+        assert!(
+            solution.converged && (found - expected).abs() < 1e-6,
+            "{found} {expected}"
+        );
     }
 }
 
@@ -226,7 +229,7 @@ fn a_free_horizon_within_constraints() {
         free_horizon: horizon(0.2, 4.0, weight).free_horizon,
         ..settings.clone()
     };
-    // The first horizon is impossible: the search goes on to longer ones.
+    // Without a longer horizon the second start would have no motion within the limit.
     for begin in [2.0, 0.75] {
         let found = run(begin, &free);
         let best = found.curve.chebyshev().horizon();
@@ -243,26 +246,29 @@ fn a_free_horizon_within_constraints() {
     }
 }
 
-/// Where a second is dear the horizon is the shortest possible one, which the result tells.
+/// Where the weight of time is large the horizon is nearly the shortest possible one.
 #[test]
-fn a_horizon_at_the_limit_of_what_is_possible_is_told() {
+fn a_large_weight_finds_a_short_horizon() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 2.0).expect("valid");
     let kept = Constraints {
         state: Bounds(Vec::new()),
         torque: TorqueLimits(vec![Some(6.0)]),
     };
-    for (weight, limited) in [(100.0, false), (1e7, true)] {
+    let found = [1e2, 1e4].map(|weight| {
         let settings = RelaxSettings {
             starts: 1,
             free_horizon: horizon(0.2, 4.0, weight).free_horizon,
             ..RelaxSettings::constrained()
         };
         let found = solved_within(&problem, &settings, &kept);
-        assert_eq!(found.horizon_limited, limited, "{weight}");
-        // From rest to rest it takes at least 2 / sqrt(6) s.
-        assert!(found.curve.horizon() > 0.816);
-    }
+        assert!(found.converged, "{weight}: {found:?}");
+        found.curve.horizon()
+    });
+    // From rest to rest it takes at least 2 / sqrt(6) s, with a control that jumps, which no polynomial has.
+    let shortest = 2.0 / 6.0_f64.sqrt();
+    assert!(found[1] < found[0], "{found:?}");
+    assert!((shortest..1.05 * shortest).contains(&found[1]), "{found:?}");
 }
 
 #[test]

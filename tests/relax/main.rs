@@ -7,7 +7,6 @@ mod common;
 mod composition;
 mod constrained;
 mod free_end;
-mod interior_point;
 mod interrupt;
 mod minima;
 mod multistart;

@@ -172,9 +172,6 @@ fn solve_by_relaxation(
         }
         (missed, _) => (missed, None),
     };
-    let limited = "no minimum was found on horizons beyond this one, towards which the cost falls: another horizon_s, \
-                   or more starts, may lead to one";
-    let note = note.or_else(|| solution.horizon_limited.then(|| limited.to_owned()));
     let RelaxSolution {
         curve, iterations, ..
     } = solution;

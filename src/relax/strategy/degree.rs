@@ -3,7 +3,7 @@
 use crate::curve::Basis;
 use crate::error::Result;
 use crate::relax::RelaxSettings;
-use crate::relax::interior_point::Candidate;
+use crate::relax::minimise::Candidate;
 use serde::{Deserialize, Serialize};
 
 /// The degrees of an adaptive relaxation.

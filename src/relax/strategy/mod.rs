@@ -9,8 +9,6 @@ mod planned;
 pub use degree::DegreeRefinement;
 pub(super) use degree::refine;
 pub use horizon::FreeHorizon;
-pub(crate) use horizon::horizon_slope;
-pub(super) use horizon::{Tried, search};
 pub use multistart::LocalMinimum;
 pub(super) use multistart::multistart;
 pub(super) use passive::minimise_to_the_end;

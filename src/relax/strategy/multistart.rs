@@ -5,12 +5,11 @@ use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::Path;
-use crate::relax::interior_point::{Candidate, Context, minimise};
+use crate::relax::minimise::{Candidate, Context, minimise};
 use crate::relax::settings::{PlannedStarts, Rung};
 use crate::relax::strategy::planned::Planned;
 use crate::relax::tuning::{
-    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS,
-    STRONG_BARRIER, WAVE,
+    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
 };
 use crate::relax::{CostWithControl, Iteration, RelaxSettings, RelaxSolution};
 use serde::{Deserialize, Serialize};
@@ -34,10 +33,10 @@ pub(in crate::relax) struct Outcome {
     pub first_costs: Vec<f64>,
     /// The minima, by cost.
     pub minima: Vec<LocalMinimum>,
-    /// The first curve that led to each of the first few minima.
-    pub curves: Vec<Path>,
+    /// The first candidate that led to each of the first few minima.
+    pub curves: Vec<Candidate>,
     /// The number of the start that led to the best minimum, and its initial curve.
-    pub best_start: (usize, Path),
+    pub best_start: (usize, Candidate),
 }
 
 /// A start on its way to higher degrees.
@@ -45,7 +44,7 @@ struct Climber {
     number: usize,
     /// Its first basis, and the curve there.
     first: usize,
-    guess: Path,
+    guess: Candidate,
     candidate: Candidate,
 }
 
@@ -94,21 +93,18 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let start = |number| {
             // A planned start has its own basis and enters at the highest degree.
             let (first, candidate) = match planned.start(number, context.problem)? {
-                Some(path) => {
-                    let mut candidate = Candidate::new(path);
-                    candidate.first_barrier = STRONG_BARRIER;
-                    (rungs.len() - 1, candidate)
-                }
+                Some(candidate) => (rungs.len() - 1, candidate),
                 None => {
                     let bends = planned.bends(number);
                     let path = line.start(settings.start_amplitude, settings.seed, bends);
-                    (0, Candidate::new(path.in_basis(rungs[0].basis.clone())))
+                    let path = path.in_basis(rungs[0].basis.clone());
+                    (0, Candidate::new(path, context.problem.horizon()))
                 }
             };
             Ok(Climber {
                 number,
                 first,
-                guess: candidate.path.clone(),
+                guess: candidate.clone(),
                 candidate,
             })
         };
@@ -148,21 +144,21 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     log(Iteration { start, ..iteration });
                 }
                 if level == climber.first && !stopped() {
-                    first_costs.push(candidate.cost);
+                    first_costs.push(candidate.objective);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end. What a
                 // passive joint is given at a low rung says nothing of what the motion costs without.
                 let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
                     Some(left) if least[level].is_finite() && !passive => {
                         let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
-                        candidate.cost <= least[level] + hopeless * least[level].abs()
+                        candidate.objective <= least[level] + hopeless * least[level].abs()
                     }
                     _ => true,
                 };
                 let inside = candidate.violation <= rung.stage.feasible
                     && candidate.passive_share <= PASSIVE_SHARE;
                 if inside {
-                    least[level] = least[level].min(candidate.cost);
+                    least[level] = least[level].min(candidate.objective);
                 }
                 if goes_on || (constrained && !found_before) {
                     climbing.push(climber);
@@ -194,7 +190,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
 
 /// The order of candidates: successful ones first, by their cost, then the others by their violation.
 fn rank(a: &Candidate, b: &Candidate) -> Ordering {
-    let by_cost = a.cost.total_cmp(&b.cost);
+    let by_cost = a.objective.total_cmp(&b.objective);
     match (a.converged, b.converged) {
         (true, true) => by_cost,
         (false, false) => {
@@ -207,20 +203,20 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
 }
 
 /// The minima among sorted ends, and the curves of the first few.
-fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Path>) {
+fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Candidate>) {
     let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
     let ends = ends.iter().map(|end| &end.candidate);
     for end in ends.filter(|end| end.converged) {
         match minima.last_mut() {
-            Some(last) if end.cost - last.cost <= SAME_MINIMUM * last.cost.abs() => {
+            Some(last) if end.objective - last.cost <= SAME_MINIMUM * last.cost.abs() => {
                 last.starts += 1
             }
             _ => {
                 if curves.len() < RelaxSolution::MINIMA_CURVES {
-                    curves.push(end.path.clone());
+                    curves.push(end.clone());
                 }
                 minima.push(LocalMinimum {
-                    cost: end.cost,
+                    cost: end.objective,
                     starts: 1,
                 });
             }

@@ -2,7 +2,7 @@
 
 use crate::constraint::Constraint;
 use crate::error::Result;
-use crate::relax::interior_point::{Candidate, Context, Stage, minimise};
+use crate::relax::minimise::{Candidate, Context, Stage, minimise};
 use crate::relax::tuning::{LARGEST_PASSIVE_SIZE, PASSIVE_SHARE, SAME_MINIMUM};
 use crate::relax::{CostWithControl, Iteration};
 
@@ -18,7 +18,7 @@ pub(in crate::relax) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
     let mut found = minimise(context, candidate, stage, observe)?;
     while found.passive_share > PASSIVE_SHARE
         && found.violation <= stage.feasible
-        && (1.0 + SAME_MINIMUM) * found.cost < least
+        && (1.0 + SAME_MINIMUM) * found.objective < least
         && context.watch.stopped().is_none()
     {
         let Some(basis) = found.path.basis.finer(LARGEST_PASSIVE_SIZE) else {

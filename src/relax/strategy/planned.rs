@@ -5,10 +5,10 @@ use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan};
-use crate::relax::interior_point::Context;
+use crate::relax::minimise::{Candidate, Context};
 use crate::relax::settings::PlannedStarts;
 use crate::relax::transcription::{Grid, place, points};
-use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_SEGMENTS};
+use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_PENALTY, PLANNED_SEGMENTS};
 use crate::relax::{CostWithControl, RelaxSettings};
 use nalgebra::DMatrix;
 
@@ -61,15 +61,26 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         (start - planned - usize::from(self.first.is_some())) as u64
     }
 
-    /// The curve of a planned start for a problem like that of the context; `None` if the start is not planned or no
-    /// path was found.
-    pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Path>> {
+    /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
+    /// is free; `None` if the start is not planned or no path was found.
+    pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
         let path = match (&self.first, self.number(start)) {
             (Some(first), _) if start == 0 => Some(first.clone()),
             (_, Some(number)) => self.path(number)?,
             _ => None,
         };
-        Ok(path.map(|path| path.between_ends_of(problem)))
+        let Some(path) = path else {
+            return Ok(None);
+        };
+        let horizon = match self.context.free_horizon {
+            Some(free) => self.horizon(&path, problem, free.longest)?,
+            None => problem.horizon(),
+        };
+        let path = path.between_ends_of(&problem.with_horizon(horizon)?);
+        Ok(Some(Candidate {
+            penalty: Some(PLANNED_PENALTY),
+            ..Candidate::new(path, horizon)
+        }))
     }
 
     /// The curve along the path of this number; `None` without a path.
@@ -102,27 +113,32 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         along(problem, constraint, &path, basis, &plans).map(Some)
     }
 
-    /// The initial horizon for a planned first start: that of the problem, or a longer one up to `longest`, until
-    /// velocities and torques of that start satisfy their limits.
-    pub fn horizon(&self, longest: f64) -> Result<f64> {
-        let Context { problem, rows, .. } = self.context;
-        let mut horizon = problem.horizon();
-        let (Some(first), mut rows) = (&self.first, rows.clone()) else {
-            return Ok(horizon);
-        };
-        let basis = &first.basis;
+    /// The initial horizon of the problem: that of a planned first start.
+    pub fn first_horizon(&self, longest: f64) -> Result<f64> {
+        let problem = self.context.problem;
+        match &self.first {
+            Some(first) => self.horizon(first, problem, longest),
+            None => Ok(problem.horizon()),
+        }
+    }
+
+    /// The horizon of the problem, or a longer one up to `longest`, until velocities and torques of a start satisfy
+    /// their limits.
+    fn horizon(&self, start: &Path, problem: &Problem<'_>, longest: f64) -> Result<f64> {
+        let (mut horizon, mut rows) = (problem.horizon(), self.context.rows.clone());
+        let basis = &start.basis;
         let n = problem.model().dof();
         while horizon < longest {
             let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
             let mut states = DMatrix::zeros(n, grid.table.ncols());
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;
-            let path = first
+            let path = start
                 .clone()
                 .between_ends_of(&problem.with_horizon(horizon)?);
             for e in 0..basis.segments() {
                 place(&path.coefficients, grid.first(e), &grid.table, &mut states);
-                let mut here = points(&grid, &states, e);
+                let mut here = points(&grid, &grid.times, &states, e);
                 here.first = 0;
                 rows.of_all(here, &mut h)?;
                 kept &= h.iter().all(|h| *h <= 0.0);

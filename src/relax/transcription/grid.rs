@@ -44,7 +44,7 @@ pub(in crate::relax) struct Grids {
 }
 
 /// A table and its arguments.
-type Made<T> = (Basis, usize, f64, Arc<T>);
+type Made<T> = (Basis, usize, Arc<T>);
 
 /// A point of one segment in `[-1, 1]`.
 struct Node {
@@ -54,24 +54,30 @@ struct Node {
 }
 
 impl Grids {
-    /// The shared [`Grid::new`].
-    pub fn get(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
-        get(&self.grids, basis, points, horizon, Grid::new)
+    /// The shared [`Grid::new`] in normalised time.
+    pub fn get(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.grids, basis, points, |basis, points| {
+            Grid::new(basis, points, 1.0)
+        })
     }
 
-    /// The shared [`Grid::with_ends`].
-    pub fn with_ends(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
-        get(&self.with_ends, basis, points, horizon, Grid::with_ends)
+    /// The shared [`Grid::with_ends`] in normalised time.
+    pub fn with_ends(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.with_ends, basis, points, |basis, points| {
+            Grid::with_ends(basis, points, 1.0)
+        })
     }
 
-    /// The shared [`Grid::collocated`].
-    pub fn collocated(&self, basis: &Basis, points: usize, horizon: f64) -> Arc<Grid<f64>> {
-        get(&self.collocated, basis, points, horizon, Grid::collocated)
+    /// The shared [`Grid::collocated`] in normalised time.
+    pub fn collocated(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.collocated, basis, points, |basis, points| {
+            Grid::collocated(basis, points, 1.0)
+        })
     }
 
     /// The shared [`Scan::new`].
-    pub fn scan(&self, basis: &Basis, intervals: usize, horizon: f64) -> Arc<Scan> {
-        get(&self.scans, basis, intervals, horizon, Scan::new)
+    pub fn scan(&self, basis: &Basis, intervals: usize) -> Arc<Scan> {
+        get(&self.scans, basis, intervals, Scan::new)
     }
 }
 
@@ -80,18 +86,15 @@ fn get<T>(
     made: &Mutex<Vec<Made<T>>>,
     basis: &Basis,
     count: usize,
-    horizon: f64,
-    new: impl Fn(&Basis, usize, f64) -> T,
+    new: impl Fn(&Basis, usize) -> T,
 ) -> Arc<T> {
     let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = made
-        .iter()
-        .find(|(b, c, t, _)| (b, *c, *t) == (basis, count, horizon));
+    let known = made.iter().find(|(b, c, _)| (b, *c) == (basis, count));
     if let Some((.., table)) = known {
         return table.clone();
     }
-    let table = Arc::new(new(basis, count, horizon));
-    made.push((basis.clone(), count, horizon, table.clone()));
+    let table = Arc::new(new(basis, count));
+    made.push((basis.clone(), count, table.clone()));
     table
 }
 

@@ -13,14 +13,14 @@ pub use effort::ControlEffort;
 pub(super) use effort::alone;
 pub use grid::Grid;
 pub(super) use grid::Grids;
-pub use objective::{Derivatives, Objective};
+pub use objective::{Derivatives, HorizonDerivatives, Objective};
 pub(super) use objective::{place, points};
 pub use packed_hessian::PackedHessian;
 pub use point_cost::{
     ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
-pub(super) use rows::{Attributes, Rows};
+pub(super) use rows::Rows;
 pub(super) use scan::{Peak, Scan};
 
 use super::WeightedSquares;

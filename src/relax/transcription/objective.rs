@@ -21,6 +21,10 @@ pub struct Objective<'g, S: Scalar, P> {
     grid: &'g Grid<S>,
     cost: P,
     dof: usize,
+    /// The factor from the time of the grid to time, and if it is an unknown the rates of the coefficients in it.
+    horizon: S,
+    rates: Option<DMatrix<S>>,
+    times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
     costs: Vec<S>,
@@ -44,6 +48,19 @@ pub struct Derivatives<S: Scalar> {
     pub hessian: BlockTridiagonal<S>,
     /// The Gauss-Newton metric.
     pub metric: BlockTridiagonal<S>,
+    /// The derivatives in the horizon: the first, the second, and the mixed ones with the coefficients.
+    pub horizon: HorizonDerivatives<S>,
+}
+
+/// Derivatives in the horizon; zero while it is fixed.
+#[derive(Clone, Debug)]
+pub struct HorizonDerivatives<S: Scalar> {
+    /// The first derivative.
+    pub first: S,
+    /// The second derivative.
+    pub second: S,
+    /// The mixed derivatives with the unknown coefficients.
+    pub mixed: DVector<S>,
 }
 
 impl<S: Scalar> Derivatives<S> {
@@ -58,6 +75,11 @@ impl<S: Scalar> Derivatives<S> {
             gradient: DVector::zeros(grid.free.len() * dof),
             hessian: matrix.clone(),
             metric: matrix,
+            horizon: HorizonDerivatives {
+                first: S::zero(),
+                second: S::zero(),
+                mixed: DVector::zeros(grid.free.len() * dof),
+            },
         }
     }
 }
@@ -71,10 +93,27 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             grid,
             cost,
             dof,
+            horizon: S::one(),
+            rates: None,
+            times: grid.times.clone(),
             states: DMatrix::zeros(dof, 3 * points),
             costs: vec![S::zero(); points],
             room: None,
         }
+    }
+
+    /// Sets the factor `T` from the time of the grid to time: with $\tau$ the time of the grid, the integral is
+    /// $T \sum_g w_g\\, l(q, q' / T, q'' / T^2)$.
+    pub fn set_horizon(&mut self, horizon: S) {
+        self.horizon = horizon;
+        for (time, normalised) in self.times.iter_mut().zip(&self.grid.times) {
+            *time = horizon * *normalised;
+        }
+    }
+
+    /// Makes the horizon an unknown, in which the coefficients change at these rates, `N` by the number of functions.
+    pub fn free_horizon(&mut self, rates: DMatrix<S>) {
+        self.rates = Some(rates);
     }
 
     /// The grid.
@@ -86,6 +125,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// The running cost.
     pub fn cost_mut(&mut self) -> &mut P {
         &mut self.cost
+    }
+
+    /// The running cost.
+    pub fn cost(&self) -> &P {
+        &self.cost
     }
 
     /// The number of joints `N`.
@@ -108,13 +152,14 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                 &self.grid.table,
                 &mut self.states,
             );
-            let here = points(self.grid, &self.states, e);
+            scale(&mut self.states, self.horizon);
+            let here = points(self.grid, &self.times, &self.states, e);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
             }
         }
-        Ok(sum)
+        Ok(self.horizon * sum)
     }
 
     /// Computes the integral, and its derivatives into `out`.
@@ -149,11 +194,17 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     ) -> Result<S> {
         self.check(coefficients)?;
         out.gradient.fill(S::zero());
-        let (grid, dof) = (self.grid, self.dof);
+        out.horizon = HorizonDerivatives {
+            first: S::zero(),
+            second: S::zero(),
+            mixed: DVector::zeros(out.gradient.len()),
+        };
+        let (grid, dof, horizon) = (self.grid, self.dof, self.horizon);
         let mut sum = S::zero();
         for e in 0..grid.segments {
             place(coefficients, grid.first(e), &grid.table, &mut self.states);
-            let here = points(grid, &self.states, e);
+            scale(&mut self.states, horizon);
+            let here = points(grid, &self.times, &self.states, e);
             let Room {
                 at_points,
                 sums,
@@ -163,21 +214,42 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             self.cost.all_derivatives(here, at_points)?;
             for (g, weight) in grid.weights.iter().enumerate() {
                 sum += *weight * at_points.costs[g];
-                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
-                gradients *= *weight;
             }
+            if let Some(rates) = &self.rates {
+                let moving = Moving {
+                    grid,
+                    horizon,
+                    rates,
+                };
+                let mixed = moving.integrate(e, here, at_points, &mut out.horizon);
+                for (g, weight) in grid.weights.iter().enumerate() {
+                    let late = self.cost.time_rate(here.point(g))?;
+                    out.horizon.first += *weight * here.times[g] * late;
+                }
+                multiply(&mixed, &grid.transposed, gradient);
+                add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+            }
+            for (g, weight) in grid.weights.iter().enumerate() {
+                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
+                gradients *= *weight * horizon;
+            }
+            scale(&mut at_points.gradients, horizon);
             multiply(&at_points.gradients, &grid.transposed, gradient);
             add_gradient(grid, gradient, e, &mut out.gradient);
-            at_points.hessians.integrate(grid, sums, |pair, block| {
-                put_block(grid, block, e, pair, &mut out.hessian);
-            });
-            if with_metric {
-                at_points.metrics.integrate(grid, sums, |pair, block| {
-                    put_block(grid, block, e, pair, &mut out.metric);
+            at_points
+                .hessians
+                .integrate(grid, horizon, sums, |pair, block| {
+                    put_block(grid, block, e, pair, &mut out.hessian);
                 });
+            if with_metric {
+                at_points
+                    .metrics
+                    .integrate(grid, horizon, sums, |pair, block| {
+                        put_block(grid, block, e, pair, &mut out.metric);
+                    });
             }
         }
-        Ok(sum)
+        Ok(horizon * sum)
     }
 
     /// Computes the Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$,
@@ -217,6 +289,87 @@ impl<S: Scalar> Room<S> {
             at_points: PointsDerivatives::new(dof, grid.points()),
             sums: PackedHessian::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
+        }
+    }
+}
+
+/// A curve whose horizon is an unknown.
+struct Moving<'g, S: Scalar> {
+    grid: &'g Grid<S>,
+    horizon: S,
+    rates: &'g DMatrix<S>,
+}
+
+impl<S: Scalar> Moving<'_, S> {
+    /// Adds the derivatives of the integral over segment `e` in the horizon; returns the mixed derivatives in
+    /// $(q, q', q'')$ at the points, `N` by `3 M`, with their weights.
+    ///
+    /// With $z^x = T^{-x} \phi^x c$ and coefficients that change at the rates $\dot c$,
+    ///
+    /// $$ z_T^x = T^{-x} \phi^x \dot c - \tfrac x T z^x, \qquad
+    ///    z_{TT}^x = -\tfrac x T (T^{-x} \phi^x \dot c + z_T^x) + \tfrac{x}{T^2} z^x, $$
+    ///
+    /// The part of a cost that depends on time itself is added by the caller, to the first derivative alone.
+    ///
+    /// $$ \frac{\partial}{\partial T} T l = l + T l_z z_T, \qquad
+    ///    \frac{\partial^2}{\partial T^2} T l = 2\\, l_z z_T + T (z_T^T l_{zz} z_T + l_z z_{TT}), \qquad
+    ///    \frac{\partial^2}{\partial T\\, \partial (\phi^x c)} T l = T^{-x} ((1 - x)\\, l_z^x + T (l_{zz} z_T)^x) . $$
+    fn integrate(
+        &self,
+        e: usize,
+        points: Points<'_, S>,
+        at: &PointsDerivatives<S>,
+        out: &mut HorizonDerivatives<S>,
+    ) -> DMatrix<S> {
+        let Self {
+            grid,
+            horizon,
+            rates,
+        } = *self;
+        let n = rates.nrows();
+        let mut moved = DMatrix::zeros(n, grid.table.ncols());
+        place(rates, grid.first(e), &grid.table, &mut moved);
+        scale(&mut moved, horizon);
+        let mut mixed = DMatrix::zeros(n, moved.ncols());
+        let power = |x: usize| S::from_f64(x as f64);
+        let (mut first, mut second) = (DVector::zeros(3 * n), DVector::zeros(3 * n));
+        for (g, weight) in grid.weights.iter().enumerate() {
+            let gradient = &at.gradients.as_slice()[3 * g * n..(3 * g + 3) * n];
+            let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
+            let moved = &moved.as_slice()[3 * g * n..(3 * g + 3) * n];
+            for i in 0..3 * n {
+                let rate = power(i / n) / horizon;
+                first[i] = moved[i] - rate * state[i];
+                second[i] = rate * (state[i] / horizon - moved[i] - first[i]);
+            }
+            let bent = at.hessians.get(g) * &first;
+            let dot = |x: &DVector<S>| {
+                x.iter()
+                    .zip(gradient)
+                    .fold(S::zero(), |sum, (a, b)| sum + *a * *b)
+            };
+            let slope = dot(&first);
+            out.first += *weight * (at.costs[g] + horizon * slope);
+            let two = S::from_f64(2.0);
+            out.second += *weight * (two * slope + horizon * (first.dot(&bent) + dot(&second)));
+            for i in 0..3 * n {
+                let own = (S::one() - power(i / n)) * gradient[i] + horizon * bent[i];
+                mixed[(i % n, 3 * g + i / n)] = *weight * own;
+            }
+        }
+        scale(&mut mixed, horizon);
+        mixed
+    }
+}
+
+/// Divides the columns of first derivatives by the horizon, and those of second ones by its square.
+pub(in crate::relax) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
+    let rate = S::one() / horizon;
+    for (column, mut values) in states.column_iter_mut().enumerate() {
+        match column % 3 {
+            0 => (),
+            1 => values *= rate,
+            _ => values *= rate * rate,
         }
     }
 }
@@ -274,13 +427,14 @@ pub(in crate::relax) fn place<S: Scalar>(
 /// The input of the running cost at the points of segment `e`.
 pub(in crate::relax) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
+    times: &'a [S],
     states: &'a DMatrix<S>,
     e: usize,
 ) -> Points<'a, S> {
     let first = e * grid.points();
     Points {
         first,
-        times: &grid.times[first..first + grid.points()],
+        times: &times[first..first + grid.points()],
         states,
     }
 }

@@ -180,14 +180,17 @@ impl<S: Scalar> PackedHessian<S> {
         })
     }
 
-    /// Computes the `N` by `N` block of each pair of functions of a segment, and passes it to `take`.
+    /// Computes the `N` by `N` block of each pair of functions of a segment of time `horizon` times that of the grid,
+    /// and passes it to `take`.
     pub(super) fn integrate(
-        &self,
+        &mut self,
         grid: &Grid<S>,
+        horizon: S,
         sums: &mut [DMatrix<S>; 2],
         mut take: impl FnMut(usize, &DMatrix<S>),
     ) {
         let n = self.dof;
+        self.scale(horizon);
         let [symmetric, antisymmetric] = sums;
         let products = grid.products();
         multiply(&products[0], &self.symmetric, symmetric);
@@ -210,6 +213,23 @@ impl<S: Scalar> PackedHessian<S> {
                 }
             }
             take(pair, &block);
+        }
+    }
+
+    /// Multiplies the blocks $W^{xy}$ by $T^{1 - x - y}$.
+    fn scale(&mut self, horizon: S) {
+        let rate = S::one() / horizon;
+        let factors = BLOCKS.map(|(x, y)| (0..x + y).fold(horizon, |product, _| product * rate));
+        for (matrix, factors) in [
+            (&mut self.symmetric, &factors[..]),
+            (&mut self.antisymmetric, &factors[3..]),
+        ] {
+            for mut column in matrix.column_iter_mut() {
+                for (block, factor) in factors.iter().enumerate() {
+                    let mut own = column.rows_mut(block * self.room, self.room);
+                    own *= *factor;
+                }
+            }
         }
     }
 

@@ -6,7 +6,6 @@ use crate::constraint::{
 };
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::tuning::FAR;
 use crate::scalar::{LANES, Wide};
 use nalgebra::DMatrix;
 
@@ -22,17 +21,7 @@ pub(in crate::relax) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
-    /// The index of each listed row among those of the constraints, ascending.
-    pub ids: Vec<usize>,
-    /// The number of listed rows of the state; those of the torque follow.
-    pub states: usize,
-    /// The attributes of all rows, listed or not.
-    all: Attributes,
-    /// The unlisted rows of the state, and the largest value of one since the last reset.
-    unlisted: Vec<usize>,
-    pub unlisted_highest: f64,
-    /// The attributes of the listed rows.
-    of: Attributes,
+    attributes: Attributes,
 }
 
 /// The attributes of rows, one entry per row.
@@ -44,8 +33,8 @@ pub(in crate::relax) struct Attributes {
     pub equalities: Vec<bool>,
     /// One unit of the scaled row: rad, rad/s, m, N m or N.
     pub units: Vec<f64>,
-    /// The value of a scaled row below which its barrier is constant; minus infinity if it never is.
-    pub floors: Vec<f64>,
+    /// True for a clearance, which is far from its bound most of the time.
+    pub clearances: Vec<bool>,
 }
 
 // By hand, since a derived `Clone` would require it of the constraints, which are a reference.
@@ -58,12 +47,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
-            ids: self.ids.clone(),
-            states: self.states,
-            all: self.all.clone(),
-            unlisted: self.unlisted.clone(),
-            unlisted_highest: self.unlisted_highest,
-            of: self.of.clone(),
+            attributes: self.attributes.clone(),
         }
     }
 }
@@ -77,12 +61,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let n = model.dof();
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
-        let floor = |row| match constraints.label(row, model).kind {
-            RowKind::Clearance if !constraints.is_equality(row) => -FAR,
-            _ => f64::NEG_INFINITY,
+        let is_clearance = |row| {
+            constraints.label(row, model).kind == RowKind::Clearance
+                && !constraints.is_equality(row)
         };
-        let all = Attributes {
-            floors: (0..scales.len()).map(floor).collect(),
+        let attributes = Attributes {
+            clearances: (0..scales.len()).map(is_clearance).collect(),
             units,
             equalities: equalities.collect(),
             scales,
@@ -94,58 +78,23 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); state.dim()],
-            ids: (0..all.scales.len()).collect(),
-            states: state.dim(),
-            of: all.clone(),
-            all,
-            unlisted: Vec::new(),
-            unlisted_highest: f64::NEG_INFINITY,
+            attributes,
         })
     }
 
-    /// The number of listed rows.
+    /// The number of rows.
     pub fn count(&self) -> usize {
-        self.ids.len()
+        self.attributes.scales.len()
     }
 
-    /// The attributes of the listed rows.
-    pub fn of(&self) -> &Attributes {
-        &self.of
+    /// The number of rows of the state; those of the torque follow.
+    pub fn states(&self) -> usize {
+        self.wide.len()
     }
 
-    /// The running cost, to be evaluated, and the attributes of the listed rows.
-    pub fn cost_and_attributes(&mut self) -> (&mut P, &Attributes) {
-        (&mut self.cost, &self.of)
-    }
-
-    /// The number of all rows.
-    pub fn count_all(&self) -> usize {
-        self.all.scales.len()
-    }
-
-    /// Lists these rows of the state, ascending, and all of the torque. Only the largest value of the others is
-    /// computed.
-    pub fn list(&mut self, rows: &[usize]) {
-        let states = self.constraints.state.dim();
-        let mut listed = vec![false; states];
-        for row in rows {
-            listed[*row] = true;
-        }
-        self.unlisted = (0..states).filter(|row| !listed[*row]).collect();
-        self.unlisted_highest = f64::NEG_INFINITY;
-        self.states = rows.len();
-        self.ids = rows
-            .iter()
-            .copied()
-            .chain(states..self.count_all())
-            .collect();
-        let (ids, all) = (&self.ids, &self.all);
-        self.of = Attributes {
-            scales: ids.iter().map(|row| all.scales[*row]).collect(),
-            equalities: ids.iter().map(|row| all.equalities[*row]).collect(),
-            units: ids.iter().map(|row| all.units[*row]).collect(),
-            floors: ids.iter().map(|row| all.floors[*row]).collect(),
-        };
+    /// The attributes of all rows.
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
     }
 
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
@@ -155,7 +104,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         if torque.dim() == 0 {
             return self.cost.values(points, costs);
         }
-        let (states, count) = (self.states, self.count());
+        let (states, count) = (self.states(), self.count());
         if self.controls.ncols() < points.count() {
             self.controls = DMatrix::zeros(points.states.nrows(), points.count());
         }
@@ -164,7 +113,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         for (h, u) in h.chunks_exact_mut(count).zip(self.controls.column_iter()) {
             let h = &mut h[states..];
             torque.value(u.as_slice(), h)?;
-            for (h, scale) in h.iter_mut().zip(&self.of.scales[states..]) {
+            for (h, scale) in h.iter_mut().zip(&self.attributes.scales[states..]) {
                 *h *= scale;
             }
         }
@@ -182,7 +131,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows of the state alone and leaves those of the control unchanged.
     pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let (states, count) = (self.states, self.count());
+        let (states, count) = (self.states(), self.count());
         if self.wide.is_empty() {
             return Ok(());
         }
@@ -194,14 +143,10 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             for lane in 0..found {
                 let first = (start + lane) * count;
                 let h = &mut h[first..first + states];
-                for ((h, row), scale) in h.iter_mut().zip(&self.ids).zip(&self.of.scales) {
-                    *h = self.wide[*row].0[lane] * scale;
+                let rows = self.wide.iter().zip(&self.attributes.scales);
+                for (h, (row, scale)) in h.iter_mut().zip(rows) {
+                    *h = row.0[lane] * scale;
                 }
-            }
-            for row in &self.unlisted {
-                let [a, b, c, d] = self.wide[*row].0;
-                let highest = a.max(b).max(c.max(d)) * self.all.scales[*row];
-                self.unlisted_highest = self.unlisted_highest.max(highest);
             }
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! The peaks of the constraint rows along a curve, between the quadrature points.
 
+use super::objective::scale;
 use super::{CostWithControl, Points, Rows, place};
 use crate::constraint::Constraint;
 use crate::curve::Basis;
@@ -9,8 +10,7 @@ use nalgebra::DMatrix;
 /// A basis tabulated at equally spaced times.
 pub(in crate::relax) struct Scan {
     basis: Basis,
-    horizon: f64,
-    /// Value, first and second derivative in time at each time of a segment.
+    /// Value, first and second derivative in normalised time at each time of a segment.
     table: DMatrix<f64>,
     intervals: usize,
 }
@@ -26,34 +26,33 @@ pub(in crate::relax) struct Peak {
 
 impl Scan {
     /// Tabulates `basis` at `intervals` intervals per segment.
-    pub fn new(basis: &Basis, intervals: usize, horizon: f64) -> Self {
+    pub fn new(basis: &Basis, intervals: usize) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
         for k in 0..=intervals {
             let local = basis.local(2.0 * k as f64 / intervals as f64 - 1.0);
             for d in 0..3 {
-                let scaled = local.row(d).transpose() / horizon.powi(d as i32);
-                table.set_column(3 * k + d, &scaled);
+                table.set_column(3 * k + d, &local.row(d).transpose());
             }
         }
         Self {
             basis: basis.clone(),
-            horizon,
             table,
             intervals,
         }
     }
 
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola.
-    /// Equalities have none.
+    /// Equalities have none. The times of the maxima are normalised.
     pub fn peaks<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
+        horizon: f64,
         floor: f64,
     ) -> Result<Vec<Peak>> {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
-        let interval = self.horizon / (segments * self.intervals) as f64;
+        let interval = 1.0 / (segments * self.intervals) as f64;
         // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two segments
         // meet, so each has ends of its own: after the last value of one `here` is below all again.
         let below = vec![f64::NEG_INFINITY; count];
@@ -67,9 +66,10 @@ impl Scan {
                 &self.table,
                 &mut states,
             );
+            scale(&mut states, horizon);
             let first = segment * self.intervals;
             let times: Vec<_> = (0..=self.intervals)
-                .map(|k| (first + k) as f64 * interval)
+                .map(|k| (first + k) as f64 * interval * horizon)
                 .collect();
             let points = Points {
                 first: 0,
@@ -85,7 +85,8 @@ impl Scan {
                 }
                 for row in 0..count {
                     let (a, b, c) = (before[row], here[row], next[row]);
-                    if k == 0 || b <= floor || a > b || c >= b || rows.of().equalities[row] {
+                    if k == 0 || b <= floor || a > b || c >= b || rows.attributes().equalities[row]
+                    {
                         continue;
                     }
                     let (mut shift, mut height) = (0.0, b);

@@ -69,6 +69,15 @@ impl Discretisation {
         (grid, self.coefficients.zip_map(&self.rates, affine))
     }
 
+    /// Adds numbers to the unknown coefficients.
+    pub fn add_to_unknowns<S: AlgebraOver<Gf>>(coefficients: &mut DMatrix<S>, numbers: &[S]) {
+        let first = Self::FREE.start * coefficients.nrows();
+        let unknowns = &mut coefficients.as_mut_slice()[first..][..numbers.len()];
+        for (unknown, number) in unknowns.iter_mut().zip(numbers) {
+            *unknown += *number;
+        }
+    }
+
     /// The unknown coefficients.
     pub fn unknowns(&self) -> &[Gf] {
         let n = self.coefficients.nrows();

@@ -4,11 +4,11 @@ use super::discretisation::{Discretisation, numbers};
 use super::{Equality, Gf, Identity, RandomInstance};
 use crate::error::Result;
 use crate::relax::{
-    ChainRule, ControlEffort, Objective, Point as CurvePoint, PointCost, PointDerivatives,
-    StageDerivatives, horizon_slope,
+    ChainRule, ControlEffort, Derivatives, HorizonDerivatives, Objective, Point as CurvePoint,
+    PointCost, PointDerivatives, StageDerivatives,
 };
 use crate::scalar::AlgebraOver;
-use crate::verify::reference::{gradient, inverse_dynamics, jacobian, rate, vector};
+use crate::verify::reference::{gradient, inverse_dynamics, jacobian, rate, unit, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 
@@ -23,8 +23,8 @@ pub(super) fn identities() -> Vec<Identity> {
         },
         Identity {
             label: "relaxation horizon",
-            statement: "the derivative of J in T is that by duals",
-            convention: "l = t |u|^2; any functions, weights and coefficients that are affine in T",
+            statement: "the derivatives of J in T are those by duals, nested ones for the second and mixed ones",
+            convention: "l = t |u|^2 and |u|^2; any functions, weights and coefficients that are affine in T",
             claims: horizon,
         },
     ]
@@ -102,15 +102,52 @@ impl<S: AlgebraOver<Gf>> PointCost<S> for LateEffort<'_, S> {
     }
 }
 
+/// The derivatives of a cost at a horizon, in it and in the unknown coefficients.
+fn at_a_horizon<P: PointCost<Gf>>(
+    p: &RandomInstance,
+    example: &Discretisation,
+    cost: P,
+) -> Result<HorizonDerivatives<Gf>> {
+    let (grid, (_, curve)) = (example.grid(), example.on(p.k));
+    let mut objective = Objective::new(&grid, cost, p.dof());
+    objective.set_horizon(p.k);
+    objective.free_horizon(example.rates.clone());
+    let mut derivatives = Derivatives::new(&grid, p.dof());
+    objective.derivatives(&curve, &mut derivatives)?;
+    Ok(derivatives.horizon)
+}
+
 fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let (example, horizon) = (Discretisation::new(p), p.k);
-    let (grid, curve) = example.on(horizon);
-    let mut cost = LateEffort(ControlEffort::new(&p.model));
-    let left = horizon_slope(&grid, &mut cost, &curve, &example.rates, horizon)?;
-    let right = gradient(&[horizon], |horizon| {
+    let example = Discretisation::new(p);
+    let late = LateEffort(ControlEffort::new(&p.model));
+    let late = at_a_horizon(p, &example, late)?.first;
+    let slope = gradient(&[p.k], |horizon| {
         let (grid, curve) = example.on(horizon[0]);
         let cost = LateEffort(ControlEffort::new(&p.model));
         Objective::new(&grid, cost, p.dof()).value(&curve)
     })?;
-    Ok(vec![Equality::numbers("slope", left, right[0])])
+
+    let HorizonDerivatives { second, mixed, .. } =
+        at_a_horizon(p, &example, ControlEffort::new(&p.model))?;
+    // The unknowns are what is added to the coefficients, then the horizon.
+    let count = mixed.len();
+    let mut unknowns = vec![Gf::zero(); count];
+    unknowns.push(p.k);
+    let right = rate(&unknowns, &unit(count + 1, count), |unknowns| {
+        gradient(unknowns, |unknowns| {
+            let (grid, mut curve) = example.on(unknowns[count]);
+            Discretisation::add_to_unknowns(&mut curve, &unknowns[..count]);
+            let cost = ControlEffort::new(&p.model);
+            Objective::new(&grid, cost, p.dof()).value(&curve)
+        })
+    })?;
+    Ok(vec![
+        Equality::numbers("slope", late, slope[0]),
+        Equality::numbers("second derivative", second, right[count]),
+        Equality::vectors(
+            "mixed derivatives",
+            &mixed,
+            &right.rows(0, count).into_owned(),
+        ),
+    ])
 }

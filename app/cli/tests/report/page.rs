@@ -185,7 +185,7 @@ fn violations_on_the_way_are_told() {
 
 #[test]
 fn the_first_guess_and_other_minima_are_ghosts() {
-    let scenario = Scenario::load("pendulum_3_swingup").expect("it is built in");
+    let scenario = Scenario::load("kinova_free_01").expect("it is built in");
     let outcome = solved(&scenario, 12);
     let (_, data) = page_of(&scenario, &outcome);
     let tracks = data["tracks"].as_array().expect("a list");

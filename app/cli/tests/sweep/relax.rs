@@ -107,7 +107,7 @@ fn what_has_no_list_is_as_the_scenario_and_the_method_have_it() {
         (cost - effort).abs() < 2e-3 * effort,
         "the cost is the effort"
     );
-    assert_eq!(row.result("starts_tried"), Some(16.0));
+    assert_eq!(row.result("starts_tried"), Some(32.0));
     assert_eq!(row.result("horizon_s"), Some(2.0));
     assert!(row.result("iterations") > Some(0.0) && row.result("minima") > Some(0.0));
 }

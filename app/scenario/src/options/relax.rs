@@ -1,6 +1,6 @@
 //! The options of the relaxation.
 
-use super::{PASSIVE_BASIS, PASSIVE_STARTS, starts_of, time_limit};
+use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
 use crate::Scenario;
 use crate::schema::one_of;
 use aghf::error::Result;
@@ -21,7 +21,7 @@ pub struct RelaxOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-8, with constraints 1e-6.
     pub tolerance: Option<f64>,
-    /// Number of starts; by default 16 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
+    /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
     /// joints. There are more while none ends within the constraints.
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
@@ -49,6 +49,7 @@ impl RelaxOptions {
         if !scenario.file.passive.is_empty() {
             (default.degree, default.segments) = PASSIVE_BASIS;
             default.starts = PASSIVE_STARTS;
+            default.iterations = PASSIVE_ITERATIONS;
             default.start_amplitude = RelaxSettings::default().start_amplitude;
         } else if !scenario.limits_are_enforced() {
             // Limits leave little to choose between; without them there are many minima.

@@ -1,41 +1,44 @@
 //! A curve with its multipliers.
 
-use super::row::Kind;
-use crate::motion::Path;
-use crate::motion::Problem;
-use crate::relax::tuning::{FIRST_BARRIER, STRONG_BARRIER};
+use crate::constraint::Constraint;
+use crate::curve::Curve;
+use crate::error::Result;
+use crate::motion::{Path, Problem, curve_of};
+use crate::relax::transcription::Rows;
+use crate::relax::{CostWithControl, Grid};
 
 /// The start or the end of a minimisation.
 #[derive(Clone, Debug)]
 pub(in crate::relax) struct Candidate {
     pub path: Path,
+    pub horizon: f64,
     pub multipliers: Multipliers,
-    /// The initial weight of the barriers of all rows, relative to the cost per second, if nothing else is known.
-    pub first_barrier: f64,
-    /// The final $\mu$ and $\nu$ of the barriers, relative to the cost per second; `None` before a minimisation.
-    pub barrier: Option<[f64; 2]>,
-    /// The final $\rho$ of the equalities, relative in the same way; those of inequalities are unused.
-    pub penalties: Option<Vec<f64>>,
+    /// The first penalty of a violation, if it is not that of the options.
+    pub penalty: Option<f64>,
+    /// The penalties of equalities at the end of a search, relative to the first ones.
+    pub equality_penalty: f64,
     /// The integral of the running cost by a quadrature finer than that of the minimisation.
     pub cost: f64,
+    /// The same with the cost of time.
+    pub objective: f64,
     /// The largest excess of a row, in its unit; negative in the interior.
     pub violation: f64,
     /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
     pub passive_share: f64,
     pub gradient_norm: f64,
+    /// The last barrier parameter, relative to the cost and summed over all rows.
+    pub complementarity: f64,
     pub smallest_curvature: f64,
     pub points: usize,
     /// The relative difference between the quadrature and the finer one.
     pub quadrature_error: f64,
-    /// The derivative of the cost with respect to the horizon, if requested.
-    pub horizon_slope: f64,
     /// True if all convergence criteria are met.
     pub converged: bool,
     /// True if the curve satisfies the constraints but not all other criteria.
     pub kept: bool,
 }
 
-/// Multipliers of all rows at given times.
+/// Multipliers of all rows at given normalised times.
 #[derive(Clone, Debug, Default)]
 pub(in crate::relax) struct Multipliers {
     pub times: Vec<f64>,
@@ -44,63 +47,57 @@ pub(in crate::relax) struct Multipliers {
 }
 
 impl Candidate {
+    /// The motion.
+    pub fn curve(&self, problem: &Problem<'_>) -> Result<Curve> {
+        curve_of(&problem.with_horizon(self.horizon)?, &self.path)
+    }
+
     /// An untested curve.
-    pub fn new(path: Path) -> Self {
+    pub fn new(path: Path, horizon: f64) -> Self {
         Self {
             path,
+            horizon,
             multipliers: Multipliers::default(),
-            first_barrier: FIRST_BARRIER,
-            barrier: None,
-            penalties: None,
+            penalty: None,
+            equality_penalty: 1.0,
             cost: f64::NAN,
+            objective: f64::NAN,
             violation: f64::NAN,
             passive_share: 0.0,
             gradient_norm: f64::NAN,
+            complementarity: 0.0,
             smallest_curvature: f64::NAN,
             points: 0,
             quadrature_error: f64::NAN,
-            horizon_slope: f64::NAN,
             converged: false,
             kept: false,
         }
     }
-
-    /// The same shape on a horizon scaled by `factor`. Warm start: keeps the multipliers if the candidate was nearly
-    /// feasible.
-    pub fn on_horizon(&self, problem: &Problem<'_>, factor: f64) -> Self {
-        let path = self.path.clone().between_ends_of(problem);
-        let mut moved = match self.converged {
-            true => self.clone(),
-            false => Self::new(self.path.clone()),
-        };
-        moved.path = path;
-        moved.first_barrier = STRONG_BARRIER;
-        for time in &mut moved.multipliers.times {
-            *time *= factor;
-        }
-        moved
-    }
 }
 
 impl Multipliers {
-    /// The multipliers of rows of these kinds, row by row for each time. The multiplier of an idle row is interpolated
-    /// between the neighbouring times at which the row is not idle.
-    pub(super) fn new(times: &[f64], values: &[f64], kinds: &[Kind]) -> Self {
-        let rows = values.len() / times.len().max(1);
-        let (times, mut values) = (times.to_vec(), values.to_vec());
-        for row in 0..rows {
-            let idle = |g: &usize| kinds[g * rows + row] == Kind::Idle;
-            let (without, with): (Vec<usize>, Vec<usize>) = (0..times.len()).partition(idle);
-            if without.is_empty() {
-                continue;
-            }
-            let held = Self {
-                times: with.iter().map(|g| times[*g]).collect(),
-                values: with.iter().map(|g| values[g * rows + row]).collect(),
-            };
-            for g in without {
-                let between = held.at(&times[g..=g], 1);
-                values[g * rows + row] = between.map_or(0.0, |z| z[0]);
+    /// The multipliers of rows, row by row for each point of a grid. The multiplier of a row that is not enforced at a
+    /// point is interpolated between the neighbouring points at which it is.
+    pub(super) fn new<K: Constraint, P: CostWithControl>(
+        grid: &Grid<f64>,
+        rows: &Rows<'_, K, P>,
+        values: &[f64],
+    ) -> Self {
+        let count = rows.count();
+        let times = grid.times.clone();
+        let mut values = values[..times.len() * count].to_vec();
+        if grid.collocated.contains(&true) {
+            for (row, equality) in rows.attributes().equalities.iter().enumerate() {
+                let idle = |g: &usize| grid.collocated[g % grid.points()] != *equality;
+                let (without, with): (Vec<usize>, Vec<usize>) = (0..times.len()).partition(idle);
+                let held = Self {
+                    times: with.iter().map(|g| times[*g]).collect(),
+                    values: with.iter().map(|g| values[g * count + row]).collect(),
+                };
+                for g in without {
+                    let between = held.at(&times[g..=g], 1);
+                    values[g * count + row] = between.map_or(0.0, |z| z[0]);
+                }
             }
         }
         Self { times, values }

@@ -1,0 +1,197 @@
+//! The primal-dual equations, condensed to the unknowns.
+
+use super::{Options, Progress};
+use crate::linalg::BlockTridiagonal;
+use nalgebra::DVector;
+
+/// The number of inverse iterations, after which the direction mixes few eigenvectors.
+const INVERSE_ITERATIONS: usize = 30;
+
+/// A symmetric matrix of a block-tridiagonal part with a border of one row and column.
+#[derive(Clone, Debug)]
+pub struct Bordered {
+    pub matrix: BlockTridiagonal<f64>,
+    /// The border and the corner, if there is one.
+    pub border: Option<(DVector<f64>, f64)>,
+}
+
+/// The gradient and the condensed matrix of the equations, with the norm in which steps are measured.
+pub struct Kkt {
+    pub gradient: DVector<f64>,
+    pub hessian: Bordered,
+    norm: Bordered,
+    factor: Bordered,
+    /// The last multiple of the norm that was added to an indefinite matrix.
+    regularisation: f64,
+    /// The smallest multiple to be tried.
+    floor: f64,
+}
+
+/// A Newton step.
+pub struct Step {
+    pub x: DVector<f64>,
+    /// The product of gradient and step.
+    pub slope: f64,
+}
+
+impl Bordered {
+    /// Sets the matrix to `a + factor b`.
+    fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
+        self.matrix.set_sum(&a.matrix, factor, &b.matrix);
+        self.border = a.border.as_ref().map(|(border, corner)| {
+            let (other, end) = b.border.as_ref().expect("both have a border");
+            (border + other * factor, corner + factor * end)
+        });
+    }
+
+    /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the pivot. Returns
+    /// false if the matrix is not positive definite.
+    fn factorise(&mut self) -> bool {
+        if !self.matrix.factorise() {
+            return false;
+        }
+        let Some((border, corner)) = &mut self.border else {
+            return true;
+        };
+        let known = border.clone();
+        self.matrix.solve(border);
+        *corner -= known.dot(border);
+        *corner > 0.0 && corner.is_finite()
+    }
+
+    /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
+    fn solve(&self, b: &mut DVector<f64>) {
+        let Some((border, pivot)) = &self.border else {
+            self.matrix.solve(b);
+            return;
+        };
+        let n = border.len();
+        let mut head = b.rows(0, n).into_owned();
+        let last = (b[n] - border.dot(&head)) / pivot;
+        self.matrix.solve(&mut head);
+        head.axpy(-last, border, 1.0);
+        b.rows_mut(0, n).copy_from(&head);
+        b[n] = last;
+    }
+
+    /// The product with a vector.
+    pub fn product(&self, x: &DVector<f64>) -> DVector<f64> {
+        let Some((border, corner)) = &self.border else {
+            return self.matrix.product(x);
+        };
+        let n = border.len();
+        let head = x.rows(0, n).into_owned();
+        let mut y = self.matrix.product(&head).insert_row(n, 0.0);
+        y.rows_mut(0, n).axpy(x[n], border, 1.0);
+        y[n] = border.dot(&head) + corner * x[n];
+        y
+    }
+}
+
+impl Kkt {
+    /// Zeros, with the norm of steps. `None` if the norm is not positive definite.
+    pub fn new(norm: Bordered) -> Option<Self> {
+        let mut norm_factor = norm.clone();
+        if !norm_factor.factorise() {
+            return None;
+        }
+        let order = norm.matrix.order() + usize::from(norm.border.is_some());
+        Some(Self {
+            gradient: DVector::zeros(order),
+            hessian: norm.clone(),
+            factor: norm.clone(),
+            norm,
+            regularisation: 0.0,
+            floor: 0.0,
+        })
+    }
+
+    /// Adapts the smallest multiple of the norm to the fraction of the last step that was taken, as the radius of a
+    /// trust region would be: short fractions show that the quadratic model does not hold that far.
+    pub fn adapt(&mut self, alpha: f64, used: f64, options: &Options) {
+        let [_, more, less] = options.regularisation_factors;
+        self.floor = if alpha < options.short_fraction {
+            more * used.max(options.smallest_regularisation)
+        } else if alpha > options.long_fraction {
+            less * self.floor
+        } else {
+            self.floor
+        };
+        if self.floor < options.smallest_regularisation {
+            self.floor = 0.0;
+        }
+    }
+
+    /// A direction of length 1 along which the condensed matrix has negative curvature; `None` at a minimum. By inverse
+    /// iteration, shifted beyond the smallest eigenvalue.
+    pub fn negative_curvature(&mut self, scale: f64) -> Option<DVector<f64>> {
+        self.factor.set_sum(&self.hessian, 0.0, &self.norm);
+        if self.factor.factorise() {
+            return None;
+        }
+        let mut shift = scale;
+        loop {
+            self.factor.set_sum(&self.hessian, shift, &self.norm);
+            if self.factor.factorise() {
+                break;
+            }
+            shift *= 4.0;
+            if !shift.is_finite() {
+                return None;
+            }
+        }
+        let mut x = DVector::from_fn(self.gradient.len(), |i, _| (1.0 + i as f64).sin());
+        for _ in 0..INVERSE_ITERATIONS {
+            let mut y = self.norm.product(&x);
+            self.factor.solve(&mut y);
+            x = &y / self.length(&y);
+        }
+        (x.dot(&self.hessian.product(&x)) < 0.0).then_some(x)
+    }
+
+    /// The length of a step.
+    pub fn length(&self, step: &DVector<f64>) -> f64 {
+        step.dot(&self.norm.product(step)).sqrt()
+    }
+
+    /// The Newton step with the smallest tried multiple of the norm for which the matrix is positive definite (WB,
+    /// algorithm IC); `None` if there is none.
+    pub fn step(&mut self, scale: f64, progress: &mut Progress, options: &Options) -> Option<Step> {
+        let [first, later, less] = options.regularisation_factors;
+        let known = self.regularisation;
+        let mut multiple = self.floor;
+        progress.factorisations = 0;
+        loop {
+            progress.factorisations += 1;
+            self.factor
+                .set_sum(&self.hessian, multiple * scale, &self.norm);
+            if self.factor.factorise() {
+                break;
+            }
+            multiple = if multiple > 0.0 && multiple == self.floor {
+                (later * multiple).max(less * known)
+            } else if multiple == 0.0 && known == 0.0 {
+                options.first_regularisation
+            } else if multiple == 0.0 {
+                (less * known).max(f64::EPSILON)
+            } else if known == 0.0 {
+                first * multiple
+            } else {
+                later * multiple
+            };
+            if multiple.is_nan() || multiple > options.largest_regularisation {
+                return None;
+            }
+        }
+        if multiple > 0.0 {
+            self.regularisation = multiple;
+        }
+        progress.regularisation = multiple;
+        let mut x = -&self.gradient;
+        self.factor.solve(&mut x);
+        let slope = self.gradient.dot(&x);
+        progress.step = self.length(&x);
+        progress.stationarity = (-slope / scale).sqrt();
+        Some(Step { x, slope })
+    }
+}

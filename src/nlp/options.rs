@@ -1,0 +1,103 @@
+//! The options of the interior-point method.
+
+/// All constants of the method, each with its reason. WB: Wächter and Biegler, 2006; NW: Nocedal and Wright, 2006.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The Newton decrement at the end, relative to the objective: half its square is the excess over the minimum.
+    pub tolerance: f64,
+    /// The accepted violation of a row, in its unit.
+    pub feasible: f64,
+    /// The largest number of iterations.
+    pub iterations: usize,
+    /// The first barrier parameter, relative to the objective and summed over all rows: 0.1 as in WB.
+    pub first_barrier: f64,
+    /// The first barrier parameter with known multipliers: large enough for rows to move away from their bounds.
+    pub warm_barrier: f64,
+    /// The last barrier parameter: the relative excess of the objective over its minimum.
+    pub last_barrier: f64,
+    /// The linear factor of a reduction of the barrier parameter: 0.2 as in WB (7).
+    pub barrier_factor: f64,
+    /// The exponent of a superlinear reduction: 1.5 as in WB (7).
+    pub barrier_power: f64,
+    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced.
+    pub barrier_done: f64,
+    /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima.
+    pub longest_step: f64,
+    /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
+    /// more for the smallest of all; here each row is cut by itself, and 0.9 keeps the rows central (tuned on seven
+    /// problems of a seven-joint arm in clutter: 0.7 and 0.99 solve four and five of them in the time in which 0.9
+    /// solves six).
+    pub fraction_to_boundary: f64,
+    /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
+    /// obstacle while the barrier parameter is large, and finds the better side.
+    pub penalty: f64,
+    /// The factor of the penalty at each reduction of the barrier parameter at which a multiplier has reached it.
+    pub penalty_factor: f64,
+    /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
+    pub largest_penalty: f64,
+    /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
+    pub sufficient_decrease: f64,
+    /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo,
+    /// Lampariello and Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW
+    /// 15.4).
+    pub memory: usize,
+    /// The factor of backtracking: 0.5 as in WB.
+    pub backtracking: f64,
+    /// The largest number of cuts of a step.
+    pub cuts: usize,
+    /// The largest slack to which a row moves away from its bound with known multipliers, relative to its scale.
+    pub room: f64,
+    /// The largest factor between a multiplier and the one that belongs to its slack: 1e10 as in WB (16).
+    pub multiplier_range: f64,
+    /// The first multiple of the norm that is added to an indefinite Hessian: 1e-4 as in WB.
+    pub first_regularisation: f64,
+    /// The factors of that multiple after a failed factorisation, the first time and later, and after a success: 100, 8
+    /// and 1/3 as in WB.
+    pub regularisation_factors: [f64; 3],
+    /// The smallest multiple but zero, from which it grows after short fractions of steps.
+    pub smallest_regularisation: f64,
+    /// The fractions of a step below and above which the multiple grows and shrinks.
+    pub short_fraction: f64,
+    pub long_fraction: f64,
+    /// The largest multiple.
+    pub largest_regularisation: f64,
+    /// The first length of a step along a direction of negative curvature, in the norm of steps.
+    pub saddle_step: f64,
+    /// The largest number of times that rows are tightened after the end.
+    pub rounds: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            feasible: 5e-7,
+            iterations: 500,
+            first_barrier: 0.1,
+            warm_barrier: 1e-2,
+            last_barrier: 1e-7,
+            barrier_factor: 0.2,
+            barrier_power: 1.5,
+            barrier_done: 0.1,
+            longest_step: 1.0,
+            fraction_to_boundary: 0.9,
+            penalty: 1.0,
+            penalty_factor: 10.0,
+            largest_penalty: 1e9,
+            sufficient_decrease: 1e-4,
+            memory: 4,
+            backtracking: 0.5,
+            cuts: 25,
+            room: 0.02,
+            multiplier_range: 1e10,
+            first_regularisation: 1e-4,
+            regularisation_factors: [100.0, 8.0, 1.0 / 3.0],
+            smallest_regularisation: 1e-3,
+            short_fraction: 0.3,
+            long_fraction: 0.6,
+            largest_regularisation: 1e10,
+            saddle_step: 0.3,
+            rounds: 20,
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The running cost with the weighted rows of constraints.
+
+use crate::constraint::{Constraint, Constraints, Side, Weights};
+use crate::error::Result;
+use crate::nlp::Term;
+use crate::relax::transcription::{Rows, alone};
+use crate::relax::{
+    ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
+};
+use crate::scalar::{LANES, Wide};
+
+/// The running cost $l$, and the weighted rows $h_j$ whose weights are those of the condensed equations of the
+/// interior-point method ([`Term`]): the gradient is $l_z + \sum_j \sigma_j \nabla h_j$ and the Hessian
+/// $l_{zz} + \sum_j \lambda_j \nabla^2 h_j + c_j \nabla h_j \nabla h_j^T$.
+///
+/// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
+/// over its limit divided by the limit.
+#[derive(Clone, Debug)]
+pub(super) struct Integrand<'a, K, P> {
+    pub rows: Rows<'a, K, P>,
+    /// The values of all rows at the last evaluation, row by row for each point.
+    pub h: Vec<f64>,
+    /// The terms of the rows in the working set, by row for each point.
+    pub terms: Vec<Vec<(usize, Term)>>,
+    /// The joint and the slope of each row of the torque.
+    torques: Vec<(usize, f64)>,
+    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by
+    /// side; zero except during use.
+    slopes: Vec<Wide<f64>>,
+    curvatures: Vec<Wide<f64>>,
+    multipliers: Vec<Wide<f64>>,
+}
+
+impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
+    /// The integrand at this number of points, without terms of rows.
+    pub fn new(rows: Rows<'a, K, P>, points: usize) -> Self {
+        let states = rows.states();
+        let zeros = vec![Wide::splat(0.0); states];
+        let torque = rows.constraints.torque.rows();
+        let torques = torque.zip(&rows.attributes().scales[states..]);
+        let torques = torques.map(|((joint, _, side), scale)| match side {
+            Some(Side::Lower) => (joint, -scale),
+            _ => (joint, *scale),
+        });
+        Self {
+            torques: torques.collect(),
+            h: vec![0.0; points * rows.count()],
+            terms: vec![Vec::new(); points],
+            rows,
+            slopes: zeros.clone(),
+            curvatures: zeros.clone(),
+            multipliers: zeros,
+        }
+    }
+
+    /// Adds the derivatives of the rows of the state at the points from `start` on, side by side.
+    fn add_state(
+        &mut self,
+        points: Points<'_, f64>,
+        start: usize,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
+        let n = points.states.nrows();
+        let found = LANES.min(points.count() - start);
+        let states = self.rows.states();
+        let mut any = false;
+        for lane in 0..found {
+            for (row, term) in &self.terms[points.first + start + lane] {
+                if *row < states {
+                    let scale = self.rows.attributes().scales[*row];
+                    self.slopes[*row].0[lane] = term.slope * scale;
+                    self.curvatures[*row].0[lane] = term.curvature * scale * scale;
+                    self.multipliers[*row].0[lane] = term.multiplier * scale;
+                    any = true;
+                }
+            }
+        }
+        if !any {
+            return Ok(());
+        }
+        let gradient = Weights {
+            first_order: &self.slopes,
+            gauss_newton: None,
+        };
+        let sum = self.rows.weighted_derivatives(points, start, gradient)?;
+        for (i, slope) in sum.gradient().iter().enumerate() {
+            for lane in 0..found {
+                out.gradients[(i % n, 3 * (start + lane) + i / n)] += slope.0[lane];
+            }
+        }
+        let hessian = Weights {
+            first_order: &self.multipliers,
+            gauss_newton: Some(&self.curvatures),
+        };
+        let sum = self.rows.weighted_derivatives(points, start, hessian)?;
+        out.hessians.add_wide(start, sum.hessian());
+        for lane in 0..found {
+            for (row, _) in &self.terms[points.first + start + lane] {
+                if *row < states {
+                    for weights in [
+                        &mut self.slopes,
+                        &mut self.curvatures,
+                        &mut self.multipliers,
+                    ] {
+                        weights[*row].0[lane] = 0.0;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
+    fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let states = point.states();
+        let mut cost = [0.0];
+        self.values(point.points(&states), &mut cost)?;
+        Ok(cost[0])
+    }
+
+    fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        self.rows.cost.time_rate(point)
+    }
+
+    fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
+        let count = self.rows.count();
+        let own = points.first * count..(points.first + points.count()) * count;
+        self.rows.at(points, &mut self.h[own], costs)
+    }
+
+    fn derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+    ) -> Result<f64> {
+        alone(point, out, |points, all| self.all_derivatives(points, all))
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
+        let Constraints { torque, .. } = self.rows.constraints;
+        let (states, torques, terms) = (self.rows.states(), &self.torques, &self.terms);
+        let mut add = |index: usize, _: &[f64], out: &mut ControlDerivatives<f64>| {
+            for (row, term) in terms[index].iter().filter(|(row, _)| *row >= states) {
+                let (joint, slope) = torques[row - states];
+                out.gradient[joint] += slope * term.slope;
+                out.curvature_weights[joint] += slope * term.multiplier;
+                out.hessian[joint] += slope * slope * term.curvature;
+            }
+            torque.dim() > 0
+        };
+        self.rows.cost.all_derivatives_with(points, out, &mut add)?;
+        for (g, cost) in out.costs.iter_mut().enumerate() {
+            *cost += terms[points.first + g]
+                .iter()
+                .map(|(_, term)| term.cost)
+                .sum::<f64>();
+        }
+        if states > 0 {
+            for start in (0..points.count()).step_by(LANES) {
+                self.add_state(points, start, out)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,375 @@
+//! The nonlinear program of a curve in a basis.
+
+use super::integrand::Integrand;
+use super::{Context, Stage};
+use crate::constraint::Constraint;
+use crate::error::Result;
+use crate::motion::{Path, Watch};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::relax::transcription::{Grid, Scan};
+use crate::relax::tuning::{EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, SCAN};
+use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free.
+///
+/// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
+/// larger near a point than at it; then the two bounds of a free horizon.
+pub(super) struct Program<'g, 'a, K, P> {
+    pub(super) grid: &'g Grid<f64>,
+    /// The times between the points at which rows are evaluated, during the search and at its end.
+    pub(super) scans: [Arc<Scan>; 2],
+    pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
+    /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
+    pub(super) finer: Objective<'g, f64, P>,
+    pub finer_cost: [f64; 2],
+    derivatives: Derivatives<f64>,
+    /// The coefficients, those of the boundary conditions included.
+    pub(super) coefficients: DMatrix<f64>,
+    rates: DMatrix<f64>,
+    free_slope: bool,
+    pub(super) horizon: f64,
+    pub(super) free_horizon: Option<FreeHorizon>,
+    pub(super) margins: Vec<f64>,
+    /// The number of times that margins were adapted at the end of the search.
+    rounds: usize,
+    /// True for rows of the working set.
+    working: Vec<bool>,
+    /// The distance from its bound up to which a clearance is in the working set, m.
+    near: f64,
+    pub(super) stage: Stage,
+    /// The penalties of equalities to begin with, relative to those without a search before.
+    pub equality_penalty: f64,
+    /// True if the number of points may increase.
+    pub(super) refinable: bool,
+    /// Unknowns that appeared to satisfy the constraints, the last one last.
+    pub kept: Vec<DVector<f64>>,
+    watch: &'g Watch,
+}
+
+impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
+    pub fn new(
+        context: Context<'g, 'a, K, P>,
+        path: &Path,
+        horizon: f64,
+        [grid, finer]: [&'g Grid<f64>; 2],
+        stage: Stage,
+        refinable: bool,
+    ) -> Self {
+        let Context {
+            problem,
+            grids,
+            rows,
+            watch,
+            free_horizon,
+        } = context;
+        let (n, basis) = (problem.model().dof(), &path.basis);
+        let looks = SCAN * grid.points();
+        let last = if stage.last {
+            looks.max(FINE / basis.segments())
+        } else {
+            looks
+        };
+        let points = grid.points() * grid.segments;
+        let mut objective = Objective::new(grid, Integrand::new(rows.clone(), points), n);
+        let rates = path.rates(problem);
+        if free_horizon.is_some() {
+            objective.free_horizon(rates.clone());
+        }
+        let bounds = if free_horizon.is_some() { 2 } else { 0 };
+        let count = points * rows.count() + bounds;
+        let mut program = Self {
+            scans: [looks, last].map(|times| grids.scan(basis, times)),
+            finer: Objective::new(finer, rows.cost.clone(), n),
+            finer_cost: [f64::NAN; 2],
+            derivatives: Derivatives::new(grid, n),
+            coefficients: path.coefficients.clone(),
+            rates,
+            free_slope: basis.free_final_velocity(),
+            horizon,
+            free_horizon,
+            margins: vec![0.0; count],
+            rounds: 0,
+            working: Vec::new(),
+            refinable,
+            kept: Vec::new(),
+            grid,
+            objective,
+            // Without a scale all rows are in the working set.
+            near: match problem.reach() {
+                0.0 => f64::INFINITY,
+                reach => NEAR * reach,
+            },
+            stage,
+            equality_penalty: 1.0,
+            watch,
+        };
+        program.reserve();
+        program
+    }
+
+    /// The unknowns of the curve.
+    pub fn unknowns(&self) -> DVector<f64> {
+        let first = self.grid.free.start * self.objective.dof();
+        let own = &self.coefficients.as_slice()[first..][..self.derivatives.gradient.len()];
+        let horizon = self.free_horizon.map(|_| self.horizon);
+        DVector::from_iterator(
+            own.len() + usize::from(horizon.is_some()),
+            own.iter().copied().chain(horizon),
+        )
+    }
+
+    /// The coefficients and the horizon of unknowns.
+    pub fn curve(&mut self, x: &DVector<f64>) -> (DMatrix<f64>, f64) {
+        self.place(x);
+        (self.coefficients.clone(), self.horizon)
+    }
+
+    /// Sets coefficients and horizon.
+    fn place(&mut self, x: &DVector<f64>) {
+        let first = self.grid.free.start * self.objective.dof();
+        let own = self.derivatives.gradient.len();
+        self.coefficients.as_mut_slice()[first..first + own].copy_from_slice(&x.as_slice()[..own]);
+        if self.free_horizon.is_some() {
+            self.horizon = x[own];
+            let last = self.coefficients.ncols() - 2;
+            let fixed = if self.free_slope { 1 } else { 2 };
+            for column in [0, last].into_iter().take(fixed) {
+                let slope = self.rates.column(column) * self.horizon;
+                self.coefficients.set_column(column, &slope);
+            }
+        }
+        self.objective.set_horizon(self.horizon);
+    }
+
+    /// The norm of steps: the mean square of the velocities in normalised time, and the relative change of the horizon.
+    pub fn kkt(&self) -> Option<Kkt> {
+        let matrix = self.objective.gram();
+        let zeros = DVector::zeros(matrix.order());
+        let corner = self.horizon.powi(-2);
+        let border = self.free_horizon.map(|_| (zeros, corner));
+        Kkt::new(Bordered { matrix, border })
+    }
+
+    /// The derivatives with the metric, at the unknowns of an iterate.
+    pub fn with_metric(
+        &mut self,
+        x: &DVector<f64>,
+        iterate: &Iterate,
+    ) -> Result<&Derivatives<f64>> {
+        self.place(x);
+        self.set_terms(iterate);
+        self.objective
+            .derivatives(&self.coefficients, &mut self.derivatives)?;
+        Ok(&self.derivatives)
+    }
+
+    /// The multipliers of all rows at all points.
+    pub fn multipliers(&self, iterate: &Iterate) -> Vec<f64> {
+        let mut all = vec![0.0; self.margins.len()];
+        for row in &iterate.working {
+            all[row.at] = iterate.multiplier[row.at];
+        }
+        for Equality { row, .. } in &iterate.equalities {
+            all[row.at] = iterate.multiplier[row.at];
+        }
+        all
+    }
+
+    /// Passes the terms of the rows to the integrand.
+    fn set_terms(&mut self, iterate: &Iterate) {
+        let integrand = self.objective.cost_mut();
+        for terms in &mut integrand.terms {
+            terms.clear();
+        }
+        let count = integrand.rows.count();
+        let points = integrand.terms.len();
+        let of_bounds = points * count;
+        for row in iterate.working.iter().filter(|row| row.at < of_bounds) {
+            let term = iterate.term(row, integrand.h[row.at] + self.margins[row.at]);
+            integrand.terms[row.at / count].push((row.at % count, term));
+        }
+        for equality in &iterate.equalities {
+            let at = equality.row.at;
+            // Their rule has a small share of the quadrature.
+            let term = iterate.equality_term(equality, integrand.h[at]);
+            let term = term.times(1.0 / Grid::COLLOCATED);
+            integrand.terms[at / count].push((at % count, term));
+        }
+    }
+
+    /// The values of the two bounds of a free horizon, relative to the initial one.
+    pub(super) fn bounds(&self) -> [f64; 2] {
+        let Some(free) = self.free_horizon else {
+            return [0.0; 2];
+        };
+        [
+            (free.shortest - self.horizon) / free.longest,
+            (self.horizon - free.longest) / free.longest,
+        ]
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
+    fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        self.place(x);
+        let cost = self.objective.value(&self.coefficients)?;
+        let bounds = self.bounds();
+        let (integrand, margins) = (self.objective.cost_mut(), &self.margins);
+        h.clear();
+        h.extend(
+            integrand
+                .h
+                .iter()
+                .zip(margins)
+                .map(|(h, margin)| h + margin),
+        );
+        if let Some(free) = self.free_horizon {
+            h.extend(bounds);
+            if self.horizon <= 0.0 {
+                return Ok(f64::INFINITY);
+            }
+            return Ok(self.unlisted(h, cost + free.weight * self.horizon));
+        }
+        Ok(self.unlisted(h, cost))
+    }
+
+    fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        self.place(x);
+        self.set_terms(iterate);
+        self.objective
+            .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
+        let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
+        out.gradient.rows_mut(0, own).copy_from(&of.gradient);
+        std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
+        let (bounds, horizon) = (self.bounds(), self.horizon);
+        if let (Some(free), Some((border, corner))) = (self.free_horizon, &mut out.hessian.border) {
+            let of = &self.derivatives.horizon;
+            border.copy_from(&of.mixed);
+            out.gradient[own] = of.first + free.weight;
+            *corner = of.second;
+            let first = self.margins.len() - 2;
+            for row in iterate.working.iter().filter(|row| row.at >= first) {
+                let side = row.at - first;
+                let slope = [-1.0, 1.0][side] / free.longest;
+                let term = iterate.term(row, bounds[side]);
+                out.gradient[own] +=
+                    horizon * row.weight * term.slope * slope + row.weight * term.cost;
+                *corner += horizon * row.weight * term.curvature * slope * slope;
+            }
+        }
+        Ok(())
+    }
+
+    fn measure(&self, x: &DVector<f64>) -> f64 {
+        match self.free_horizon {
+            Some(_) => x[x.len() - 1],
+            None => self.horizon,
+        }
+    }
+
+    fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        match self.free_horizon {
+            Some(_) => (0.5 * x[x.len() - 1] / step[x.len() - 1].abs()).min(1.0),
+            None => 1.0,
+        }
+    }
+
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let rows = &self.objective.cost().rows;
+        let (count, grid) = (rows.count(), self.grid);
+        let held = rows.attributes().equalities.iter().enumerate();
+        let held: Vec<usize> = held.filter_map(|(row, held)| held.then_some(row)).collect();
+        let mut all = Vec::new();
+        for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
+            let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
+            all.extend(held.iter().map(|row| {
+                let first = match rows.constraints.is_passive(*row) {
+                    true => MOTOR,
+                    false => EQUALITY_PENALTY * density,
+                };
+                let at = g * count + row;
+                Equality {
+                    row: Row { at, weight },
+                    first,
+                    penalty: self.equality_penalty * first,
+                }
+            }));
+        }
+        all
+    }
+
+    fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
+        let (grid, integrand) = (self.grid, self.objective.cost_mut());
+        let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
+        self.working.clear();
+        self.working.resize(h.len(), false);
+        let mut rows = Vec::new();
+        for g in 0..integrand.terms.len() {
+            let (collocated, weight) = (
+                grid.collocated[g % grid.points()],
+                grid.weights[g % grid.points()],
+            );
+            for row in 0..count {
+                let at = g * count + row;
+                // NaN counts as near.
+                let is_far = attributes.clearances[row] && h[at] < -self.near;
+                if !collocated && !attributes.equalities[row] && !is_far {
+                    self.working[at] = true;
+                    rows.push(Row { at, weight });
+                }
+            }
+        }
+        if self.free_horizon.is_some() {
+            for at in [h.len() - 2, h.len() - 1] {
+                self.working[at] = true;
+                rows.push(Row { at, weight: 1.0 });
+            }
+        }
+        rows
+    }
+
+    fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened> {
+        self.place(x);
+        if self.is_coarse(end)? {
+            return Ok(Tightened::Coarse);
+        }
+        let (peaks, violation) = self.peaks(end)?;
+        if !end && violation <= self.stage.feasible {
+            self.kept.push(x.clone());
+        }
+        // Exact margins at first; then they only grow, so that the search ends.
+        self.rounds += usize::from(end);
+        self.set_margins(&peaks, self.rounds > EXACT_MARGINS);
+        Ok(Tightened::Violation(violation))
+    }
+
+    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
+        self.place(x);
+        self.is_coarse(true)?;
+        Ok(self.peaks(true)?.1)
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.watch.stopped().is_some()
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The objective, infinite where a row outside the working set is violated: a step into something that was far
+    /// away.
+    fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
+        let (grid, integrand) = (self.grid, &self.objective);
+        let attributes = integrand.cost().rows.attributes();
+        let count = attributes.scales.len();
+        let mut rows = h.iter().zip(&self.working).enumerate();
+        let violated = rows.any(|(at, (h, working))| {
+            !working
+                && *h > 0.0
+                && attributes.clearances[at % count]
+                && !grid.collocated[at / count % grid.points()]
+        });
+        if violated { f64::INFINITY } else { objective }
+    }
+}

@@ -1,0 +1,195 @@
+//! Dense nonlinear programs, with derivatives by duals.
+
+use aghf::Result;
+use aghf::linalg::BlockTridiagonal;
+use aghf::nlp::{
+    Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve,
+};
+use aghf::relax::HyperDual64;
+use nalgebra::{DMatrix, DVector};
+
+/// The objective and the rows as functions of the unknowns.
+pub type Functions = fn(&[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>);
+
+/// A program whose rows are those of `functions` in the order `rows`, each times a factor.
+#[derive(Clone)]
+pub struct Dense {
+    pub functions: Functions,
+    pub start: Vec<f64>,
+    /// The index, the factor and the weight of each row, and true for an equality.
+    pub rows: Vec<(usize, f64, f64, bool)>,
+    pub measure: f64,
+    pub stopped: bool,
+    pub coarse: bool,
+    /// The number of evaluations of the functions.
+    pub evaluations: usize,
+}
+
+/// The options of the tests: as accurate as rounding allows, far beyond the differences that are compared.
+pub fn accurate() -> Options {
+    Options {
+        tolerance: 1e-8,
+        feasible: 1e-9,
+        last_barrier: 1e-10,
+        ..Options::default()
+    }
+}
+
+impl Dense {
+    /// A program with `equalities` first, then `inequalities`, all of weight 1.
+    pub fn new(functions: Functions, start: &[f64], equalities: usize, all: usize) -> Self {
+        Self {
+            functions,
+            start: start.to_vec(),
+            rows: (0..all).map(|i| (i, 1.0, 1.0, i < equalities)).collect(),
+            measure: 1.0,
+            stopped: false,
+            coarse: false,
+            evaluations: 0,
+        }
+    }
+
+    /// The objective, then the rows.
+    fn all(&self, x: &[HyperDual64]) -> Vec<HyperDual64> {
+        let (f, h) = (self.functions)(x);
+        let rows = self.rows.iter().map(|(i, factor, ..)| h[*i] * *factor);
+        std::iter::once(f).chain(rows).collect()
+    }
+
+    /// Gradient and Hessian of the objective, then of the rows.
+    fn twice(&self, x: &DVector<f64>) -> Vec<(DVector<f64>, DMatrix<f64>)> {
+        let n = x.len();
+        let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
+        let mut found = vec![zero; 1 + self.rows.len()];
+        for i in 0..n {
+            for j in 0..n {
+                let mut dual: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
+                dual[i].eps1 = 1.0;
+                dual[j].eps2 = 1.0;
+                for ((gradient, hessian), f) in found.iter_mut().zip(self.all(&dual)) {
+                    gradient[i] = f.eps1;
+                    hessian[(i, j)] = f.eps1eps2;
+                }
+            }
+        }
+        found
+    }
+
+    /// The gradient of the Lagrangian with the multipliers of an iterate.
+    pub fn lagrangian_gradient(&self, x: &DVector<f64>, iterate: &Iterate) -> DVector<f64> {
+        let all = self.twice(x);
+        let mut sum = all[0].0.clone();
+        for (at, (.., weight, _)) in self.rows.iter().enumerate() {
+            let factor = self.measure * weight * iterate.multiplier[at];
+            sum.axpy(factor, &all[1 + at].0, 1.0);
+        }
+        sum
+    }
+
+    /// The unit matrix as the norm of steps.
+    pub fn kkt(&self) -> Kkt {
+        let n = self.start.len();
+        let mut matrix = BlockTridiagonal::new(&[n], 0);
+        matrix.diagonal[0].fill_with_identity();
+        let border = None;
+        Kkt::new(Bordered { matrix, border }).expect("the unit matrix is positive definite")
+    }
+
+    /// The equalities or the inequalities.
+    fn all_rows(&self, equalities: bool) -> impl Iterator<Item = Row> {
+        let rows = self.rows.iter().enumerate();
+        let of_kind = rows.filter(move |(_, row)| row.3 == equalities);
+        of_kind.map(|(at, row)| Row { at, weight: row.2 })
+    }
+
+    /// The solution from the start.
+    pub fn solve(&mut self, options: &Options) -> Solution {
+        self.solve_from(&self.start.clone(), None, options)
+    }
+
+    /// The solution from other unknowns, with known multipliers.
+    pub fn solve_from(
+        &mut self,
+        x: &[f64],
+        multipliers: Option<&[f64]>,
+        options: &Options,
+    ) -> Solution {
+        let (x, kkt) = (DVector::from_column_slice(x), self.kkt());
+        let end = solve(self, x, multipliers, kkt, options, &mut |_| ());
+        end.expect("the functions do not fail")
+    }
+}
+
+impl Nlp for Dense {
+    fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        let x: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
+        let all = self.all(&x);
+        self.evaluations += 1;
+        h.clear();
+        h.extend(all[1..].iter().map(|h| h.re));
+        Ok(all[0].re)
+    }
+
+    fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        let all = self.twice(x);
+        let mut h = Vec::new();
+        self.value(x, &mut h)?;
+        let (mut gradient, mut hessian) = all[0].clone();
+        let mut add = |row: &Row, term: Term| {
+            let (term, (slope, second)) = (term.times(self.measure * row.weight), &all[1 + row.at]);
+            gradient.axpy(term.slope, slope, 1.0);
+            hessian += second * term.multiplier;
+            hessian.ger(term.curvature, slope, slope, 1.0);
+        };
+        for row in &iterate.working {
+            add(row, iterate.term(row, h[row.at]));
+        }
+        for equality in &iterate.equalities {
+            let row = &equality.row;
+            add(row, iterate.equality_term(equality, h[row.at]));
+        }
+        out.gradient = gradient;
+        out.hessian.matrix.diagonal[0] = hessian;
+        Ok(())
+    }
+
+    fn measure(&self, _: &DVector<f64>) -> f64 {
+        self.measure
+    }
+
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let of = |row| Equality {
+            row,
+            first: density,
+            penalty: density,
+        };
+        self.all_rows(true).map(of).collect()
+    }
+
+    fn working_set(&mut self, _: &[f64]) -> Vec<Row> {
+        self.all_rows(false).collect()
+    }
+
+    fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {
+        1.0
+    }
+
+    fn tighten(&mut self, x: &DVector<f64>, _: bool) -> Result<Tightened> {
+        if self.coarse {
+            return Ok(Tightened::Coarse);
+        }
+        self.violation(x).map(Tightened::Violation)
+    }
+
+    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
+        let mut h = Vec::new();
+        self.value(x, &mut h)?;
+        let rows = h.iter().zip(&self.rows);
+        let violations = rows.map(|(h, (.., equality))| if *equality { h.abs() } else { *h });
+        Ok(violations.fold(0.0, f64::max))
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+}

@@ -1,0 +1,198 @@
+//! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
+
+use crate::common::config;
+use aghf::nlp::{Barrier, Equality, Iterate, Row};
+use nalgebra::{Matrix3, Vector3};
+use proptest::prelude::*;
+
+const ROW: Row = Row { at: 0, weight: 1.0 };
+
+/// An inequality with a slack, an elastic variable and a multiplier at this fraction of the penalty.
+fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
+    let mut iterate = Iterate::new(1, barrier, Vec::new());
+    iterate.set_working(vec![ROW], &[0.0]);
+    iterate.slack[0] = slack;
+    iterate.elastic[0] = elastic;
+    iterate.multiplier[0] = fraction * barrier.nu;
+    iterate
+}
+
+/// Numbers of all orders of magnitude between these powers of ten.
+fn size(from: f64, to: f64) -> impl Strategy<Value = f64> {
+    (from..to).prop_map(|power| 10.0_f64.powf(power))
+}
+
+/// Barriers of all orders of magnitude within these powers of ten of the parameter and of the penalty.
+fn barriers(mu: [f64; 2], nu: [f64; 2]) -> impl Strategy<Value = Barrier> {
+    let both = (size(mu[0], mu[1]), size(nu[0], nu[1]));
+    both.prop_map(|(mu, nu)| Barrier { mu, nu })
+}
+
+/// Slack, elastic variable and fraction of a row that is not at the limits of rounding.
+fn regular() -> impl Strategy<Value = [f64; 3]> {
+    (size(-3.0, 0.0), size(-3.0, 0.0), 0.01..0.99).prop_map(|(s, t, z)| [s, t, z])
+}
+
+proptest! {
+    #![proptest_config(config(128))]
+
+    /// Slack and elastic variable satisfy $h + s = t$ and $\mu / s + \mu / t = \nu$, the conditions of the least barrier
+    /// function for a row, without loss of digits.
+    #[test]
+    fn a_split_is_the_minimum(
+        barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), sign: bool, h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
+    ) {
+        let h = if sign { h } else { -h };
+        let [s, t] = Iterate::new(1, barrier, Vec::new()).split(h);
+        prop_assert!(s > 0.0 && t > 0.0, "{s} {t}");
+        prop_assert!((h + s - t).abs() <= 1e-14 * (h.abs() + s + t), "{h} {s} {t}");
+        let sum = barrier.mu / s + barrier.mu / t;
+        prop_assert!((sum - barrier.nu).abs() <= 1e-13 * barrier.nu, "{sum}");
+    }
+
+    /// The step of a row solves the three linearised conditions $s z = \mu$, $t (\nu - z) = \mu$ and $h + s = t$, and the
+    /// condensed terms predict the multiplier at its end.
+    #[test]
+    fn condensed_and_complete_equations_agree(
+        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), h in -1.0..1.0_f64, change in -1.0..1.0_f64,
+    ) {
+        let iterate = one_row(barrier, at);
+        let ([s, t, fraction], Barrier { mu, nu }) = (at, barrier);
+        let (z, upper) = (fraction * nu, (1.0 - fraction) * nu);
+        let matrix = Matrix3::new(z, 0.0, s, 0.0, upper, -t, 1.0, -1.0, 0.0);
+        let right = Vector3::new(mu - s * z, mu - t * upper, t - s - h - change);
+        let exact = matrix.lu().solve(&right).expect("the matrix is regular");
+        let step = iterate.step(&ROW, h, change);
+        assert_close!(&[step.slack, step.elastic, step.multiplier], exact.as_slice(), 1e-9);
+        let term = iterate.term(&ROW, h);
+        prop_assert!(term.curvature > 0.0);
+        prop_assert_eq!(term.multiplier, z);
+        assert_close!(&[term.slope + term.curvature * change], &[z + step.multiplier], 1e-9);
+    }
+
+    /// The slope of the barrier function along a step is that of the condensed equations less the curvature of slack
+    /// and elastic variable.
+    #[test]
+    fn slope_along_a_step(
+        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), change in -1.0..1.0_f64,
+    ) {
+        let iterate = one_row(barrier, at);
+        let ([s, t, _], Barrier { mu, nu }, h) = (at, barrier, at[1] - at[0]);
+        let step = iterate.step(&ROW, h, change);
+        let exact = nu * step.elastic - mu * (step.slack / s + step.elastic / t);
+        let [own, condensed] = iterate.bend(&ROW, &step, change);
+        let term = iterate.term(&ROW, h);
+        let value = nu * t - mu * (s.ln() + t.ln());
+        assert_close!(&[term.cost, iterate.barrier_terms(&[h])], &[value; 2], 1e-12);
+        let found = term.slope * change + condensed - own;
+        let size = 1.0 + own + nu * (step.slack.abs() + step.elastic.abs());
+        prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
+    }
+
+    /// Whatever the step, slack, elastic variable and multiplier keep a fraction of their distances from zero, and the
+    /// multiplier from the penalty; a step within these is taken as it is.
+    #[test]
+    fn a_step_stays_inside(
+        s in size(-9.0, 3.0), t in size(-9.0, 3.0), z in 1e-6..1.0 - 1e-6, h in -1e3..1e3_f64, change in -1e3..1e3_f64,
+        fraction in 0.0..1.0_f64,
+    ) {
+        let (barrier, tau) = (Barrier { mu: 1e-3, nu: 7.0 }, 0.9);
+        let from = one_row(barrier, [s, t, z]);
+        let step = from.step(&ROW, h, change);
+        let mut to = from.clone();
+        to.take(&from, &ROW, &step, fraction, tau);
+        let (z, least) = (from.multiplier[0], 1.0 - tau);
+        let expected = [
+            (s + fraction * step.slack).max(least * s),
+            (t + fraction * step.elastic).max(least * t),
+            (z + fraction * step.multiplier).clamp(least * z, z + tau * (barrier.nu - z)),
+        ];
+        for (found, expected) in [to.slack[0], to.elastic[0], to.multiplier[0]].iter().zip(expected) {
+            prop_assert!((found - expected).abs() <= 1e-12 * (1.0 + expected), "{found} {expected}");
+        }
+    }
+
+    /// A multiplier, however wrong, ends between zero and the penalty, so that the condensed terms are numbers.
+    #[test]
+    fn a_safeguarded_multiplier_is_in_its_range(
+        barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), s in size(-12.0, 9.0), t in size(-12.0, 9.0), z in 0.0..1.0,
+    ) {
+        let mut iterate = one_row(barrier, [s, t, z]);
+        iterate.safeguard_all(1e10);
+        let z = iterate.multiplier[0];
+        prop_assert!(z > 0.0 && z < barrier.nu, "{z}");
+        let term = iterate.term(&ROW, t - s);
+        prop_assert!(term.slope.is_finite() && term.curvature > 0.0, "{term:?}");
+    }
+}
+
+/// A known multiplier moves a row away from its bound to the slack that belongs to it, up to a largest one; a zero is
+/// not a known multiplier.
+#[test]
+fn known_multipliers_have_their_slacks() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    for (known, expected) in [(0.5, 2e-3), (1e-3, 0.02)] {
+        let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+        iterate.set_multipliers(&[known], &[0.0], 0.02, 1e10);
+        assert_close!(
+            &[iterate.slack[0], iterate.elastic[0]],
+            &[expected; 2],
+            1e-15
+        );
+        assert_close!(&[iterate.multiplier[0]], &[known], 1e-14);
+    }
+    let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+    iterate.set_multipliers(&[0.0], &[0.0], 0.02, 1e10);
+    assert_eq!((iterate.slack[0], iterate.multiplier[0]), (1e-6, 0.9));
+}
+
+/// A row that leaves the working set and returns begins anew, at the minimum of its barrier function.
+#[test]
+fn a_returning_row_begins_anew() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    let mut iterate = one_row(barrier, [5.0, 6.0, 0.9]);
+    iterate.set_working(Vec::new(), &[0.3]);
+    assert_eq!(iterate.multiplier, [0.0]);
+    iterate.set_working(vec![ROW], &[-0.3]);
+    assert_eq!([iterate.slack[0], iterate.elastic[0]], iterate.split(-0.3));
+    assert_close!(
+        &[iterate.multiplier[0]],
+        &[barrier.mu / iterate.slack[0]],
+        1e-15
+    );
+}
+
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, and an update moves the multiplier to the slope. The
+/// penalty grows unless the equality has shrunk to a quarter; another working set of inequalities changes neither.
+#[test]
+fn equalities_have_the_terms_of_an_augmented_lagrangian() {
+    let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);
+    let equality = Equality {
+        row,
+        first: penalty,
+        penalty,
+    };
+    let mut iterate = Iterate::new(2, Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
+    iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], 0.02, 1e10);
+    let term = iterate.equality_term(&equality, h);
+    assert_eq!(
+        [term.cost, term.slope, term.multiplier, term.curvature],
+        [-0.5, -1.0, -1.0, 8.0]
+    );
+    assert_eq!(iterate.barrier_terms(&[0.0, h]), -0.25);
+    // The first update has nothing to compare with.
+    iterate.update_equalities(&[0.0, h], 10.0, 100.0);
+    assert_eq!(
+        (iterate.multiplier[1], iterate.equalities[0].penalty),
+        (-1.0, 8.0)
+    );
+    iterate.set_working(vec![ROW], &[-0.3, h]);
+    assert_eq!(
+        (iterate.multiplier[1], iterate.equalities[0].penalty),
+        (-1.0, 8.0)
+    );
+    for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (0.04, 100.0)] {
+        iterate.update_equalities(&[0.0, h], 10.0, 100.0);
+        assert_eq!(iterate.equalities[0].penalty, expected, "{h}");
+    }
+}

@@ -1,0 +1,10 @@
+//! The interior-point method on small dense programs.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod dense;
+mod iterate;
+mod kkt;
+mod problems;
