@@ -31,8 +31,11 @@ pub struct Options {
     /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
     /// obstacle while the barrier parameter is large, and finds the better side.
     pub penalty: f64,
-    /// The factor of the penalty at each reduction of the barrier parameter at which a multiplier has reached it.
+    /// The factor of the penalty at each reduction of the barrier parameter at which a multiplier has reached it: 10
+    /// overshoots, and with a larger penalty steps get shorter.
     pub penalty_factor: f64,
+    /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).
+    pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
@@ -82,7 +85,8 @@ impl Default for Options {
             longest_step: 1.0,
             fraction_to_boundary: 0.9,
             penalty: 1.0,
-            penalty_factor: 10.0,
+            penalty_factor: 4.0,
+            equality_factor: 10.0,
             largest_penalty: 1e9,
             sufficient_decrease: 1e-4,
             memory: 4,

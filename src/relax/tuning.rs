@@ -88,7 +88,7 @@ pub(super) const PLANNED_SEGMENTS: usize = 8;
 pub(super) const PLANNED_DEGREE: usize = 6;
 /// The first penalty of a violation from a planned start, relative to the cost: a start that keeps all rows stays
 /// inside.
-pub(super) const PLANNED_PENALTY: f64 = 1e2;
+pub(super) const PLANNED_PENALTY: f64 = 10.0;
 /// The factor between successive horizons of a planned start.
 pub(super) const HORIZON_GROWTH: f64 = 1.15;
 /// The lowest degree without and with rows: within limits a polynomial of a lower degree often has no feasible

@@ -3,7 +3,7 @@
 use crate::common::relax::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
-use aghf::relax::{PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
+use aghf::relax::{FreeHorizon, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
 
 fn solve(
     state: Vec<AnyConstraint>,
@@ -119,5 +119,41 @@ fn a_planned_first_start_has_the_time_that_it_needs() {
     assert!(
         long > 1.1 * horizon && long < 20.0 * horizon && long == longer,
         "{long}"
+    );
+}
+
+/// Where the horizon is free, any planned start has the time that its limits need, and begins within them.
+#[test]
+fn a_planned_start_has_the_time_that_it_needs() {
+    let model = point();
+    let problem = across(&model);
+    let kept = Constraints {
+        state: wall_with_a_gap(),
+        torque: TorqueLimits(vec![Some(30.0); 2]),
+    };
+    let settings = RelaxSettings {
+        degree: 9,
+        free_horizon: Some(FreeHorizon {
+            shortest: 0.1,
+            longest: 50.0,
+            weight: 100.0,
+        }),
+        ..RelaxSettings::constrained()
+    };
+    let found = solved_within(&problem, &settings, &kept);
+    assert!(found.converged, "{}", found.largest_violation);
+    // Start 0 goes straight through the wall.
+    let first = |start| found.iterations.iter().find(|i| i.start == Some(start));
+    let [straight, planned] = [0, 1].map(|start| first(start).expect("it was tried"));
+    assert!(straight.horizon == problem.horizon() && straight.violation > 0.01);
+    assert!(
+        planned.horizon > 1.1 * problem.horizon(),
+        "{}",
+        planned.horizon
+    );
+    assert!(
+        planned.violation <= RelaxSettings::FEASIBLE,
+        "{}",
+        planned.violation
     );
 }
