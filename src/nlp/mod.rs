@@ -27,6 +27,7 @@ mod iterate;
 mod kkt;
 mod line_search;
 mod options;
+mod state;
 
 pub use barrier::Barrier;
 pub(crate) use barrier::{BarrierUpdate, Monotone};
@@ -35,8 +36,9 @@ pub use kkt::{Bordered, Kkt};
 pub use options::Options;
 
 use crate::error::Result;
-use line_search::{leave_saddle, line_search};
+use line_search::line_search;
 use nalgebra::DVector;
+pub(crate) use state::State;
 
 /// A nonlinear program.
 pub trait Nlp {
@@ -137,22 +139,6 @@ pub struct Solution {
     pub violation: f64,
 }
 
-/// A search in progress.
-pub(crate) struct State {
-    pub x: DVector<f64>,
-    pub f: f64,
-    pub h: Vec<f64>,
-    pub iterate: Iterate,
-    pub kkt: Kkt,
-    pub progress: Progress,
-    pub measure: f64,
-    /// The numbers of iterations, and of times that rows were tightened at the end.
-    iterations: usize,
-    rounds: usize,
-    /// The barrier function at the last iterates with this barrier and working set.
-    merits: std::collections::VecDeque<f64>,
-}
-
 /// Solves a nonlinear program from `x`, with known multipliers if there are any.
 ///
 /// # Errors
@@ -202,202 +188,5 @@ pub fn solve<P: Nlp>(
         } else if taken.is_none() {
             return state.end(problem, Status::NoDescent);
         }
-    }
-}
-
-impl State {
-    fn new<P: Nlp>(
-        problem: &mut P,
-        x: DVector<f64>,
-        multipliers: Option<&[f64]>,
-        kkt: Kkt,
-        options: &Options,
-    ) -> Result<Self> {
-        let mut h = Vec::new();
-        let f = problem.value(&x, &mut h)?;
-        let (working, measure) = (problem.working_set(&h), problem.measure(&x));
-        let weight: f64 = working.iter().map(|row| measure * row.weight).sum();
-        let scale = f.abs().max(f64::EPSILON);
-        let first = match multipliers {
-            Some(_) => options.warm_barrier,
-            None => options.first_barrier,
-        };
-        let barrier = Barrier {
-            // Without rows any will do.
-            mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
-            nu: options.penalty * scale / measure,
-        };
-        let mut iterate = Iterate::new(h.len(), barrier, problem.equalities(scale / measure));
-        iterate.set_working(working, &h);
-        if let Some(lambda) = multipliers {
-            iterate.set_multipliers(lambda, &h, options.room, options.multiplier_range);
-        }
-        Ok(Self {
-            x,
-            f,
-            h,
-            iterate,
-            kkt,
-            progress: Progress::default(),
-            measure,
-            iterations: 0,
-            rounds: 0,
-            merits: Default::default(),
-        })
-    }
-
-    /// Computes the derivatives at the current iterate.
-    fn derive<P: Nlp>(&mut self, problem: &mut P) -> Result<()> {
-        self.measure = problem.measure(&self.x);
-        problem.derivatives(&self.x, &self.iterate, &mut self.kkt)?;
-        self.iterations += 1;
-        let working = self.iterate.working.iter();
-        self.progress = Progress {
-            objective: self.f,
-            measure: self.measure,
-            stationarity: f64::INFINITY,
-            complementarity: self.complementarity(),
-            infeasibility: working.fold(0.0, |most, row| self.h[row.at].max(most)),
-            ..Progress::default()
-        };
-        Ok(())
-    }
-
-    /// The reason to stop before the end.
-    fn stop<P: Nlp>(&self, problem: &P, options: &Options) -> Option<Status> {
-        if problem.is_stopped() {
-            Some(Status::Stopped)
-        } else {
-            (self.iterations > options.iterations).then_some(Status::Iterations)
-        }
-    }
-
-    fn is_stationary(&self, options: &Options) -> bool {
-        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
-    }
-
-    fn is_last_barrier(&self, options: &Options) -> bool {
-        // The objective and with it the last parameter change a little from step to step.
-        self.complementarity() <= 1.1 * options.last_barrier
-    }
-
-    /// Adapts the margins of the rows at the current point.
-    fn tighten<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<Tightened> {
-        let found = problem.tighten(&self.x, false)?;
-        if let Tightened::Violation(violation) = found
-            && violation > options.feasible
-        {
-            self.raise_penalty(options);
-        }
-        self.update_equalities(options);
-        self.reset(problem, options)?;
-        Ok(found)
-    }
-
-    fn update_equalities(&mut self, options: &Options) {
-        let most = options.largest_penalty * self.scale() / self.measure;
-        self.iterate
-            .update_equalities(&self.h, options.equality_factor, most);
-    }
-
-    /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.
-    fn raise_penalty(&mut self, options: &Options) -> bool {
-        let Barrier { mu, nu } = self.iterate.barrier;
-        if !self.iterate.is_at_penalty() {
-            return false;
-        }
-        let most = options.largest_penalty * self.scale() / self.measure;
-        let raised = (nu * options.penalty_factor).min(most);
-        self.iterate
-            .set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
-        raised > nu
-    }
-
-    /// Looks at the rows between the points at a stationary point. Returns the status if the search is over; otherwise
-    /// margins or the penalty have changed.
-    fn tighten_end<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        options: &Options,
-    ) -> Result<Option<Status>> {
-        let violation = match problem.tighten(&self.x, true)? {
-            Tightened::Coarse => return Ok(Some(Status::Coarse)),
-            Tightened::Violation(violation) => violation,
-        };
-        self.rounds += 1;
-        if violation > options.feasible {
-            self.update_equalities(options);
-            // Between the points margins help, at them only the penalty.
-            let elastic = self.progress.infeasibility > options.feasible;
-            let raised = self.raise_penalty(options);
-            if self.rounds > options.rounds || (elastic && !raised) {
-                return Ok(Some(Status::Infeasible));
-            }
-            self.reset(problem, options)?;
-            return Ok(None);
-        }
-        self.reset(problem, options)?;
-        let gap = self.measure * self.iterate.gap() / self.scale();
-        if gap > options.tolerance && self.rounds <= options.rounds {
-            // Margins were too large: the barrier parameter follows, so that the rows can.
-            let total = gap.min(options.warm_barrier);
-            let mu = total * self.scale() / self.total_weight();
-            let nu = self.iterate.barrier.nu;
-            self.iterate
-                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
-            return Ok(None);
-        }
-        if self.rounds <= options.rounds
-            && self.progress.regularisation > 0.0
-            && let Some(direction) = self.kkt.negative_curvature(self.scale())
-            && leave_saddle(problem, self, &direction, options)?
-        {
-            return Ok(None);
-        }
-        Ok(Some(Status::Converged))
-    }
-
-    /// Evaluates the rows again after a change of margins.
-    fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
-        self.merits.clear();
-        self.f = problem.value(&self.x, &mut self.h)?;
-        let working = problem.working_set(&self.h);
-        self.iterate.set_working(working, &self.h);
-        self.iterate.reset(&self.h, options.multiplier_range);
-        Ok(())
-    }
-
-    /// The end of the search, with the violation between the points.
-    fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
-        let violation = problem.violation(&self.x)?;
-        self.progress.complementarity = self.complementarity();
-        Ok(Solution {
-            x: self.x,
-            iterate: self.iterate,
-            status,
-            progress: self.progress,
-            violation,
-        })
-    }
-
-    /// The size of the objective, in which gradients and barriers are measured.
-    pub fn scale(&self) -> f64 {
-        self.f.abs().max(f64::EPSILON)
-    }
-
-    /// The sum of the weights of the working set.
-    pub fn total_weight(&self) -> f64 {
-        let sum: f64 = self.iterate.working.iter().map(|row| row.weight).sum();
-        self.measure * sum
-    }
-
-    /// The barrier parameter summed over all rows, relative to the objective.
-    pub fn complementarity(&self) -> f64 {
-        self.iterate.barrier.mu * self.total_weight() / self.scale()
-    }
-
-    /// The barrier function.
-    fn merit<P: Nlp>(&self, problem: &P) -> f64 {
-        self.f + problem.measure(&self.x) * self.iterate.barrier_terms(&self.h)
     }
 }

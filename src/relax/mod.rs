@@ -163,7 +163,6 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             observe(&iteration);
             iterations.push(iteration);
         };
-        let constrained = rows.count() > 0;
         let highest = settings.highest();
         let passive = self.constraints.torque.has_passive();
         let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
@@ -178,7 +177,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.rungs(constrained, passive),
+                &settings.rungs(passive),
                 &planned,
                 &mut log,
             )?;

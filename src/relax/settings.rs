@@ -135,18 +135,17 @@ impl RelaxSettings {
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
     /// a joint almost no freedom.
-    pub(super) fn rungs(&self, constrained: bool, passive: bool) -> Vec<Rung> {
-        let lower = LOWER[usize::from(constrained)];
+    pub(super) fn rungs(&self, passive: bool) -> Vec<Rung> {
         let fewer_segments = Stage {
             iterations: SEGMENT_STEPS,
-            ..lower
+            ..LOWER
         };
-        let first = LOWEST_DEGREE[usize::from(constrained)];
+        let first = LOWEST_DEGREE;
         let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
         let mut rungs: Vec<_> = Basis::degrees_below(self.degree, first)
             .map(|p| Rung {
                 basis: new(1, p),
-                stage: lower,
+                stage: LOWER,
             })
             .collect();
         rungs.extend(Basis::fewer_segments(self.segments).map(|n| Rung {
@@ -158,16 +157,7 @@ impl RelaxSettings {
         if passive {
             rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
         }
-        // Without rows the last digits are for those alone that are among the best without them.
-        let rough = Rung {
-            basis: self.basis(),
-            stage: lower,
-        };
-        if constrained {
-            rungs.retain(|rung| rung.basis != rough.basis);
-        } else if rungs.last().is_none_or(|last| last.basis != rough.basis) {
-            rungs.push(rough);
-        }
+        rungs.retain(|rung| rung.basis != self.basis());
         rungs.push(Rung {
             basis: self.basis(),
             stage: self.highest(),

@@ -7,10 +7,10 @@ pub(super) const SMALLEST_COST: f64 = f64::EPSILON;
 
 // Quadrature and rows between its points.
 
-/// The initial number of quadrature points per degree, without and with rows.
-pub(super) const POINTS: [f64; 2] = [3.0, 3.5];
+/// The initial number of quadrature points per degree.
+pub(super) const POINTS: f64 = 3.5;
 /// The largest number of points per degree: beyond it the curve has corners that no quadrature of this kind resolves.
-pub(super) const MOST_POINTS: [usize; 2] = [16, 64];
+pub(super) const MOST_POINTS: usize = 64;
 /// The accepted relative difference of quadratures before the end of the search.
 pub(super) const ON_THE_WAY: f64 = 0.05;
 /// The number of intervals per quadrature point at which rows are scanned.
@@ -56,27 +56,17 @@ pub(super) const WAVE: usize = 8;
 pub(super) const SHARE_OF_STARTS: f64 = 0.5;
 /// The relative excess over the cost of the best start before it beyond which a start is dropped, by the number of
 /// remaining bases: low degrees are a poor indicator.
-pub(super) const HOPELESS: [f64; 3] = [0.02, 0.1, 1.0];
+pub(super) const HOPELESS: [f64; 2] = [0.1, 1.0];
 
-/// The termination criteria below the last basis, without and with rows: a curve there is only the start of the next.
-pub(super) const LOWER: [Stage; 2] = [
-    Stage {
-        tolerance: 0.1,
-        iterations: 30,
-        quadrature_tolerance: 0.02,
-        last_barrier: 1e-2,
-        feasible: 1e-2,
-        last: false,
-    },
-    Stage {
-        tolerance: 0.1,
-        iterations: 30,
-        quadrature_tolerance: 0.05,
-        last_barrier: 1e-2,
-        feasible: 1e-2,
-        last: false,
-    },
-];
+/// The termination criteria below the last basis: a curve there is only the start of the next.
+pub(super) const LOWER: Stage = Stage {
+    tolerance: 0.1,
+    iterations: 30,
+    quadrature_tolerance: 0.05,
+    last_barrier: 1e-2,
+    feasible: 1e-2,
+    last: false,
+};
 /// The largest number of steps on fewer segments, where the next breakpoints will reduce the cost further.
 pub(super) const SEGMENT_STEPS: usize = 60;
 /// The number of further starts that are tried at once while none of the requested ones ends within the constraints.
@@ -91,8 +81,8 @@ pub(super) const PLANNED_DEGREE: usize = 6;
 pub(super) const PLANNED_PENALTY: f64 = 10.0;
 /// The factor between successive horizons of a planned start.
 pub(super) const HORIZON_GROWTH: f64 = 1.15;
-/// The lowest degree without and with rows: within limits a polynomial of a lower degree often has no feasible
-/// solution.
-pub(super) const LOWEST_DEGREE: [usize; 2] = [6, 9];
+/// The lowest degree: smooth curves lead to better minima; within limits none of that degree may be feasible, but its
+/// curve is a start.
+pub(super) const LOWEST_DEGREE: usize = 6;
 /// The relative difference below which the costs of two minima count as equal.
 pub(super) const SAME_MINIMUM: f64 = 1e-3;

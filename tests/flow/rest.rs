@@ -115,13 +115,13 @@ fn it_rests_where_the_effort_is_least() {
                 ..RelaxSettings::default()
             },
         );
-        // One of the successive quadratures of the relaxation is that of the flow.
+        // The same integral, by quadratures at other points.
         let action = solution.action;
         let away = |cost: f64| (cost - action).abs() / action;
         let costs = relaxed.iterations.iter().map(|i| away(i.cost));
         let nearest = costs.fold(f64::MAX, f64::min);
         assert!(
-            relaxed.converged && nearest <= 1e-10,
+            relaxed.converged && nearest <= 1e-6,
             "{name}, {segments}: {nearest:e}, {action} {}",
             relaxed.cost
         );

@@ -64,11 +64,8 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     stage: Stage,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Candidate> {
-    let (basis, kind) = (
-        candidate.path.basis.clone(),
-        usize::from(context.rows.count() > 0),
-    );
-    candidate.points = (POINTS[kind] * basis.degree() as f64) as usize + 4;
+    let basis = candidate.path.basis.clone();
+    candidate.points = (POINTS * basis.degree() as f64) as usize + 4;
     loop {
         let status = on_grid(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;
@@ -94,14 +91,12 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
     let grid = if rows.attributes().equalities.contains(&true) {
         grids.collocated(&basis, points)
-    } else if rows.count() > 0 {
-        grids.with_ends(&basis, points)
     } else {
-        grids.get(&basis, points)
+        grids.with_ends(&basis, points)
     };
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
-    let refinable = points < MOST_POINTS[usize::from(rows.count() > 0)] * basis.degree();
+    let refinable = points < MOST_POINTS * basis.degree();
     let both = [&*grid, &*finer];
     let mut program = Program::new(
         context,

@@ -66,7 +66,6 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     // What comes after the starts needs its part of the time.
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
     let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
-    let constrained = context.rows.count() > 0;
     let passive = context.rows.constraints.torque.has_passive();
     // A start is a single polynomial, whatever it is to become.
     let free_end = settings.free_final_velocity;
@@ -160,7 +159,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 if inside {
                     least[level] = least[level].min(candidate.objective);
                 }
-                if goes_on || (constrained && !found_before) {
+                if goes_on || !found_before {
                     climbing.push(climber);
                 }
             }
@@ -170,7 +169,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
             Some(_) => next < RelaxSettings::LARGEST_STARTS,
-            None => next < settings.starts || (constrained && !found && next < MOST_STARTS),
+            None => next < settings.starts || (!found && next < MOST_STARTS),
         };
         if stopped() || context.watch.is_late(share) || !more {
             break;

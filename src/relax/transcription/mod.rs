@@ -3,6 +3,7 @@
 
 mod effort;
 mod grid;
+mod horizon;
 mod objective;
 mod packed_hessian;
 mod point_cost;
@@ -13,7 +14,8 @@ pub use effort::ControlEffort;
 pub(super) use effort::alone;
 pub use grid::Grid;
 pub(super) use grid::Grids;
-pub use objective::{Derivatives, HorizonDerivatives, Objective};
+pub use horizon::HorizonDerivatives;
+pub use objective::{Derivatives, Objective};
 pub(super) use objective::{place, points};
 pub use packed_hessian::PackedHessian;
 pub use point_cost::{

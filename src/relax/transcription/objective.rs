@@ -1,6 +1,7 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::{Grid, PackedHessian, PointCost, Points, PointsDerivatives};
+use super::horizon::Moving;
+use super::{Grid, HorizonDerivatives, PackedHessian, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
@@ -50,17 +51,6 @@ pub struct Derivatives<S: Scalar> {
     pub metric: BlockTridiagonal<S>,
     /// The derivatives in the horizon: the first, the second, and the mixed ones with the coefficients.
     pub horizon: HorizonDerivatives<S>,
-}
-
-/// Derivatives in the horizon; zero while it is fixed.
-#[derive(Clone, Debug)]
-pub struct HorizonDerivatives<S: Scalar> {
-    /// The first derivative.
-    pub first: S,
-    /// The second derivative.
-    pub second: S,
-    /// The mixed derivatives with the unknown coefficients.
-    pub mixed: DVector<S>,
 }
 
 impl<S: Scalar> Derivatives<S> {
@@ -290,75 +280,6 @@ impl<S: Scalar> Room<S> {
             sums: PackedHessian::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
         }
-    }
-}
-
-/// A curve whose horizon is an unknown.
-struct Moving<'g, S: Scalar> {
-    grid: &'g Grid<S>,
-    horizon: S,
-    rates: &'g DMatrix<S>,
-}
-
-impl<S: Scalar> Moving<'_, S> {
-    /// Adds the derivatives of the integral over segment `e` in the horizon; returns the mixed derivatives in
-    /// $(q, q', q'')$ at the points, `N` by `3 M`, with their weights.
-    ///
-    /// With $z^x = T^{-x} \phi^x c$ and coefficients that change at the rates $\dot c$,
-    ///
-    /// $$ z_T^x = T^{-x} \phi^x \dot c - \tfrac x T z^x, \qquad
-    ///    z_{TT}^x = -\tfrac x T (T^{-x} \phi^x \dot c + z_T^x) + \tfrac{x}{T^2} z^x, $$
-    ///
-    /// The part of a cost that depends on time itself is added by the caller, to the first derivative alone.
-    ///
-    /// $$ \frac{\partial}{\partial T} T l = l + T l_z z_T, \qquad
-    ///    \frac{\partial^2}{\partial T^2} T l = 2\\, l_z z_T + T (z_T^T l_{zz} z_T + l_z z_{TT}), \qquad
-    ///    \frac{\partial^2}{\partial T\\, \partial (\phi^x c)} T l = T^{-x} ((1 - x)\\, l_z^x + T (l_{zz} z_T)^x) . $$
-    fn integrate(
-        &self,
-        e: usize,
-        points: Points<'_, S>,
-        at: &PointsDerivatives<S>,
-        out: &mut HorizonDerivatives<S>,
-    ) -> DMatrix<S> {
-        let Self {
-            grid,
-            horizon,
-            rates,
-        } = *self;
-        let n = rates.nrows();
-        let mut moved = DMatrix::zeros(n, grid.table.ncols());
-        place(rates, grid.first(e), &grid.table, &mut moved);
-        scale(&mut moved, horizon);
-        let mut mixed = DMatrix::zeros(n, moved.ncols());
-        let power = |x: usize| S::from_f64(x as f64);
-        let (mut first, mut second) = (DVector::zeros(3 * n), DVector::zeros(3 * n));
-        for (g, weight) in grid.weights.iter().enumerate() {
-            let gradient = &at.gradients.as_slice()[3 * g * n..(3 * g + 3) * n];
-            let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
-            let moved = &moved.as_slice()[3 * g * n..(3 * g + 3) * n];
-            for i in 0..3 * n {
-                let rate = power(i / n) / horizon;
-                first[i] = moved[i] - rate * state[i];
-                second[i] = rate * (state[i] / horizon - moved[i] - first[i]);
-            }
-            let bent = at.hessians.get(g) * &first;
-            let dot = |x: &DVector<S>| {
-                x.iter()
-                    .zip(gradient)
-                    .fold(S::zero(), |sum, (a, b)| sum + *a * *b)
-            };
-            let slope = dot(&first);
-            out.first += *weight * (at.costs[g] + horizon * slope);
-            let two = S::from_f64(2.0);
-            out.second += *weight * (two * slope + horizon * (first.dot(&bent) + dot(&second)));
-            for i in 0..3 * n {
-                let own = (S::one() - power(i / n)) * gradient[i] + horizon * bent[i];
-                mixed[(i % n, 3 * g + i / n)] = *weight * own;
-            }
-        }
-        scale(&mut mixed, horizon);
-        mixed
     }
 }
 

@@ -19,7 +19,7 @@ pub struct RelaxOptions {
     /// Relative change of the effort between two degrees at which the degree stops growing, such as 0.01; by default
     /// the degree does not grow.
     pub degree_tolerance: Option<f64>,
-    /// Relative norm of the gradient at the end; by default 1e-8, with constraints 1e-6.
+    /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
     /// joints. There are more while none ends within the constraints.
@@ -41,11 +41,7 @@ impl RelaxOptions {
     /// # Errors
     /// The time limit is out of range.
     pub fn settings(&self, scenario: &Scenario) -> Result<RelaxSettings> {
-        let mut default = if scenario.is_free() {
-            RelaxSettings::default()
-        } else {
-            RelaxSettings::constrained()
-        };
+        let mut default = RelaxSettings::constrained();
         if !scenario.file.passive.is_empty() {
             (default.degree, default.segments) = PASSIVE_BASIS;
             default.starts = PASSIVE_STARTS;
@@ -54,6 +50,7 @@ impl RelaxOptions {
         } else if !scenario.limits_are_enforced() {
             // Limits leave little to choose between; without them there are many minima.
             default.starts = starts_of(scenario.model.dof());
+            default.start_amplitude = RelaxSettings::default().start_amplitude;
         }
         Ok(RelaxSettings {
             degree: self.degree.unwrap_or(default.degree),

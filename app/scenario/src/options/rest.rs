@@ -17,7 +17,7 @@ pub struct RestOptions {
     pub degree: Option<usize>,
     /// Number of polynomials on equal parts of the horizon; by default 1, with passive joints 8.
     pub segments: Option<usize>,
-    /// Relative norm of the gradient at the end; by default 1e-8, with constraints 1e-6.
+    /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
     /// Number of starts; by default 1, with passive joints 40. There are more while none ends within the constraints.
     pub starts: Option<usize>,

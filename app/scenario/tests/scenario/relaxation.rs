@@ -1,8 +1,10 @@
 //! Solves by the relaxation of scenarios with obstacles, limits and a free horizon.
 
 use crate::common::relax::solved_within;
+use crate::written::{load, with};
 use aghf::relax::{FreeHorizon, RelaxSettings};
 use aghf_scenario::{Details, RelaxOptions, Scenario, Solve};
+use serde_json::json;
 
 #[test]
 fn an_arm_among_spheres_keeps_clear() {
@@ -80,4 +82,24 @@ fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
     };
     let at_the_best = solved(&scenario, Some(free));
     assert!(at_the_best <= at_the_given, "{at_the_best} {at_the_given}");
+}
+
+/// An obstacle that no motion comes near is as none: the same starts, points and bits.
+#[test]
+fn a_far_obstacle_changes_nothing() {
+    let ball = json!({
+        "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [10.0, 10.0, 10.0] },
+    });
+    for name in ["kinova_free_01", "kinova_free_04", "pendulum_3_swingup"] {
+        let free = Scenario::load(name).expect("built in");
+        let keys = serde_json::to_value(&free.file).expect("numbers");
+        let far = load(name, &with(keys, json!({ "obstacles": [ball] }))).expect("it is good");
+        let [free, far] = [free, far].map(|scenario| {
+            let report = Solve::new(&scenario).run().expect("valid");
+            assert!(report.summary.success, "{name}");
+            report
+        });
+        assert_eq!(free.curve.x(), far.curve.x(), "{name}");
+        assert_eq!(free.summary.control_effort, far.summary.control_effort);
+    }
 }
