@@ -1,7 +1,7 @@
 //! The settings and the results of the relaxation.
 
 use super::minimise::Stage;
-use super::tuning::{LAST_BARRIER, LOWER, LOWEST_DEGREE, SEGMENT_STEPS};
+use super::tuning::{LAST_BARRIER, LOWER, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
 use crate::curve::{Basis, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
@@ -38,6 +38,9 @@ pub struct RelaxSettings {
     pub threads: usize,
     /// The amplitude of the bent starts, rad or m.
     pub start_amplitude: f64,
+    /// The degree of the first polynomial of a start, unless the degree is lower; by default 6, as smooth curves lead
+    /// to better minima, and with constraints 9, as within limits none of a lower degree may be feasible.
+    pub lowest_degree: usize,
     /// The starts for which a planner finds paths around obstacles; see [`plan`](crate::plan). It has no effect if only
     /// joints have bounds. A [first](PlannedStarts::First) planned start may lengthen the horizon up to
     /// [`longest_horizon`](Self::longest_horizon). Because it satisfies all constraints before the minimisation, so
@@ -82,6 +85,7 @@ impl Default for RelaxSettings {
             interrupt: Interrupt::default(),
             threads: 1,
             start_amplitude: 2.5,
+            lowest_degree: 6,
             planned_starts: PlannedStarts::default(),
             longest_horizon: None,
             start: None,
@@ -114,6 +118,7 @@ impl RelaxSettings {
             tolerance: 1e-6,
             starts: 1,
             start_amplitude: 1.0,
+            lowest_degree: 9,
             ..Self::default()
         }
     }
@@ -140,9 +145,8 @@ impl RelaxSettings {
             iterations: SEGMENT_STEPS,
             ..LOWER
         };
-        let first = LOWEST_DEGREE;
         let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
-        let mut rungs: Vec<_> = Basis::degrees_below(self.degree, first)
+        let mut rungs: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
             .map(|p| Rung {
                 basis: new(1, p),
                 stage: LOWER,
@@ -214,6 +218,8 @@ impl RelaxSettings {
             let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
             return Err(Error::input("settings", "start_amplitude", condition));
         }
+        let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
+        check_count("lowest_degree", self.lowest_degree, degrees)?;
         check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
         check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
         check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;

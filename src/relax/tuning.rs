@@ -81,8 +81,5 @@ pub(super) const PLANNED_DEGREE: usize = 6;
 pub(super) const PLANNED_PENALTY: f64 = 10.0;
 /// The factor between successive horizons of a planned start.
 pub(super) const HORIZON_GROWTH: f64 = 1.15;
-/// The lowest degree: smooth curves lead to better minima; within limits none of that degree may be feasible, but its
-/// curve is a start.
-pub(super) const LOWEST_DEGREE: usize = 6;
 /// The relative difference below which the costs of two minima count as equal.
 pub(super) const SAME_MINIMUM: f64 = 1e-3;

@@ -221,6 +221,13 @@ fn bad_settings_are_errors() {
         ),
         (
             RelaxSettings {
+                lowest_degree: 1,
+                ..base.clone()
+            },
+            "lowest_degree: it is 1",
+        ),
+        (
+            RelaxSettings {
                 starts: 0,
                 ..base.clone()
             },

@@ -51,6 +51,7 @@ impl RelaxOptions {
             // Limits leave little to choose between; without them there are many minima.
             default.starts = starts_of(scenario.model.dof());
             default.start_amplitude = RelaxSettings::default().start_amplitude;
+            default.lowest_degree = RelaxSettings::default().lowest_degree;
         }
         Ok(RelaxSettings {
             degree: self.degree.unwrap_or(default.degree),

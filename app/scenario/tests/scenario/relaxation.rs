@@ -21,7 +21,7 @@ fn an_arm_among_spheres_keeps_clear() {
 /// the best of those that did.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
-    let scenario = Scenario::load("kinova_cross_08").expect("generated");
+    let scenario = Scenario::load("kinova_cross_03").expect("generated");
     let report = Solve::new(&scenario).run().expect("valid");
     let Details::Relax(details) = &report.summary.details else {
         panic!("it is a relaxation");
