@@ -77,7 +77,7 @@ fn effort(model: &Model, curve: &Curve) -> f64 {
 }
 
 /// Curves of the flow at rest have no slip, so they are feasible for the relaxation, which started there finds the same
-/// least effort by the same quadrature.
+/// least effort.
 #[test]
 fn it_rests_where_the_effort_is_least() {
     for (name, degree, segments) in [
@@ -115,15 +115,12 @@ fn it_rests_where_the_effort_is_least() {
                 ..RelaxSettings::default()
             },
         );
-        // The same integral, by quadratures at other points.
-        let action = solution.action;
-        let away = |cost: f64| (cost - action).abs() / action;
-        let costs = relaxed.iterations.iter().map(|i| away(i.cost));
-        let nearest = costs.fold(f64::MAX, f64::min);
+        // The two quadratures have other points, so both motions are measured by a third one.
+        let [found, least] =
+            [&solution.curve, &relaxed.curve].map(|curve| effort(problem.model(), curve));
         assert!(
-            relaxed.converged && nearest <= 1e-6,
-            "{name}, {segments}: {nearest:e}, {action} {}",
-            relaxed.cost
+            relaxed.converged && (found / least - 1.0).abs() <= 1e-4,
+            "{name}, {segments}: {found} {least}"
         );
         // Steps in s are large in the end.
         let last: Vec<_> = solution.history.iter().rev().take(3).collect();
