@@ -58,7 +58,7 @@ def test_a_cost_in_python_finds_what_the_same_cost_in_rust_does():
 
 
 def test_a_constraint_in_python_is_kept_and_judged():
-    model, floor = aghf.Model.builtin("pendulum_2"), Floor(-1.0)
+    model, floor = aghf.Model.builtin("pendulum_2"), Floor(-0.005)
     table = aghf.check_constraint(model, floor)
     assert table["quantity"] == ["Jacobian", "Hessians"] and all(table["passes"])
     assert set(table["witness"]) == {"complex step"}
@@ -66,7 +66,7 @@ def test_a_constraint_in_python_is_kept_and_judged():
     def most(solution):
         return max(floor.value(q, None)[0] for q in solution.sample(2001).q)
 
-    assert most(aghf.solve(SWING, starts=1)) > 0.1, "the free motion swings below it"
+    assert most(aghf.solve(SWING, starts=1)) > 0.01, "the free motion swings below it"
     kept = aghf.solve(SWING, starts=1, constraints=[floor])
     assert kept.success and most(kept) < 2e-6
     # It starts at zero.
@@ -111,7 +111,7 @@ def test_what_a_function_raises_ends_the_solve():
         aghf.solve(SWING, running_cost=Shapeless(1.0))
     with pytest.raises(AttributeError, match="rows"):
         aghf.solve(SWING, constraints=[object()])
-    with pytest.raises(AttributeError, match="derivatives"):
+    with pytest.raises(AttributeError, match="value"):
         aghf.solve(SWING, running_cost=object())
     with pytest.raises(aghf.InputError, match="running cost"):
         aghf.solve(SWING, running_cost=Squares(1.0), method="flow")
