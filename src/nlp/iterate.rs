@@ -141,14 +141,14 @@ impl Iterate {
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
     /// smaller than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most
-    /// to `room`.
-    pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], room: f64, range: f64) {
+    /// to `largest`.
+    pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], largest: f64, range: f64) {
         for row in self.working.clone() {
             let at = row.at;
             let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let slack = (self.barrier.mu / z).min(room);
+            let slack = (self.barrier.mu / z).min(largest);
             if slack > self.slack[at] {
                 self.slack[at] = slack;
                 self.elastic[at] = h[at] + slack;

@@ -67,8 +67,8 @@ pub trait Nlp {
     /// The largest fraction of a step from `x` that may be tried, at most 1.
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
 
-    /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; at the `end` of the
-    /// search margins only grow.
+    /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
+    /// the `end` of the search margins only grow.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).

@@ -49,7 +49,7 @@ pub struct Options {
     /// The largest number of cuts of a step.
     pub cuts: usize,
     /// The largest slack to which a row moves away from its bound with known multipliers, relative to its scale.
-    pub room: f64,
+    pub largest_warm_slack: f64,
     /// The largest factor between a multiplier and the one that belongs to its slack: 1e10 as in WB (16).
     pub multiplier_range: f64,
     /// The first multiple of the norm that is added to an indefinite Hessian: 1e-4 as in WB.
@@ -92,7 +92,7 @@ impl Default for Options {
             memory: 4,
             backtracking: 0.5,
             cuts: 25,
-            room: 0.02,
+            largest_warm_slack: 0.02,
             multiplier_range: 1e10,
             first_regularisation: 1e-4,
             regularisation_factors: [100.0, 8.0, 1.0 / 3.0],

@@ -46,7 +46,12 @@ impl State {
         let mut iterate = Iterate::new(h.len(), barrier, problem.equalities(scale / measure));
         iterate.set_working(working, &h);
         if let Some(lambda) = multipliers {
-            iterate.set_multipliers(lambda, &h, options.room, options.multiplier_range);
+            iterate.set_multipliers(
+                lambda,
+                &h,
+                options.largest_warm_slack,
+                options.multiplier_range,
+            );
         }
         Ok(Self {
             x,
