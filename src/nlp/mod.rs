@@ -68,11 +68,11 @@ pub trait Nlp {
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
 
     /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
-    /// the `end` of the search margins only grow.
+    /// the end of the search, counted by `round`, margins only grow.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened>;
+    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened>;
 
     /// The largest violation of a row at `x`, between the points too, in its unit.
     ///
@@ -100,7 +100,7 @@ pub enum Status {
     Converged,
     /// No step decreases the barrier function.
     NoDescent,
-    /// Rows are violated although the penalty is at its largest value.
+    /// Rows are violated at a local minimum of their violation, or although the penalty is at its largest value.
     Infeasible,
     /// The largest number of iterations.
     Iterations,
@@ -176,13 +176,13 @@ pub fn solve<P: Nlp>(
         state.kkt.adapt(alpha, used, options);
         let solved = taken.is_none_or(|decrease| update.is_solved(&state, decrease));
         if solved && !state.is_last_barrier(options) {
-            let barrier = update.next(&state);
+            let (before, barrier) = (state.iterate.barrier.mu, update.next(&state));
             if taken.is_none() {
                 // Rounding hides the rest of the decrease with this barrier parameter.
                 state.iterate.recentre(&state.h, barrier);
             }
             state.iterate.set_barrier(barrier, options.multiplier_range);
-            if state.tighten(problem, options)? == Tightened::Coarse {
+            if state.tighten(problem, before, options)? == Tightened::Coarse {
                 return state.end(problem, Status::Coarse);
             }
         } else if taken.is_none() {

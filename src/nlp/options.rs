@@ -38,6 +38,11 @@ pub struct Options {
     pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
+    /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left since
+    /// the penalty was last raised, above which the search is at a local minimum of the violation: other starts promise
+    /// more than a motion that costs several times as much.
+    pub infeasible_cost: f64,
+    pub infeasible_progress: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
     pub sufficient_decrease: f64,
     /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo,
@@ -88,6 +93,8 @@ impl Default for Options {
             penalty_factor: 4.0,
             equality_factor: 10.0,
             largest_penalty: 1e9,
+            infeasible_cost: 1.0,
+            infeasible_progress: 0.5,
             sufficient_decrease: 1e-4,
             memory: 4,
             backtracking: 0.5,

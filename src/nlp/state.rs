@@ -1,7 +1,7 @@
 //! A search in progress.
 
 use super::line_search::leave_saddle;
-use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Solution, Status, Tightened};
+use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, Solution, Status, Tightened};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -17,6 +17,10 @@ pub(crate) struct State {
     /// The numbers of iterations, and of times that rows were tightened at the end.
     pub(super) iterations: usize,
     rounds: usize,
+    /// The weighted sum of all violations when the penalty was last raised.
+    excess: f64,
+    /// True at a local minimum of that sum, at which it is not zero.
+    is_infeasible: bool,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
 }
@@ -63,6 +67,8 @@ impl State {
             measure,
             iterations: 0,
             rounds: 0,
+            excess: f64::INFINITY,
+            is_infeasible: false,
             merits: Default::default(),
         })
     }
@@ -88,6 +94,8 @@ impl State {
     pub(super) fn stop<P: Nlp>(&self, problem: &P, options: &Options) -> Option<Status> {
         if problem.is_stopped() {
             Some(Status::Stopped)
+        } else if self.is_infeasible {
+            Some(Status::Infeasible)
         } else {
             (self.iterations > options.iterations).then_some(Status::Iterations)
         }
@@ -102,20 +110,22 @@ impl State {
         self.complementarity() <= 1.1 * options.last_barrier
     }
 
-    /// Adapts the margins of the rows at the current point.
+    /// Adapts the margins of the rows at the current point, and raises the barrier parameter up to `most` if they change
+    /// more than it can follow.
     pub(super) fn tighten<P: Nlp>(
         &mut self,
         problem: &mut P,
+        most: f64,
         options: &Options,
     ) -> Result<Tightened> {
-        let found = problem.tighten(&self.x, false)?;
+        let found = problem.tighten(&self.x, self.rounds)?;
         if let Tightened::Violation(violation) = found
             && violation > options.feasible
         {
             self.raise_penalty(options);
         }
         self.update_equalities(options);
-        self.reset(problem, options)?;
+        self.follow(problem, most, options)?;
         Ok(found)
     }
 
@@ -126,6 +136,10 @@ impl State {
     }
 
     /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.
+    ///
+    /// Violations that cost more than the objective and have hardly decreased with the last raise are a local minimum of
+    /// the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*,
+    /// 2010).
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
         if !self.iterate.is_at_penalty() {
@@ -135,6 +149,11 @@ impl State {
         let raised = (nu * options.penalty_factor).min(most);
         self.iterate
             .set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
+        let excess = |row: &Row| row.weight * self.h[row.at].max(0.0);
+        let excess = self.measure * self.iterate.working.iter().map(excess).sum::<f64>();
+        self.is_infeasible = nu * excess > options.infeasible_cost * self.scale()
+            && excess > options.infeasible_progress * self.excess;
+        self.excess = excess;
         raised > nu
     }
 
@@ -145,11 +164,11 @@ impl State {
         problem: &mut P,
         options: &Options,
     ) -> Result<Option<Status>> {
-        let violation = match problem.tighten(&self.x, true)? {
+        self.rounds += 1;
+        let violation = match problem.tighten(&self.x, self.rounds)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
             Tightened::Violation(violation) => violation,
         };
-        self.rounds += 1;
         if violation > options.feasible {
             self.update_equalities(options);
             // Between the points margins help, at them only the penalty.
@@ -158,7 +177,7 @@ impl State {
             if self.rounds > options.rounds || (elastic && !raised) {
                 return Ok(Some(Status::Infeasible));
             }
-            self.reset(problem, options)?;
+            self.follow(problem, f64::INFINITY, options)?;
             return Ok(None);
         }
         self.reset(problem, options)?;
@@ -180,6 +199,29 @@ impl State {
             return Ok(None);
         }
         Ok(Some(Status::Converged))
+    }
+
+    /// Evaluates the rows again after a change of margins, and raises the barrier parameter to the change of the
+    /// objective that this makes to first order, at most to `most`: with less the rows cannot follow.
+    fn follow<P: Nlp>(&mut self, problem: &mut P, most: f64, options: &Options) -> Result<()> {
+        let before = self.h.clone();
+        self.reset(problem, options)?;
+        let change = |row: &Row| {
+            let multiplier = self.iterate.multiplier[row.at];
+            row.weight * multiplier * (self.h[row.at] - before[row.at]).abs()
+        };
+        let change = self.measure * self.iterate.working.iter().map(change).sum::<f64>();
+        let change = change.min(options.warm_barrier * self.scale());
+        let Barrier { mu, nu } = self.iterate.barrier;
+        let total = self.total_weight();
+        if change > mu * total {
+            let barrier = Barrier {
+                mu: (change / total).min(most),
+                nu,
+            };
+            self.iterate.set_barrier(barrier, options.multiplier_range);
+        }
+        Ok(())
     }
 
     /// Evaluates the rows again after a change of margins.

@@ -174,7 +174,7 @@ impl Nlp for Dense {
         1.0
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, _: bool) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, _: usize) -> Result<Tightened> {
         if self.coarse {
             return Ok(Tightened::Coarse);
         }

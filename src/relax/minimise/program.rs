@@ -32,8 +32,6 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
     pub(super) margins: Vec<f64>,
-    /// The number of times that margins were adapted at the end of the search.
-    rounds: usize,
     /// True for rows of the working set.
     working: Vec<bool>,
     /// The distance from its bound up to which a clearance is in the working set, m.
@@ -90,7 +88,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             horizon,
             free_horizon,
             margins: vec![0.0; count],
-            rounds: 0,
             working: Vec::new(),
             refinable,
             kept: Vec::new(),
@@ -330,18 +327,18 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         rows
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, end: bool) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+        let end = round > 0;
         self.place(x);
         if self.is_coarse(end)? {
             return Ok(Tightened::Coarse);
         }
         let (peaks, violation) = self.peaks(end)?;
-        if !end && violation <= self.stage.feasible {
+        if violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }
         // Exact margins at first; then they only grow, so that the search ends.
-        self.rounds += usize::from(end);
-        self.set_margins(&peaks, self.rounds > EXACT_MARGINS);
+        self.set_margins(&peaks, round > EXACT_MARGINS);
         Ok(Tightened::Violation(violation))
     }
 

@@ -9,5 +9,5 @@ mod run;
 mod summary;
 
 pub use problems::{Problem, problems};
-pub use run::{End, Row, run, settings_of};
+pub use run::{End, Row, run};
 pub use summary::{Family, families, table};

@@ -3,19 +3,13 @@
 use super::Problem;
 use crate::output::write_trajectory;
 use aghf::error::{Error, Result};
-use aghf::relax::{PlannedStarts, RelaxSettings, Relaxation};
-use aghf_scenario::Scenario;
+use aghf::relax::RelaxSettings;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
+use aghf_scenario::{Details, RelaxOptions, Solve};
 use serde::{Deserialize, Serialize};
 use std::fs::OpenOptions;
 use std::path::Path;
-use std::time::Instant;
 
-/// The accepted distance of a motion from its minimum, as a [tolerance](RelaxSettings::tolerance); its feasibility does
-/// not depend on it.
-const TOLERANCE: f64 = 0.7;
-/// The largest number of iterations per start.
-const ITERATIONS: usize = 120;
 /// The longest interval of the judged table, s, and the fraction of one before the end of a segment at which there is
 /// an additional row: accelerations may jump there.
 const INTERVAL: f64 = 1e-3;
@@ -46,7 +40,7 @@ pub struct Row {
     pub end: End,
     /// True if the motion is a minimum to within the tolerance.
     pub minimum: bool,
-    /// The time on one core, from the scenario in memory to the motion, s.
+    /// The time of the search on one core, s.
     pub solve_seconds: f64,
     /// The control effort of the motion, N^2 m^2 s.
     pub control_effort: f64,
@@ -56,18 +50,6 @@ pub struct Row {
     pub least_clearance_m: Option<f64>,
     /// The reason why the motion is not valid.
     pub reason: String,
-}
-
-/// The settings of the relaxation: a planned first start, on a horizon as long as it needs, and a loose tolerance.
-#[must_use]
-pub fn settings_of(scenario: &Scenario) -> RelaxSettings {
-    RelaxSettings {
-        planned_starts: PlannedStarts::First,
-        tolerance: TOLERANCE,
-        iterations: ITERATIONS,
-        longest_horizon: scenario.file.free_horizon.map(|free| free.longest_s),
-        ..RelaxSettings::constrained()
-    }
 }
 
 /// Solves and judges the problems that have no line in the file at `path` yet, and appends their lines; returns all
@@ -134,25 +116,25 @@ fn solve(problem: &Problem) -> Result<Row> {
         row.reason = error.to_string();
         return Ok(row);
     }
-    let began = Instant::now();
-    let (posed, kept) = (scenario.problem()?, scenario.constraints());
-    let solution = Relaxation::new(&posed)
-        .constraints(&kept)
-        .settings(settings_of(&scenario))
-        .solve()?;
-    row.solve_seconds = began.elapsed().as_secs_f64();
-    (row.control_effort, row.duration_s) = (solution.cost, solution.curve.horizon());
-    row.minimum = solution.converged;
-    if solution.largest_violation > RelaxSettings::FEASIBLE {
+    // As `aghf solve` without options, on one thread.
+    let options = RelaxOptions {
+        threads: Some(1),
+        ..RelaxOptions::default()
+    };
+    let report = Solve::new(&scenario).options(options).run()?;
+    let summary = &report.summary;
+    row.solve_seconds = summary.solve_seconds;
+    (row.control_effort, row.duration_s) = (summary.control_effort, report.curve.horizon());
+    row.minimum = report.completed;
+    if let (Details::Relax(found), Some(failure)) = (&summary.details, &summary.failure)
+        && found.largest_violation > Some(RelaxSettings::FEASIBLE)
+    {
         row.end = End::Unsolved;
-        row.reason = format!(
-            "the best motion is off by {:.1e}",
-            solution.largest_violation
-        );
+        row.reason.clone_from(failure);
         return Ok(row);
     }
     // By way of the table, as the motion of another tool would come.
-    let (model, curve) = (&scenario.model, &solution.curve);
+    let (model, curve) = (&scenario.model, &report.curve);
     let mut text = Vec::new();
     let times = curve.breakpoints().windows(2).flat_map(|ends| {
         let (begin, length) = (ends[0], ends[1] - ends[0]);
