@@ -229,6 +229,10 @@ impl State {
         self.merits.clear();
         self.f = problem.value(&self.x, &mut self.h)?;
         let working = problem.working_set(&self.h);
+        if !self.f.is_finite() {
+            // Rows of the new working set were not in the last one.
+            self.f = problem.value(&self.x, &mut self.h)?;
+        }
         self.iterate.set_working(working, &self.h);
         self.iterate.reset(&self.h, options.multiplier_range);
         Ok(())

@@ -128,8 +128,8 @@ pub enum Plan {
 
 /// Plans a path from the start to the goal of `problem` on which every row of `constraint` is within its bound at rest.
 ///
-/// Joints are sampled within their limits, extended to include start and goal; a joint without limits within half a
-/// turn, or 1 m, beyond both. Cost per configuration: the placements and the rows, four configurations side by side;
+/// Joints are sampled within their limits, extended to include start and goal; revolute ones at most half a turn beyond
+/// both, as the robot takes the same pose after a whole one, and sliders without limits 1 m. Cost per configuration: the placements and the rows, four configurations side by side;
 /// per sample O(N) per node of a tree.
 ///
 /// # Errors
@@ -192,17 +192,18 @@ fn ranges(model: &Model, ends: [&[f64]; 2]) -> Vec<[f64; 2]> {
     let joints = model.joints().iter().zip(ends[0].iter().zip(ends[1]));
     joints
         .map(|(joint, (start, goal))| {
-            let beyond = match joint.kind() {
-                JointKind::Revolute | JointKind::Continuous => PI,
-                JointKind::Prismatic => 1.0,
-            };
             let limits = joint.limits();
-            let or = |limit: f64, otherwise| if limit.is_finite() { limit } else { otherwise };
             let (least, most) = (start.min(*goal), start.max(*goal));
-            [
-                or(limits.lower, least - beyond).min(least),
-                or(limits.upper, most + beyond).max(most),
-            ]
+            let [lower, upper] = match joint.kind() {
+                JointKind::Revolute | JointKind::Continuous => {
+                    [limits.lower.max(least - PI), limits.upper.min(most + PI)]
+                }
+                JointKind::Prismatic => {
+                    let or = |limit: f64, other| if limit.is_finite() { limit } else { other };
+                    [or(limits.lower, least - 1.0), or(limits.upper, most + 1.0)]
+                }
+            };
+            [lower.min(least), upper.max(most)]
         })
         .collect()
 }

@@ -299,7 +299,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
-        let (count, attributes) = (integrand.rows.count(), integrand.rows.attributes());
+        let (count, states) = (integrand.rows.count(), integrand.rows.states());
+        let attributes = integrand.rows.attributes();
+        let (last, with_ends) = (grid.times.len() - 1, grid.times[0] == 0.0);
+        let is_fixed = |g| with_ends && (g == 0 || (g == last && !self.free_slope));
         self.working.clear();
         self.working.resize(h.len(), false);
         let mut rows = Vec::new();
@@ -308,7 +311,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 grid.collocated[g % grid.points()],
                 grid.weights[g % grid.points()],
             );
-            for row in 0..count {
+            // The state at a fixed end does not change, so its rows are neither listed nor refused.
+            let first = if is_fixed(g) { states } else { 0 };
+            self.working[g * count..][..first].fill(true);
+            for row in first..count {
                 let at = g * count + row;
                 // NaN counts as near.
                 let is_far = attributes.clearances[row] && h[at] < -self.near;

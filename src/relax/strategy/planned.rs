@@ -8,7 +8,9 @@ use crate::plan::{Plan, PlanSettings, along, plan};
 use crate::relax::minimise::{Candidate, Context};
 use crate::relax::settings::PlannedStarts;
 use crate::relax::transcription::{Grid, place, points};
-use crate::relax::tuning::{HORIZON_GROWTH, PLANNED_DEGREE, PLANNED_PENALTY, PLANNED_SEGMENTS};
+use crate::relax::tuning::{
+    HORIZON_GROWTH, MARGIN_CHECKS, PLANNED_DEGREE, PLANNED_PENALTY, PLANNED_SEGMENTS,
+};
 use crate::relax::{CostWithControl, RelaxSettings};
 use nalgebra::DMatrix;
 
@@ -54,11 +56,9 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
-    /// The number of the bends of a start that is not planned.
+    /// The number of the bends of a start without a path.
     pub fn bends(&self, start: usize) -> u64 {
-        let beyond = start.saturating_sub(self.settings.starts);
-        let planned = if self.wanted { beyond.div_ceil(2) } else { 0 };
-        (start - planned - usize::from(self.first.is_some())) as u64
+        (start - usize::from(self.first.is_some())) as u64
     }
 
     /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
@@ -92,15 +92,22 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             ..
         } = self.context;
         let constraint = &rows.constraints.state;
-        let plans = PlanSettings {
+        let mut plans = PlanSettings {
             seed: self.settings.seed,
             number,
             // Slopes make the curve round.
             roundings: 0,
             ..PlanSettings::default()
         };
+        let budget = std::mem::replace(&mut plans.most_checks, MARGIN_CHECKS);
         let stopped = || watch.stopped().is_some();
-        let Plan::Found(path) = plan(problem, constraint, &plans, &stopped)? else {
+        let mut found = plan(problem, constraint, &plans, &stopped)?;
+        if matches!(found, Plan::OutOfBudget { .. }) {
+            // Links next to each other may be closer than the margin wherever they are.
+            (plans.margin, plans.most_checks) = (0.0, budget);
+            found = plan(problem, constraint, &plans, &stopped)?;
+        }
+        let Plan::Found(path) = found else {
             return Ok(None);
         };
         let segments = PLANNED_SEGMENTS.max(path.len() - 1);
