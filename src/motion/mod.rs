@@ -1,6 +1,7 @@
 //! The motion: the boundary value problem, the control along a curve, the simulation of that control, and the
 //! violations of constraints.
 
+mod bracket;
 mod control;
 mod interrupt;
 mod path;
@@ -8,6 +9,8 @@ mod problem;
 mod simulate;
 mod violations;
 
+#[cfg(feature = "solvers")]
+pub(crate) use bracket::Bracket;
 pub use control::samples_at;
 pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]

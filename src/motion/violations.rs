@@ -1,5 +1,6 @@
 //! The violations of constraints along a motion, for reports and for the success criterion.
 
+use super::bracket::Bracket;
 use crate::constraint::{Constraint, Constraints, Evaluator, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
@@ -26,7 +27,8 @@ pub struct Violation {
 ///
 /// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included,
 /// because the control may jump between segments. A maximum between the times is that of the parabola through three
-/// neighbours, with an error of O(h^3) for a spacing of `h`. Each entry depends on its row alone. Cost per time: O(N p)
+/// neighbours, with an error of O(h^3) for a spacing of `h`; if it may be a violation, of parabolas through further
+/// values of the row. Each entry depends on its row alone. Cost per time: O(N p)
 /// for the curve, O(N) for the dynamics, and that of the rows.
 ///
 /// # Errors
@@ -60,6 +62,7 @@ pub fn violations<K: Constraint>(
     let interval = curve.chebyshev().horizon() / intervals as f64;
     let table = interpolation(curve.chebyshev(), intervals);
     let mut rows = Rows::new(model, constraints, intervals + 1);
+    let mut uncertain: Vec<Option<(usize, Bracket)>> = vec![None; scales.len()];
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
         rows.evaluate(curve, segment, &table, &scales)?;
         let all = rows.values.chunks_exact(rows.stride);
@@ -68,10 +71,48 @@ pub fn violations<K: Constraint>(
             if by > largest.by {
                 largest.by = by;
                 largest.at_s = begin + position * interval;
+                let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
+                let bracket = Bracket {
+                    times: [middle - 1, middle, middle + 1].map(|k| k as f64 * interval),
+                    values: [middle - 1, middle, middle + 1].map(|k| values[k]),
+                };
+                let inside = intervals > 1 && !equality && bracket.is_valid();
+                let refined = inside && bracket.may_exceed(0.0);
+                uncertain[largest.row] = refined.then_some((segment, bracket));
             }
         }
     }
+    refine(model, curve, constraints, &uncertain, &mut largest)?;
     Ok(largest)
+}
+
+/// Evaluates rows at the estimated times of their maxima, and estimates them again.
+fn refine<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    uncertain: &[Option<(usize, Bracket)>],
+    largest: &mut [Violation],
+) -> Result<()> {
+    let (chebyshev, scales) = (curve.chebyshev(), constraints.row_scales());
+    let mut rows = Rows::new(model, constraints, 1);
+    let mut weights = DVector::zeros(chebyshev.degree() + 1);
+    for (largest, uncertain) in largest.iter_mut().zip(uncertain) {
+        let Some((segment, mut bracket)) = *uncertain else {
+            continue;
+        };
+        for _ in 0..Bracket::REFINEMENTS {
+            let time = bracket.next();
+            chebyshev.interpolation(time, &mut weights);
+            let table = DMatrix::from_columns(std::slice::from_ref(&weights));
+            rows.evaluate(curve, segment, &table, &scales)?;
+            bracket.narrow(time, rows.values[largest.row * rows.stride]);
+        }
+        let (time, height) = bracket.vertex();
+        largest.at_s = curve.breakpoints()[segment] + time;
+        largest.by = height;
+    }
+    Ok(())
 }
 
 /// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals per segment

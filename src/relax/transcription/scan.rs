@@ -5,6 +5,7 @@ use super::{CostWithControl, Points, Rows, place};
 use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
+use crate::motion::Bracket;
 use nalgebra::DMatrix;
 
 /// A basis tabulated at equally spaced times.
@@ -41,8 +42,9 @@ impl Scan {
         }
     }
 
-    /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola.
-    /// Equalities have none. The times of the maxima are normalised.
+    /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
+    /// one that may be above zero by further values of its row. Equalities have none. The times of the maxima are
+    /// normalised.
     pub fn peaks<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
@@ -58,6 +60,7 @@ impl Scan {
         let below = vec![f64::NEG_INFINITY; count];
         let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
+        let mut uncertain = Vec::new();
         let mut h = vec![0.0; count * (self.intervals + 1)];
         for segment in 0..segments {
             place(
@@ -89,23 +92,73 @@ impl Scan {
                     {
                         continue;
                     }
-                    let (mut shift, mut height) = (0.0, b);
-                    if a.is_finite() && c.is_finite() {
-                        let (slope, bend) = ((c - a) / 2.0, 2.0 * b - a - c);
-                        shift = (slope / bend).clamp(-0.5, 0.5);
-                        height += 0.5 * slope * shift;
-                    }
-                    found.push(Peak {
+                    let time = (first + k - 1) as f64 * interval;
+                    let mut peak = Peak {
                         row,
                         segment,
-                        time: ((first + k - 1) as f64 + shift) * interval,
-                        height,
-                    });
+                        time,
+                        height: b,
+                    };
+                    if a.is_finite() && c.is_finite() {
+                        let bracket = Bracket {
+                            times: [time - interval, time, time + interval],
+                            values: [a, b, c],
+                        };
+                        (peak.time, peak.height) = bracket.vertex();
+                        if bracket.may_exceed(0.0) {
+                            uncertain.push((found.len(), bracket));
+                        }
+                    }
+                    found.push(peak);
                 }
                 std::mem::swap(&mut before, &mut here);
                 std::mem::swap(&mut here, &mut next);
             }
         }
+        let refinements = if uncertain.is_empty() {
+            0
+        } else {
+            Bracket::REFINEMENTS
+        };
+        for _ in 0..refinements {
+            self.refine(rows, coefficients, horizon, &mut uncertain, &mut found)?;
+        }
         Ok(found)
+    }
+
+    /// Evaluates the rows at the estimated times of maxima, and estimates them again.
+    fn refine<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &mut Rows<'_, K, P>,
+        coefficients: &DMatrix<f64>,
+        horizon: f64,
+        uncertain: &mut [(usize, Bracket)],
+        found: &mut [Peak],
+    ) -> Result<()> {
+        let (n, count, segments) = (coefficients.nrows(), rows.count(), self.basis.segments());
+        let mut states = DMatrix::zeros(n, 3 * uncertain.len());
+        let (mut one, mut times) = (DMatrix::zeros(n, 3), Vec::new());
+        for (k, (at, bracket)) in uncertain.iter().enumerate() {
+            let (segment, time) = (found[*at].segment, bracket.next());
+            let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
+            let table = self.basis.local(local).transpose();
+            place(coefficients, self.basis.first(segment), &table, &mut one);
+            states.columns_mut(3 * k, 3).copy_from(&one);
+            times.push(time * horizon);
+        }
+        scale(&mut states, horizon);
+        let mut h = vec![0.0; count * times.len()];
+        let points = Points {
+            first: 0,
+            times: &times,
+            states: &states,
+        };
+        rows.of_all(points, &mut h)?;
+        for (k, (at, bracket)) in uncertain.iter_mut().enumerate() {
+            let peak = &mut found[*at];
+            bracket.narrow(bracket.next(), h[k * count + peak.row]);
+            (peak.time, peak.height) = bracket.vertex();
+        }
+        Ok(())
     }
 }

@@ -1,0 +1,69 @@
+//! A maximum over time between three values.
+
+/// The fraction of a bracket within which a vertex is too near to the middle to narrow it.
+const NEARLY: f64 = 0.05;
+
+/// Three times of which the middle one has the largest value of a row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bracket {
+    pub times: [f64; 3],
+    pub values: [f64; 3],
+}
+
+impl Bracket {
+    /// The number of further values by which a maximum is refined: enough for the corner of an obstacle that is passed in
+    /// a tenth of an interval.
+    pub const REFINEMENTS: usize = 4;
+
+    /// Returns true if a function that is concave between the times may exceed a bound there.
+    pub fn may_exceed(&self, bound: f64) -> bool {
+        let [a, b, c] = self.values;
+        b + (2.0 * b - a - c) > bound
+    }
+
+    /// Returns true if the middle value is the largest.
+    pub fn is_valid(&self) -> bool {
+        let [a, b, c] = self.values;
+        a <= b && c <= b && a.is_finite() && c.is_finite()
+    }
+
+    /// The vertex of the parabola through the values: time and height.
+    pub fn vertex(&self) -> (f64, f64) {
+        let ([r, s, t], [a, b, c]) = (self.times, self.values);
+        // Of the divided differences in the distance from the middle.
+        let (left, right) = ((a - b) / (r - s), (c - b) / (t - s));
+        let bend = (right - left) / (t - r);
+        let slope = left - bend * (r - s);
+        if bend < 0.0 {
+            let shift = (-0.5 * slope / bend).clamp(r - s, t - s);
+            (s + shift, b + 0.5 * slope * shift)
+        } else {
+            (s, b)
+        }
+    }
+
+    /// The next time at which the row is evaluated: the vertex, or the middle of the longer side if that is nearly the
+    /// middle time.
+    pub fn next(&self) -> f64 {
+        let ([r, s, t], (vertex, _)) = (self.times, self.vertex());
+        if (vertex - s).abs() > NEARLY * (t - r) {
+            vertex
+        } else if s - r > t - s {
+            0.5 * (r + s)
+        } else {
+            0.5 * (s + t)
+        }
+    }
+
+    /// Narrows the bracket by the value at another time in it.
+    pub fn narrow(&mut self, time: f64, value: f64) {
+        let side = usize::from(time > self.times[1]);
+        if value > self.values[1] {
+            // The middle becomes the other end.
+            (self.times[2 - 2 * side], self.values[2 - 2 * side]) = (self.times[1], self.values[1]);
+            (self.times[1], self.values[1]) = (time, value);
+        } else {
+            (self.times[2 * side], self.values[2 * side]) = (time, value);
+        }
+    }
+}
