@@ -92,10 +92,12 @@ impl Iterate {
 
     /// Returns true if a multiplier has nearly reached the penalty.
     pub fn is_at_penalty(&self) -> bool {
-        let most = AT_PENALTY * self.barrier.nu;
-        self.working
-            .iter()
-            .any(|row| self.multiplier[row.at] > most)
+        self.working.iter().any(|row| self.is_row_at_penalty(row))
+    }
+
+    /// Returns true if the multiplier of a row has nearly reached the penalty.
+    pub fn is_row_at_penalty(&self, row: &Row) -> bool {
+        self.multiplier[row.at] > AT_PENALTY * self.barrier.nu
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.

@@ -182,7 +182,8 @@ pub fn solve<P: Nlp>(
                 state.iterate.recentre(&state.h, barrier);
             }
             state.iterate.set_barrier(barrier, options.multiplier_range);
-            if state.tighten(problem, before, options)? == Tightened::Coarse {
+            // At most so large that it goes on decreasing.
+            if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
                 return state.end(problem, Status::Coarse);
             }
         } else if taken.is_none() {

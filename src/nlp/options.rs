@@ -38,9 +38,9 @@ pub struct Options {
     pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
-    /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left since
-    /// the penalty was last raised, above which the search is at a local minimum of the violation: other starts promise
-    /// more than a motion that costs several times as much.
+    /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
+    /// since the penalty was last raised, above which the search is at a local minimum of the violation: other starts
+    /// promise more than a motion that costs several times as much.
     pub infeasible_cost: f64,
     pub infeasible_progress: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).

@@ -110,8 +110,8 @@ impl State {
         self.complementarity() <= 1.1 * options.last_barrier
     }
 
-    /// Adapts the margins of the rows at the current point, and raises the barrier parameter up to `most` if they change
-    /// more than it can follow.
+    /// Adapts the margins of the rows at the current point, and raises the barrier parameter up to `most` if they
+    /// change more than it can follow.
     pub(super) fn tighten<P: Nlp>(
         &mut self,
         problem: &mut P,
@@ -137,8 +137,8 @@ impl State {
 
     /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.
     ///
-    /// Violations that cost more than the objective and have hardly decreased with the last raise are a local minimum of
-    /// the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*,
+    /// Violations that cost more than the objective and have hardly decreased with the last raise are a local minimum
+    /// of the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*,
     /// 2010).
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
@@ -206,9 +206,13 @@ impl State {
     fn follow<P: Nlp>(&mut self, problem: &mut P, most: f64, options: &Options) -> Result<()> {
         let before = self.h.clone();
         self.reset(problem, options)?;
-        let change = |row: &Row| {
-            let multiplier = self.iterate.multiplier[row.at];
-            row.weight * multiplier * (self.h[row.at] - before[row.at]).abs()
+        // Rows at the penalty are violated with any margin.
+        let change = |row: &Row| match self.iterate.is_row_at_penalty(row) {
+            true => 0.0,
+            false => {
+                let moved = (self.h[row.at] - before[row.at]).abs();
+                row.weight * self.iterate.multiplier[row.at] * moved
+            }
         };
         let change = self.measure * self.iterate.working.iter().map(change).sum::<f64>();
         let change = change.min(options.warm_barrier * self.scale());
@@ -216,7 +220,7 @@ impl State {
         let total = self.total_weight();
         if change > mu * total {
             let barrier = Barrier {
-                mu: (change / total).min(most),
+                mu: (change / total).min(most).max(mu),
                 nu,
             };
             self.iterate.set_barrier(barrier, options.multiplier_range);

@@ -79,8 +79,7 @@ pub(super) const PLANNED_DEGREE: usize = 6;
 /// The first penalty of a violation from a planned start, relative to the cost: a start that keeps all rows stays
 /// inside.
 pub(super) const PLANNED_PENALTY: f64 = 10.0;
-/// The number of checked configurations after which a path no longer keeps a margin: a tenth of a second, eight times what
-/// the paths of the scenarios of the Panda take.
+/// The number of checked configurations after which a path no longer keeps a margin: a tenth of a second.
 pub(super) const MARGIN_CHECKS: usize = 25_000;
 /// The factor between successive horizons of a planned start.
 pub(super) const HORIZON_GROWTH: f64 = 1.15;

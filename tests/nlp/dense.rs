@@ -21,6 +21,9 @@ pub struct Dense {
     pub measure: f64,
     pub stopped: bool,
     pub coarse: bool,
+    /// The margin of all inequalities from the end of the search on.
+    pub margin: f64,
+    pub tightened: bool,
     /// The number of evaluations of the functions.
     pub evaluations: usize,
 }
@@ -45,6 +48,8 @@ impl Dense {
             measure: 1.0,
             stopped: false,
             coarse: false,
+            margin: 0.0,
+            tightened: false,
             evaluations: 0,
         }
     }
@@ -126,7 +131,12 @@ impl Nlp for Dense {
         let all = self.all(&x);
         self.evaluations += 1;
         h.clear();
-        h.extend(all[1..].iter().map(|h| h.re));
+        let margin = |row: &(usize, f64, f64, bool)| match row.3 || !self.tightened {
+            true => 0.0,
+            false => self.margin,
+        };
+        let rows = all[1..].iter().zip(&self.rows);
+        h.extend(rows.map(|(h, row)| h.re + margin(row)));
         Ok(all[0].re)
     }
 
@@ -174,7 +184,8 @@ impl Nlp for Dense {
         1.0
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, _: usize) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+        self.tightened |= round > 0;
         if self.coarse {
             return Ok(Tightened::Coarse);
         }

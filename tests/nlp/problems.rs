@@ -289,7 +289,40 @@ fn infeasible_rows_are_reported() {
         assert_eq!(end.status, Status::Infeasible, "{start}");
         assert!((-1.0..=1.0).contains(&end.x[0]), "{start}: {}", end.x[0]);
         assert!(end.violation >= 1.0, "{start}: {}", end.violation);
+        // It does not wait for the largest penalty.
+        let nu = end.iterate.barrier.nu;
+        assert!(nu < 1e-6 * accurate().largest_penalty, "{start}: {nu}");
     }
+}
+
+/// $(x - 2)^2 + (y - 1)^2 + 1$ with $x \le 1$, $y \le 3$ and $x + y \le 3$.
+fn corner(x: &[HyperDual64]) -> Functions {
+    let [a, b] = [x[0] - 2.0, x[1] - 1.0];
+    let rows = vec![x[0] - 1.0, x[1] - 3.0, x[0] + x[1] - 3.0];
+    (a * a + b * b + 1.0, rows)
+}
+
+/// If margins grow at the end, the barrier parameter follows, and the search ends at the solution within them soon.
+#[test]
+fn margins_that_change_at_the_end() {
+    let mut program = Dense {
+        margin: 0.5,
+        ..Dense::new(corner, &[0.0, 0.0], 0, 3)
+    };
+    let mut largest = Vec::new();
+    let (x, kkt) = (nalgebra::DVector::zeros(2), program.kkt());
+    let end = aghf::nlp::solve(&mut program, x, None, kkt, &accurate(), &mut |progress| {
+        largest.push(progress.complementarity);
+    });
+    let end = end.expect("no function fails");
+    assert_eq!(end.status, Status::Converged);
+    assert_near("within margins", end.x.as_slice(), &[0.5, 1.0], 1e-6);
+    // The multiplier of the first row, 2, times the margin, relative to the objective, 2: at most the barrier
+    // parameter of a warm start.
+    let raised = largest
+        .windows(2)
+        .any(|pair| pair[0] < 1e-9 && pair[1] > 5e-3);
+    assert!(raised, "{largest:?}");
 }
 
 /// $(x^2 - 1)^2 + y^2 + 1$, which has a saddle at 0.

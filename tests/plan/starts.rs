@@ -46,6 +46,26 @@ fn a_planned_start_gets_through_a_gap() {
     assert!(last_start(&bent) > Some(2), "{:?}", last_start(&bent));
 }
 
+/// A gap narrower than twice the margin of the planner has planned starts, too.
+#[test]
+fn a_planned_start_gets_through_a_gap_without_a_margin() {
+    // The balls of radius 0.1 leave 8 mm.
+    let narrow = || {
+        outside(
+            (-24..=24)
+                .map(|k| [0.5, 0.05 * f64::from(k)])
+                .filter(|[_, y]| !(0.86..1.14).contains(y))
+                .chain([[0.5, 0.896], [0.5, 1.104]]),
+            0.1,
+        )
+    };
+    let found = solve(narrow(), PlannedStarts::Later, 2);
+    assert!(found.converged, "{}", found.largest_violation);
+    let (x, _) = found.curve.at(0.5);
+    assert!((0.99..1.01).contains(&x[1]), "{x}");
+    assert!(last_start(&found) <= Some(6), "{:?}", last_start(&found));
+}
+
 /// If the first start succeeds, planned ones change nothing; if no path exists, all starts are tried.
 #[test]
 fn planned_starts_are_for_what_is_not_found() {
@@ -57,6 +77,13 @@ fn planned_starts_are_for_what_is_not_found() {
     let none = solve(ring(), PlannedStarts::Later, 2);
     assert!(!none.converged && none.largest_violation > 0.01);
     assert_eq!(none.start_costs.len(), 64);
+    // Without paths all starts are bent, each in another way.
+    let pairs = none.start_costs.windows(2);
+    assert!(
+        pairs.filter(|pair| pair[0] == pair[1]).count() < 8,
+        "{:?}",
+        none.start_costs
+    );
 }
 
 /// A planned first start satisfies the constraints from the beginning: after any number of iterations, so does the

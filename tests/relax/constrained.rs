@@ -153,6 +153,33 @@ fn a_velocity_limit_is_kept_at_the_known_cost() {
     assert!(loose.converged && (loose.cost - 12.0).abs() < 1e-9);
 }
 
+/// A goal at a limit: the row of its state is constant, so it neither prevents convergence nor raises the penalty.
+#[test]
+fn a_goal_at_its_limit() {
+    let model = point_mass(&[Vector3::x()]);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let upper = |entry, value| Bound {
+        entry,
+        side: Side::Upper,
+        value,
+    };
+    let limits = Bounds(vec![upper(0, 1.0), upper(1, 1.2)]);
+    let at_goal = solved(&problem, &state(AnyConstraint::Bounds(limits)));
+    let free = solved(
+        &problem,
+        &state(AnyConstraint::Bounds(Bounds(vec![upper(1, 1.2)]))),
+    );
+    assert!(at_goal.converged, "{at_goal:?}");
+    assert!(
+        (at_goal.cost / free.cost - 1.0).abs() < 1e-5,
+        "{} {}",
+        at_goal.cost,
+        free.cost
+    );
+    let counts = [&at_goal, &free].map(|solution| solution.iterations.len());
+    assert!(counts[0] <= 2 * counts[1], "{counts:?}");
+}
+
 #[test]
 fn a_torque_limit_is_kept() {
     let model = point_mass(&[Vector3::x()]);
