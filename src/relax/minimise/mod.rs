@@ -15,7 +15,9 @@ pub(super) use candidate::{Candidate, Multipliers};
 
 use super::running_cost::check_integral;
 use super::transcription::{Grids, Rows};
-use super::tuning::{FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS};
+use super::tuning::{
+    FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS, POINTS_OF_SEGMENTS,
+};
 use super::{CostWithControl, FreeHorizon, Iteration};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
@@ -65,7 +67,11 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Candidate> {
     let basis = candidate.path.basis.clone();
-    candidate.points = (POINTS * basis.degree() as f64) as usize + 4;
+    let per_degree = match basis.segments() {
+        1 => POINTS,
+        _ => POINTS_OF_SEGMENTS,
+    };
+    candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
     loop {
         let status = on_grid(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;

@@ -21,7 +21,11 @@ fn an_arm_among_spheres_keeps_clear() {
 /// the best of those that did.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
-    let scenario = Scenario::load("kinova_cross_03").expect("generated");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../robots/panda/scenarios/table_under_pick_0080.json"
+    );
+    let scenario = Scenario::load(file).expect("it is there");
     let report = Solve::new(&scenario).run().expect("valid");
     let Details::Relax(details) = &report.summary.details else {
         panic!("it is a relaxation");
