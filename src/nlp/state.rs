@@ -138,8 +138,8 @@ impl State {
     /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.
     ///
     /// Violations that cost more than the objective and have hardly decreased with the last raise are a local minimum
-    /// of the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*,
-    /// 2010).
+    /// of the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear
+    /// optimization*, 2010).
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
         if !self.iterate.is_at_penalty() {

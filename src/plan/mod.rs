@@ -129,8 +129,8 @@ pub enum Plan {
 /// Plans a path from the start to the goal of `problem` on which every row of `constraint` is within its bound at rest.
 ///
 /// Joints are sampled within their limits, extended to include start and goal; revolute ones at most half a turn beyond
-/// both, as the robot takes the same pose after a whole one, and sliders without limits 1 m. Cost per configuration: the
-/// placements and the rows, four configurations side by side; per sample O(N) per node of a tree.
+/// both, as the robot takes the same pose after a whole one, and sliders without limits 1 m. Cost per configuration:
+/// the placements and the rows, four configurations side by side; per sample O(N) per node of a tree.
 ///
 /// # Errors
 /// A setting is out of range, a row is an equality, which samples cannot satisfy, or the constraint refers to a joint
