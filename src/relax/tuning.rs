@@ -9,8 +9,8 @@ pub(super) const SMALLEST_COST: f64 = f64::EPSILON;
 
 /// The initial number of quadrature points per degree.
 pub(super) const POINTS: f64 = 3.5;
-/// The same on several segments, which are shorter: the same costs in two thirds of the time on planned starts and underactuated
-/// swing-ups.
+/// The same on several segments, which are shorter: the same costs in two thirds of the time on planned starts and
+/// underactuated swing-ups.
 pub(super) const POINTS_OF_SEGMENTS: f64 = 2.5;
 /// The largest number of points per degree: beyond it the curve has corners that no quadrature of this kind resolves.
 pub(super) const MOST_POINTS: usize = 64;
