@@ -99,11 +99,11 @@ impl Scan {
                         time,
                         height: b,
                     };
-                    if a.is_finite() && c.is_finite() {
-                        let bracket = Bracket {
-                            times: [time - interval, time, time + interval],
-                            values: [a, b, c],
-                        };
+                    let bracket = Bracket {
+                        times: [time - interval, time, time + interval],
+                        values: [a, b, c],
+                    };
+                    if bracket.is_valid() {
                         (peak.time, peak.height) = bracket.vertex();
                         if bracket.may_exceed(0.0) {
                             uncertain.push((found.len(), bracket));
@@ -115,13 +115,10 @@ impl Scan {
                 std::mem::swap(&mut here, &mut next);
             }
         }
-        let refinements = if uncertain.is_empty() {
-            0
-        } else {
-            Bracket::REFINEMENTS
-        };
-        for _ in 0..refinements {
-            self.refine(rows, coefficients, horizon, &mut uncertain, &mut found)?;
+        if !uncertain.is_empty() {
+            for _ in 0..Bracket::REFINEMENTS {
+                self.refine(rows, coefficients, horizon, &mut uncertain, &mut found)?;
+            }
         }
         Ok(found)
     }
