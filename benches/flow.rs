@@ -98,6 +98,7 @@ fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node
             constraints: Constraints {
                 state: SphereClearance { balls, spheres },
                 torque: TorqueLimits::of(model),
+                stage: Default::default(),
             },
             weights: PenaltyWeights {
                 state: penalty,

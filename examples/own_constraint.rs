@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::new(model, state(start), state(goal), 3.0)?;
     let tool = CollisionSphere::at_link(model, "end_effector_link", 0.0)?;
     let state = (Below { tool, height: 0.3 }, Bounds::positions(model), Bounds::velocities(model));
-    let kept = Constraints { state, torque: TorqueLimits::of(model) };
+    let kept = Constraints { state, torque: TorqueLimits::of(model), stage: Default::default() };
     let relaxed = Relaxation::new(&problem).constraints(&kept).settings(RelaxSettings::constrained()).solve()?;
     let penalty = Penalty { k_cons: 1e6, c_cons: 50.0 };
     let weights = PenaltyWeights { state: penalty, torque: penalty };

@@ -35,6 +35,10 @@ pub enum RowKind {
     Velocity(usize),
     /// The torque or force of a joint.
     Torque(usize),
+    /// The acceleration of a joint.
+    Acceleration(usize),
+    /// The rate of the acceleration of a joint.
+    Jerk(usize),
     /// The distance of the robot from an obstacle.
     Clearance,
     /// Any other quantity.
@@ -46,7 +50,11 @@ impl RowKind {
     #[must_use]
     pub fn joint(self) -> Option<usize> {
         match self {
-            Self::Position(joint) | Self::Velocity(joint) | Self::Torque(joint) => Some(joint),
+            Self::Position(joint)
+            | Self::Velocity(joint)
+            | Self::Torque(joint)
+            | Self::Acceleration(joint)
+            | Self::Jerk(joint) => Some(joint),
             Self::Clearance | Self::Other => None,
         }
     }

@@ -21,6 +21,7 @@ mod label;
 mod pair_loads;
 mod self_clearance;
 mod solid_clearance;
+mod stage;
 mod torque_limits;
 mod weighted_derivatives;
 
@@ -32,6 +33,8 @@ pub use evaluator::{Evaluator, Placed};
 pub use label::{RowKind, RowLabel};
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
+pub(crate) use stage::{RateLimit, still};
+pub use stage::{StageConstraint, StageConstraints, StageDerivatives, StageInput, StageRows};
 pub(crate) use torque_limits::NONE;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;

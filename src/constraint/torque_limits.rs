@@ -1,7 +1,7 @@
 //! Limits on the torque of each joint, and the set of all constraints of a motion.
 
 use super::label::unit_of;
-use super::{Constraint, RowKind, RowLabel, Side};
+use super::{Constraint, RowKind, RowLabel, Side, StageConstraints};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -114,37 +114,36 @@ pub struct Constraints<K, C: Scalar = f64> {
     pub state: K,
     /// Limits on $u$; no entries if there are none.
     pub torque: TorqueLimits<C>,
+    /// Limits of acceleration and jerk, and rows in $(t, q, v, a, u)$, which the [relaxation](crate::relax) keeps.
+    pub stage: StageConstraints,
 }
 
 /// No constraints.
 pub(crate) static NONE: Constraints<()> = Constraints {
     state: (),
     torque: TorqueLimits(Vec::new()),
+    stage: StageConstraints::NONE,
 };
 
 impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
-    /// The number of rows at each time: those of the state, then those of the control.
+    /// The number of rows at each time: those of the state, then those of the control, then those of the stage.
     #[must_use]
     pub fn dim(&self) -> usize {
+        self.first_of_stage() + self.stage.dim()
+    }
+
+    /// The number of rows of the state and the control.
+    pub(crate) fn first_of_stage(&self) -> usize {
         self.state.dim() + self.torque.dim()
     }
 
     /// The scales of all rows, [`dim`](Self::dim) entries: those of [`Constraint::row_scales`], then one for each row
-    /// of the torque, which is in N m or N.
+    /// of the torque, which is in N m or N, and of the stage.
     #[must_use]
     pub fn row_scales(&self) -> Vec<C> {
         let mut scales = vec![C::one(); self.dim()];
         self.state.row_scales(&mut scales[..self.state.dim()]);
         scales
-    }
-
-    /// The name of a row and its unit; see [`Constraint::label`].
-    #[must_use]
-    pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
-        match row.checked_sub(self.state.dim()) {
-            None => self.state.label(row, model),
-            Some(row) => self.torque.label(row, model),
-        }
     }
 
     /// Returns true if a row is the torque of a passive joint.
@@ -163,8 +162,32 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
 }
 
 impl<K: Constraint> Constraints<K> {
+    /// The name of a row and its unit; see [`Constraint::label`].
+    #[must_use]
+    pub fn label(&self, row: usize, model: &Model) -> RowLabel {
+        if let Some(row) = row.checked_sub(self.first_of_stage()) {
+            return self.stage.label(row, model);
+        }
+        match row.checked_sub(self.state.dim()) {
+            None => self.state.label(row, model),
+            Some(row) => self.torque.label(row, model),
+        }
+    }
+
+    /// Checks the limits of torque, acceleration and jerk for `model`.
+    ///
+    /// # Errors
+    /// Those of [`TorqueLimits::check`] and [`StageConstraints::check`].
+    pub fn check(&self, model: &Model) -> Result<()> {
+        if self.torque.dim() > 0 {
+            self.torque.check(model)?;
+        }
+        self.stage.check(model)
+    }
+
     /// The factor of each row, with which a badly violated row is of the order of 0.1, and one unit of the scaled row
-    /// in rad, rad/s, m, N m or N. A torque is scaled by its limit, that of a passive joint by one.
+    /// in the unit of its
+    /// label. A torque is scaled by its limit, that of a passive joint by one.
     pub(crate) fn factors_and_units(&self) -> [Vec<f64>; 2] {
         let mut scales = self.row_scales();
         let mut units = vec![1.0; scales.len()];
@@ -172,6 +195,9 @@ impl<K: Constraint> Constraints<K> {
             if limit > 0.0 {
                 (scales[row], units[row]) = (limit, limit);
             }
+        }
+        for (row, scale) in (self.first_of_stage()..).zip(self.stage.scales()) {
+            (scales[row], units[row]) = (scale, scale);
         }
         [scales.into_iter().map(f64::recip).collect(), units]
     }

@@ -1,30 +1,55 @@
-//! Piecewise polynomials with a continuous first derivative.
+//! Piecewise polynomials with continuous derivatives.
 
 use super::gauss_legendre;
+use super::hermite::{hermite, legendre_slope};
 use super::legendre::legendre;
 use nalgebra::{DMatrix, DVector};
-use std::ops::Range;
 
 /// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous
-/// value and slope.
+/// value and slope, or with continuous second derivative as well.
 ///
-/// Each breakpoint, both ends included, has two functions, one with unit slope and one with unit value there: the
-/// Hermite cubics on both sides. Each segment also has `degree - 3` bubbles, which vanish with their slope at both of
-/// its ends: $(1 - s^2)^2 P_n^{(2, 2)}(s)$ on `s` in `[-1, 1]`, scaled. By Rodrigues' formula their second derivatives
-/// are Legendre polynomials,
+/// Each breakpoint, both ends included, has `k` functions, each with one unit derivative there: the second derivative
+/// if it is continuous (`k` = 3 instead of 2), the slope, and the value. They are the Hermite polynomials of degree
+/// $2 k - 1$ on both sides. Each segment also has `degree + 1 - 2 k` bubbles, which vanish with `k - 1` derivatives at
+/// both of its ends. For `k` = 2 they are $(1 - s^2)^2 P_n^{(2, 2)}(s)$ on `s` in `[-1, 1]`, scaled. By Rodrigues'
+/// formula their second derivatives are Legendre polynomials,
 ///
 /// $$ \frac{d^2}{ds^2} (1 - s^2)^2 P_n^{(2,2)}(s) = 4 (n + 1) (n + 2) P_{n+2}(s), $$
 ///
 /// and they are scaled to have orthonormal second derivatives. These are also orthogonal to those of the cubics, and a
-/// smaller degree has fewer bubbles.
+/// smaller degree has fewer bubbles. For `k` = 3 they are $(1 - s^2)^3 P_n^{(3, 3)}(s)$, with second derivatives
+/// $P_{n+2} - P_{n+4}$ of unit norm, orthogonal with the weight $1 / (1 - s^2)$.
 ///
 /// Functions are numbered along time: those of breakpoint 0, the bubbles of segment 0, those of breakpoint 1, and so
-/// on, so that segment `e` owns the `degree + 1` functions from `e (degree - 1)` on.
+/// on, so that segment `e` owns the `degree + 1` functions from `e (degree + 1 - k)` on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Basis {
     segments: usize,
     degree: usize,
-    free_final_velocity: bool,
+    continuity: Continuity,
+}
+
+/// The derivatives that are continuous between segments, and those that are unknown at the ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Continuity {
+    /// True if the second derivative is continuous.
+    pub acceleration: bool,
+    /// True if a continuous second derivative is zero at the start, and at the end.
+    pub rest: [bool; 2],
+    /// True if the slope at the end is unknown.
+    pub free_final_velocity: bool,
+}
+
+impl Continuity {
+    /// The number of functions per breakpoint.
+    pub(crate) fn order(self) -> usize {
+        2 + usize::from(self.acceleration)
+    }
+
+    /// The smallest degree with an unknown on a single segment between fixed ends.
+    pub(crate) fn smallest_degree(self) -> usize {
+        2 * self.order()
+    }
 }
 
 /// A configuration and its first two derivatives in normalised time.
@@ -34,8 +59,6 @@ impl Basis {
     /// The number of segments from which on [`finer`](Self::finer) raises the degree, and the degree up to which it
     /// does.
     const MANY: usize = 16;
-    /// The smallest degree with an unknown on a single segment.
-    pub(crate) const SMALLEST_DEGREE: usize = 4;
 
     /// The sequence of degrees from 9 on: powers of two, and those times one and a half.
     pub(crate) fn degrees() -> impl Iterator<Item = usize> {
@@ -68,17 +91,17 @@ impl Basis {
         } else {
             (segments, (degree + degree / 2).min(Self::MANY))
         };
-        let finer = Self::new(segments, degree, self.free_final_velocity);
+        let finer = Self::new(segments, degree, self.continuity);
         (segments * degree <= largest).then_some(finer)
     }
 
-    /// `segments` segments of degree `degree`, at least 4.
+    /// `segments` segments of degree `degree`, at least 4, or 6 if the second derivative is continuous.
     #[must_use]
-    pub fn new(segments: usize, degree: usize, free_final_velocity: bool) -> Self {
+    pub fn new(segments: usize, degree: usize, continuity: Continuity) -> Self {
         Self {
             segments,
             degree,
-            free_final_velocity,
+            continuity,
         }
     }
 
@@ -94,28 +117,55 @@ impl Basis {
         self.degree
     }
 
-    /// Returns true if the slope at the end is unknown.
+    /// The continuity between segments, and the unknowns at the ends.
     #[must_use]
-    pub fn free_final_velocity(&self) -> bool {
-        self.free_final_velocity
+    pub fn continuity(&self) -> Continuity {
+        self.continuity
     }
 
     /// The number of functions, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.segments * (self.degree - 1) + 2
+        self.value(self.segments) + 1
     }
 
-    /// The functions with unknown coefficients: all but slope and value at the start, value at the end, and slope at
-    /// the end unless it is free.
+    /// The function with unit value at a breakpoint.
+    pub(crate) fn value(&self, breakpoint: usize) -> usize {
+        self.first(breakpoint) + self.continuity.order() - 1
+    }
+
+    /// The function with unit slope at a breakpoint.
+    pub(crate) fn slope(&self, breakpoint: usize) -> usize {
+        self.value(breakpoint) - 1
+    }
+
+    /// The functions whose coefficients are given velocities at the ends.
+    pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = usize> + use<> {
+        let ends = [self.slope(0), self.slope(self.segments)];
+        let fixed = 2 - usize::from(self.continuity.free_final_velocity);
+        ends.into_iter().take(fixed)
+    }
+
+    /// The functions with unknown coefficients, ascending: all but slope and value at the start, value at the end,
+    /// slope at the end unless it is free, and second derivatives at rest.
     #[must_use]
-    pub fn free(&self) -> Range<usize> {
-        2..self.count() - if self.free_final_velocity { 1 } else { 2 }
+    pub fn free(&self) -> Vec<usize> {
+        let (last, ends) = (self.segments, self.continuity);
+        let fixed = [
+            (self.value(0), true),
+            (self.slope(0), true),
+            (self.first(0), ends.acceleration && ends.rest[0]),
+            (self.value(last), true),
+            (self.slope(last), !ends.free_final_velocity),
+            (self.first(last), ends.acceleration && ends.rest[1]),
+        ];
+        let is_free = |f: &usize| !fixed.contains(&(*f, true));
+        (0..self.count()).filter(is_free).collect()
     }
 
-    /// The first function of segment `e`.
+    /// The first function of segment `e`, and of breakpoint `e`.
     pub(crate) fn first(&self, e: usize) -> usize {
-        e * (self.degree - 1)
+        e * (self.degree + 1 - self.continuity.order())
     }
 
     /// Half the length of a segment.
@@ -128,35 +178,36 @@ impl Basis {
         self.half() * ((2 * e + 1) as f64 + s)
     }
 
-    /// The functions of one segment at `s` in `[-1, 1]`: value, first and second derivative in $\tau$, one column per
+    /// The functions of one segment at `s` in `[-1, 1]`: value and first three derivatives in $\tau$, one column per
     /// function.
     pub(crate) fn local(&self, s: f64) -> DMatrix<f64> {
-        let (last, half) = (self.degree, self.half());
+        let (half, k) = (self.half(), self.continuity.order());
         let mut p = vec![0.0; self.degree + 1];
         legendre(s, &mut p);
-        let (s2, s3) = (s * s, s * s * s);
-        let mut table = DMatrix::zeros(3, self.degree + 1);
-        for f in 0..=last {
-            let (scale, in_s) = match f {
-                0 => (
-                    half / 4.0,
-                    [1.0 - s - s2 + s3, -1.0 - 2.0 * s + 3.0 * s2, -2.0 + 6.0 * s],
-                ),
-                1 => (0.25, [2.0 - 3.0 * s + s3, -3.0 + 3.0 * s2, 6.0 * s]),
-                _ if f == last - 1 => (
-                    half / 4.0,
-                    [-1.0 - s + s2 + s3, -1.0 + 2.0 * s + 3.0 * s2, 2.0 + 6.0 * s],
-                ),
-                _ if f == last => (0.25, [2.0 + 3.0 * s - s3, 3.0 - 3.0 * s2, -6.0 * s]),
-                k => {
-                    let twice = (2 * k) as f64;
-                    let norm = ((twice + 1.0) / 2.0).sqrt();
-                    let upper = (p[k + 2] - p[k]) / (twice + 3.0);
-                    let lower = (p[k] - p[k - 2]) / (twice - 1.0);
-                    let slope = (p[k + 1] - p[k - 1]) / (twice + 1.0);
-                    let value = (upper - lower) / (twice + 1.0);
-                    (norm * half.powf(1.5), [value, slope, p[k]])
-                }
+        // The bubble of a continuous slope with second derivative P_j.
+        let bubble = |j: usize| {
+            let twice = (2 * j) as f64;
+            let upper = (p[j + 2] - p[j]) / (twice + 3.0);
+            let lower = (p[j] - p[j - 2]) / (twice - 1.0);
+            let slope = (p[j + 1] - p[j - 1]) / (twice + 1.0);
+            let value = (upper - lower) / (twice + 1.0);
+            [value, slope, p[j], legendre_slope(&p, j)]
+        };
+        let mut table = DMatrix::zeros(4, self.degree + 1);
+        for f in 0..=self.degree {
+            let (scale, in_s) = if f < k || f + k > self.degree {
+                let of_end = (f + 2 * k).saturating_sub(self.degree + 1);
+                let index = if f < k { f } else { of_end };
+                let (power, in_s) = hermite(k, index, s);
+                (half.powi(power as i32), in_s)
+            } else if k == 2 {
+                let norm = ((2.0 * f as f64 + 1.0) / 2.0).sqrt();
+                (norm * half.powf(1.5), bubble(f))
+            } else {
+                let (one, other) = (bubble(f - 1), bubble(f + 1));
+                let squares = 2.0 / (2.0 * f as f64 - 1.0) + 2.0 / (2.0 * f as f64 + 3.0);
+                let difference = [0, 1, 2, 3].map(|d| one[d] - other[d]);
+                (squares.sqrt().recip() * half.powf(1.5), difference)
             };
             for (d, x) in in_s.into_iter().enumerate() {
                 table[(d, f)] = scale * x / half.powi(d as i32);
@@ -174,29 +225,53 @@ impl Basis {
         [0, 1, 2].map(|d| own * table.row(d).transpose())
     }
 
-    /// The coefficients of a curve: value and slope at the breakpoints are interpolated, and between them the second
-    /// derivative is the best approximation. Exact for curves in the basis, if the breakpoints of the curve are among
-    /// its own.
+    /// The coefficients of a curve: the derivatives of the breakpoints are interpolated, and between them the second
+    /// derivative is the best approximation, for a continuous second derivative with the weight $1 / (1 - s^2)$. Exact
+    /// for curves in the basis, if the breakpoints of the curve are among its own.
     pub(crate) fn fit(&self, dof: usize, mut curve: impl FnMut(f64) -> Local) -> DMatrix<f64> {
         let mut coefficients = DMatrix::zeros(dof, self.count());
+        let k = self.continuity.order();
         for e in 0..=self.segments {
-            let [value, slope, _] = curve(e as f64 / self.segments as f64);
-            coefficients.set_column(self.first(e), &slope);
-            coefficients.set_column(self.first(e) + 1, &value);
+            let [value, slope, second] = curve(e as f64 / self.segments as f64);
+            if k > 2 {
+                coefficients.set_column(self.first(e), &second);
+            }
+            coefficients.set_column(self.slope(e), &slope);
+            coefficients.set_column(self.value(e), &value);
         }
         let (nodes, weights) = gauss_legendre(self.degree + 1);
+        let mut bubbles = DMatrix::zeros(dof, self.count());
         for (s, weight) in nodes.iter().zip(weights) {
             let table = self.local(*s);
             for e in 0..self.segments {
-                let [_, _, second] = curve(self.time(e, *s));
-                for k in 2..self.degree - 1 {
-                    let by = weight * self.half() * table[(2, k)];
-                    coefficients
-                        .column_mut(self.first(e) + k)
-                        .axpy(by, &second, 1.0);
+                let [_, _, mut second] = curve(self.time(e, *s));
+                // The second derivatives of cubics are orthogonal to those of the bubbles.
+                let mut weight = weight * self.half();
+                if k > 2 {
+                    let own = coefficients.columns(self.first(e), self.degree + 1);
+                    second -= own * table.row(2).transpose();
+                    weight /= 1.0 - s * s;
+                }
+                for f in k..=self.degree - k {
+                    let by = weight * table[(2, f)] / self.weighted_square(f);
+                    let mut column = bubbles.column_mut(self.first(e) + f);
+                    column.axpy(by, &second, 1.0);
                 }
             }
         }
-        coefficients
+        coefficients + bubbles
+    }
+
+    /// The integral of the square of the second derivative of a bubble, with the weight of [`fit`](Self::fit).
+    fn weighted_square(&self, f: usize) -> f64 {
+        let m = f as f64;
+        match self.continuity.order() {
+            2 => 1.0,
+            // $P_{m-1} - P_{m+1} = (2 m + 1) (1 - s^2) P_m' / (m (m + 1))$, whose weighted square is that of $P_m'$.
+            _ => {
+                let unscaled = 2.0 * (2.0 * m + 1.0) / (m * (m + 1.0));
+                unscaled / (2.0 / (2.0 * m - 1.0) + 2.0 / (2.0 * m + 3.0))
+            }
+        }
     }
 }

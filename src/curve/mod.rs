@@ -3,10 +3,11 @@
 
 mod basis;
 mod chebyshev;
+mod hermite;
 mod legendre;
 mod piecewise;
 
-pub use basis::Basis;
+pub use basis::{Basis, Continuity};
 pub use chebyshev::Chebyshev;
 pub(crate) use legendre::legendre;
 pub use legendre::{gauss_legendre, gauss_lobatto};

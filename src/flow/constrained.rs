@@ -85,6 +85,7 @@ where
 
     /// Refuses equalities in the state, which a penalty would treat as inequalities.
     pub(super) fn refuse_equalities(&self, model: &Model<C>) -> Result<()> {
+        self.constraints.stage.refuse_in_a_flow(model.name())?;
         let state = &self.constraints.state;
         match (0..state.dim()).find(|row| state.is_equality(*row)) {
             None => Ok(()),

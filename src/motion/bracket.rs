@@ -42,6 +42,16 @@ impl Bracket {
         }
     }
 
+    /// The maximum next to the first or last of the times, `end` 0 or 2, which has the largest value: time and height.
+    pub fn at_end(&self, end: usize) -> (f64, f64) {
+        let (time, height) = self.vertex();
+        if height > self.values[end] {
+            (time, height)
+        } else {
+            (self.times[end], self.values[end])
+        }
+    }
+
     /// The next time at which the row is evaluated: the vertex, or the middle of the longer side if that is nearly the
     /// middle time.
     pub fn next(&self) -> f64 {
@@ -114,6 +124,20 @@ mod tests {
                 "{before} {after}"
             );
         }
+    }
+
+    /// A maximum between an end and its neighbour is seen from the end, one beyond it is not.
+    #[test]
+    fn a_maximum_at_an_end() {
+        let of = |top: f64| {
+            let times = [0.0, 1.0, 2.0];
+            let values = times.map(|t| -(t - top).powi(2));
+            Bracket { times, values }
+        };
+        assert_eq!(of(1.75).at_end(2), (1.75, 0.0));
+        assert_eq!(of(0.25).at_end(0), (0.25, 0.0));
+        assert_eq!(of(2.5).at_end(2), (2.0, -0.25));
+        assert_eq!(of(-1.0).at_end(0), (0.0, -1.0));
     }
 
     /// A row far below its bound is not refined, one whose neighbours fall steeply is.

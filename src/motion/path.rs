@@ -1,7 +1,7 @@
 //! A curve in a basis.
 
 use super::Problem;
-use crate::curve::{Basis, Chebyshev, Curve};
+use crate::curve::{Basis, Chebyshev, Continuity, Curve};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -19,22 +19,20 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    /// The cubic between the boundary states of the problem.
+    /// The polynomial of least degree between the boundary states of the problem, without accelerations at its ends if
+    /// they are continuous.
     pub fn line(problem: &Problem<'_>, basis: Basis) -> Self {
-        let (n, horizon) = (problem.model().dof(), problem.horizon());
-        let cubic = Basis::new(1, 3, false);
-        let mut coefficients = DMatrix::zeros(n, 4);
-        for (at, state) in [(0, problem.start()), (2, problem.goal())] {
-            let (q, v) = state.split_at(n);
-            coefficients.column_mut(at).copy_from_slice(v);
-            coefficients.column_mut(at).scale_mut(horizon);
-            coefficients.column_mut(at + 1).copy_from_slice(q);
-        }
-        let cubic = Self {
-            basis: cubic,
+        let ends = Continuity {
+            free_final_velocity: false,
+            ..basis.continuity()
+        };
+        let least = Basis::new(1, ends.smallest_degree() - 1, ends);
+        let coefficients = DMatrix::zeros(problem.model().dof(), least.count());
+        let least = Self {
+            basis: least,
             coefficients,
         };
-        cubic.in_basis(basis)
+        least.between_ends_of(problem).in_basis(basis)
     }
 
     /// The same curve, or its best approximation, in another basis.
@@ -64,12 +62,13 @@ impl Path {
         let mut bent = self.clone();
         let times = (0..=64).map(|i| i as f64 / 32.0 - 1.0);
         let tables: Vec<_> = times.map(|s| self.basis.local(s)).collect();
-        for k in 2..self.basis.degree() - 1 {
+        let first = self.basis.continuity().order();
+        for k in first..=self.basis.degree() - first {
             let heights = tables.iter().map(|table| table[(0, k)].abs());
             let height = heights.fold(0.0, f64::max);
             for j in 0..bent.coefficients.nrows() {
                 let share: f64 = rng.random_range(-1.0..1.0);
-                bent.coefficients[(j, k)] += size * share / ((k - 1) as f64 * height);
+                bent.coefficients[(j, k)] += size * share / ((k + 1 - first) as f64 * height);
             }
         }
         bent
@@ -80,25 +79,37 @@ impl Path {
     pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
         let (n, count) = self.coefficients.shape();
         let mut rates = DMatrix::zeros(n, count);
-        rates.column_mut(0).copy_from_slice(&problem.start()[n..]);
-        if !self.basis.free_final_velocity() {
-            let last = count - 2;
-            rates.column_mut(last).copy_from_slice(&problem.goal()[n..]);
+        for (column, state) in self
+            .basis
+            .fixed_slopes()
+            .zip([problem.start(), problem.goal()])
+        {
+            rates.column_mut(column).copy_from_slice(&state[n..]);
         }
         rates
     }
 
     /// The same shape between the boundary states of a problem, on its horizon.
     pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
-        let (n, last) = self.coefficients.shape();
+        let n = self.coefficients.nrows();
         let slopes = self.rates(problem) * problem.horizon();
-        let fixed = 1 + usize::from(!self.basis.free_final_velocity());
-        for column in [0, last - 2].into_iter().take(fixed) {
+        for column in self.basis.fixed_slopes() {
             self.coefficients.set_column(column, &slopes.column(column));
         }
-        for (column, state) in [(1, problem.start()), (last - 1, problem.goal())] {
-            let mut q = self.coefficients.column_mut(column);
+        let last = self.basis.segments();
+        for (end, state) in [(0, problem.start()), (last, problem.goal())] {
+            let mut q = self.coefficients.column_mut(self.basis.value(end));
             q.copy_from_slice(&state[..n]);
+        }
+        let Continuity {
+            acceleration, rest, ..
+        } = self.basis.continuity();
+        for (end, rest) in [0, last].into_iter().zip(rest) {
+            if acceleration && rest {
+                self.coefficients
+                    .column_mut(self.basis.first(end))
+                    .fill(0.0);
+            }
         }
         self
     }
@@ -124,7 +135,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let last = x.ncols() - 1;
     x.column_mut(0).copy_from_slice(problem.start());
     // A free final velocity is the slope of the path.
-    let given = if path.basis.free_final_velocity() {
+    let given = if path.basis.continuity().free_final_velocity {
         n
     } else {
         2 * n

@@ -1,7 +1,7 @@
 //! The violations of constraints along a motion, for reports and for the success criterion.
 
 use super::bracket::Bracket;
-use crate::constraint::{Constraint, Constraints, Evaluator, TorqueLimits};
+use crate::constraint::{Constraint, Constraints, Evaluator, RateLimit, StageInput, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
 use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
@@ -41,9 +41,7 @@ pub fn violations<K: Constraint>(
     intervals: usize,
 ) -> Result<Vec<Violation>> {
     model.check("curve", curve.dof())?;
-    if constraints.torque.dim() > 0 {
-        constraints.torque.check(model)?;
-    }
+    constraints.check(model)?;
     if intervals == 0 {
         let condition = "it is 0, at least 1 is needed";
         return Err(Error::input("violations", "intervals", condition));
@@ -61,10 +59,11 @@ pub fn violations<K: Constraint>(
         .collect();
     let interval = curve.chebyshev().horizon() / intervals as f64;
     let table = interpolation(curve.chebyshev(), intervals);
+    let own_times: Vec<f64> = (0..=intervals).map(|k| k as f64 * interval).collect();
     let mut rows = Rows::new(model, constraints, intervals + 1);
     let mut uncertain: Vec<Option<(usize, Bracket)>> = vec![None; scales.len()];
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
-        rows.evaluate(curve, segment, &table, &scales)?;
+        rows.evaluate(curve, segment, (&own_times, &table), &scales)?;
         let all = rows.values.chunks_exact(rows.stride);
         for ((values, largest), equality) in all.zip(&mut largest).zip(&equalities) {
             let (by, position) = peak(&values[..=intervals], *equality);
@@ -105,7 +104,7 @@ fn refine<K: Constraint>(
             let time = bracket.next();
             chebyshev.interpolation(time, &mut weights);
             let table = DMatrix::from_columns(std::slice::from_ref(&weights));
-            rows.evaluate(curve, segment, &table, &scales)?;
+            rows.evaluate(curve, segment, (&[time], &table), &scales)?;
             bracket.narrow(time, rows.values[largest.row * rows.stride]);
         }
         let (time, height) = bracket.vertex();
@@ -125,6 +124,7 @@ pub fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result
     let all = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(0.0); model.dof()]),
+        stage: Default::default(),
     };
     let found = violations(model, curve, &all, intervals)?;
     Ok(found.into_iter().map(|torque| torque.by).collect())
@@ -173,8 +173,9 @@ struct Rows<'a, K> {
     z: Vec<Wide>,
     u: Vec<Wide>,
     g: Vec<Wide>,
-    /// $[q; v; a]$ at all times, one column each.
+    /// $[q; v; a; \dot a]$ at all times, one column each.
     states: DMatrix<f64>,
+    rates: Vec<RateLimit>,
     /// The rows divided by their scales, one after the other, each over time and padded to full lanes.
     values: Vec<f64>,
     stride: usize,
@@ -189,10 +190,11 @@ impl<'a, K: Constraint> Rows<'a, K> {
             constraints,
             evaluator: Evaluator::new(model),
             data: Data::new(model),
-            z: vec![zero; 3 * n],
+            z: vec![zero; 4 * n],
+            rates: constraints.stage.rates().collect(),
             u: vec![zero; n],
             g: vec![zero; count],
-            states: DMatrix::zeros(3 * n, times),
+            states: DMatrix::zeros(4 * n, times),
             values: vec![0.0; count * stride],
             stride,
         }
@@ -202,28 +204,58 @@ impl<'a, K: Constraint> Rows<'a, K> {
         &mut self,
         curve: &Curve,
         segment: usize,
-        table: &DMatrix<f64>,
+        (own_times, table): (&[f64], &DMatrix<f64>),
         scales: &[f64],
     ) -> Result<()> {
         let n = self.model.dof();
-        let mut nodes = DMatrix::zeros(3 * n, table.nrows());
+        let mut nodes = DMatrix::zeros(4 * n, table.nrows());
         nodes.rows_mut(0, 2 * n).copy_from(&curve.segment(segment));
         let rates = curve.segment_rates(segment);
         nodes.rows_mut(2 * n, n).copy_from(&rates.rows(n, n));
+        let jerks = rates.rows(n, n) * curve.chebyshev().d().transpose();
+        nodes.rows_mut(3 * n, n).copy_from(&jerks);
         multiply(&nodes, table, &mut self.states);
-        let Constraints { state, torque } = self.constraints;
-        let (of_state, of_torque) = self.g.split_at_mut(state.dim());
+        let Constraints {
+            state,
+            torque,
+            stage,
+        } = self.constraints;
+        let (of_state, others) = self.g.split_at_mut(state.dim());
+        let (of_torque, of_stage) = others.split_at_mut(torque.dim());
         let times = self.states.ncols();
         for first in (0..times).step_by(LANES) {
             Lanes::gather(self.states.as_slice(), first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
             placed.value(state, of_state)?;
-            if !of_torque.is_empty() {
-                let ([q, v], a) = ([&self.z[..n], &self.z[n..2 * n]], &self.z[2 * n..]);
+            if !(of_torque.is_empty() && stage.others.is_empty()) {
+                let [q, v, a] = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
                 rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;
-                torque.value(&self.u, of_torque)?;
+                if !of_torque.is_empty() {
+                    torque.value(&self.u, of_torque)?;
+                }
             }
-            let all = of_state.iter().chain(of_torque.iter()).zip(scales);
+            for (g, rate) in of_stage.iter_mut().zip(&self.rates) {
+                let of_joint = self.z[rate.order * n + rate.joint];
+                *g = of_joint * Wide::splat(rate.sign()) - Wide::splat(rate.limit);
+            }
+            for (row, other) in stage.others() {
+                let begin = curve.breakpoints()[segment];
+                for lane in 0..LANES.min(times - first) {
+                    let t = begin + own_times[first + lane];
+                    let z: Vec<f64> = self.z.iter().chain(&self.u).map(|z| z.0[lane]).collect();
+                    let [q, v, a, _, u] = [0, 1, 2, 3, 4].map(|part| &z[part * n..(part + 1) * n]);
+                    let mut g = vec![0.0; other.dim()];
+                    other.value(&StageInput { t, q, v, a, u }, &mut g)?;
+                    for (to, g) in of_stage[row..].iter_mut().zip(g) {
+                        to.0[lane] = g;
+                    }
+                }
+            }
+            let all = of_state
+                .iter()
+                .chain(of_torque.iter())
+                .chain(of_stage.iter())
+                .zip(scales);
             for ((g, scale), values) in all.zip(self.values.chunks_exact_mut(self.stride)) {
                 for (value, g) in values[first..first + LANES].iter_mut().zip(g.0) {
                     let scaled = g / scale;

@@ -58,7 +58,6 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     let ends = [problem.start(), problem.goal()].map(|state| &state[..n]);
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     checker.keep(settings.margin, ends)?;
-    let stride = basis.degree() - 1;
     let mut halvings = vec![0; segments + 1];
     let share = |halvings: i32| match halvings {
         0..=HALVINGS => 0.5_f64.powi(halvings),
@@ -68,10 +67,10 @@ pub(crate) fn along<K: Constraint + ?Sized>(
         let mut coefficients = DMatrix::zeros(n, basis.count());
         for (i, q) in breakpoints.iter().enumerate() {
             for j in 0..n {
-                coefficients[(j, i * stride + 1)] = q[j];
+                coefficients[(j, basis.value(i))] = q[j];
                 if (1..segments).contains(&i) {
                     let rise = breakpoints[i + 1][j] - breakpoints[i - 1][j];
-                    coefficients[(j, i * stride)] =
+                    coefficients[(j, basis.slope(i))] =
                         0.5 * share(halvings[i]) * rise * segments as f64;
                 }
             }

@@ -169,7 +169,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
         let mut best_start = None;
         let first_guess;
         let found = if let Some(curve) = &settings.start {
-            let path = path_of(curve, settings.basis()).between_ends_of(&problem);
+            let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
             let start = Candidate::new(path, problem.horizon());
             minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
@@ -177,7 +177,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.rungs(passive),
+                &settings.rungs(settings.continuity(&problem), passive),
                 &planned,
                 &mut log,
             )?;

@@ -3,7 +3,7 @@
 use super::minimise::Stage;
 use super::tuning::{LAST_BARRIER, LOWER, SEGMENT_STEPS};
 use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
-use crate::curve::{Basis, Curve};
+use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
@@ -54,6 +54,9 @@ pub struct RelaxSettings {
     pub start: Option<Curve>,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
+    /// True if the acceleration is continuous: between segments, and with the rest before and after, so that it is zero
+    /// at an end at which all velocities are. Otherwise it may jump.
+    pub continuous_acceleration: bool,
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
 }
@@ -90,6 +93,7 @@ impl Default for RelaxSettings {
             longest_horizon: None,
             start: None,
             free_final_velocity: false,
+            continuous_acceleration: false,
             free_horizon: None,
         }
     }
@@ -140,12 +144,12 @@ impl RelaxSettings {
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
     /// a joint almost no freedom.
-    pub(super) fn rungs(&self, passive: bool) -> Vec<Rung> {
+    pub(super) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
         let fewer_segments = Stage {
             iterations: SEGMENT_STEPS,
             ..LOWER
         };
-        let new = |segments, p| Basis::new(segments, p, self.free_final_velocity);
+        let new = |segments, p| Basis::new(segments, p, continuity);
         let mut rungs: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
             .map(|p| Rung {
                 basis: new(1, p),
@@ -161,17 +165,30 @@ impl RelaxSettings {
         if passive {
             rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
         }
-        rungs.retain(|rung| rung.basis != self.basis());
+        let last = new(self.segments, self.degree);
+        rungs.retain(|rung| rung.basis != last);
         rungs.push(Rung {
-            basis: self.basis(),
+            basis: last,
             stage: self.highest(),
         });
         rungs
     }
 
-    /// The basis of the motion.
-    pub(super) fn basis(&self) -> Basis {
-        Basis::new(self.segments, self.degree, self.free_final_velocity)
+    /// The continuity of motions of a problem.
+    pub(super) fn continuity(&self, problem: &Problem<'_>) -> Continuity {
+        let n = problem.model().dof();
+        let rests = |state: &[f64]| state[n..].iter().all(|v| *v == 0.0);
+        let end = !self.free_final_velocity && rests(problem.goal());
+        Continuity {
+            acceleration: self.continuous_acceleration,
+            rest: [rests(problem.start()), end],
+            free_final_velocity: self.free_final_velocity,
+        }
+    }
+
+    /// The basis of motions of a problem.
+    pub(super) fn basis(&self, problem: &Problem<'_>) -> Basis {
+        Basis::new(self.segments, self.degree, self.continuity(problem))
     }
 
     /// The degrees above that of a basis in a refinement.
@@ -186,9 +203,9 @@ impl RelaxSettings {
     ///
     /// # Errors
     /// One of the two is out of range.
-    pub fn check_size(degree: usize, segments: usize) -> Result<()> {
+    pub fn check_size(degree: usize, segments: usize, continuity: Continuity) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
-        let (smallest, largest) = (Basis::SMALLEST_DEGREE, Self::LARGEST_DEGREE);
+        let (smallest, largest) = (continuity.smallest_degree(), Self::LARGEST_DEGREE);
         if !(smallest..=largest).contains(&degree) {
             let range = format!("at least {smallest} and at most {largest} is needed");
             return refuse("degree", format!("it is {degree}, {range}"));
@@ -206,7 +223,7 @@ impl RelaxSettings {
     /// # Errors
     /// A setting is out of range.
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
-        Self::check_size(self.degree, self.segments)?;
+        Self::check_size(self.degree, self.segments, self.continuity(problem))?;
         for (what, value) in [
             ("tolerance", self.tolerance),
             ("quadrature_tolerance", self.quadrature_tolerance),
@@ -218,7 +235,7 @@ impl RelaxSettings {
             let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
             return Err(Error::input("settings", "start_amplitude", condition));
         }
-        let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
+        let degrees = self.continuity(problem).smallest_degree()..=Self::LARGEST_DEGREE;
         check_count("lowest_degree", self.lowest_degree, degrees)?;
         check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
         check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;

@@ -84,7 +84,11 @@ fn a_boxed_constraint_is_the_same() {
 
 fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
     let torque = TorqueLimits(vec![]);
-    let constraints = Constraints { state, torque };
+    let constraints = Constraints {
+        state,
+        torque,
+        stage: Default::default(),
+    };
     Penalised {
         constraints,
         weights,
@@ -136,10 +140,12 @@ fn flow_and_relaxation_take_boxed_constraints() {
     let boxed = Constraints {
         state: list(30.0),
         torque: none(),
+        stage: Default::default(),
     };
     let bare = Constraints {
         state: Slow(30.0),
         torque: none(),
+        stage: Default::default(),
     };
     let boxed = solved_within(&problem, &settings, &boxed);
     let bare = solved_within(&problem, &settings, &bare);

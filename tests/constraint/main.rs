@@ -9,3 +9,4 @@ mod derivatives;
 mod dynamic;
 mod self_clearance;
 mod solid_clearance;
+mod stage;

@@ -103,6 +103,7 @@ fn nothing_is_allocated<S: AlgebraOver<f64> + Tanh>() {
                 Bounds::positions(&model),
             ),
             torque: TorqueLimits::of(&model),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: penalty,

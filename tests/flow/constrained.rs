@@ -62,6 +62,7 @@ fn penalised(model: &Model, parts: &[Vec<f64>; 3]) -> Penalised<(Vec<AnyConstrai
         constraints: Constraints {
             state: (state, bounds),
             torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: Penalty {

@@ -24,6 +24,7 @@ fn the_flow_heeds_constraints() {
             constraints: Constraints {
                 state: Bounds(vec![speed(Side::Upper, limit), speed(Side::Lower, -limit)]),
                 torque: TorqueLimits(vec![]),
+                stage: Default::default(),
             },
             weights: PenaltyWeights {
                 state: Penalty {
@@ -104,6 +105,7 @@ fn an_equality_in_the_state_is_refused() {
         constraints: Constraints {
             state: vec![Level(Bounds(vec![bound(9.0), bound(1.0)]))],
             torque: TorqueLimits(vec![]),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: one,

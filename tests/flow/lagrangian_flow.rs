@@ -233,6 +233,7 @@ fn terms_of_the_state_in_the_metric_with_weights() {
         constraints: Constraints {
             state: Bounds::positions(&model),
             torque: TorqueLimits(vec![Some(0.5), None]),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: penalty,

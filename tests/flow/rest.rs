@@ -19,6 +19,7 @@ use nalgebra::Vector3;
 pub(super) const FREE: Constraints<()> = Constraints {
     state: (),
     torque: TorqueLimits(Vec::new()),
+    stage: Default::default(),
 };
 
 pub(super) fn swing(model: &Model) -> Problem<'_> {
@@ -213,6 +214,7 @@ fn a_torque_limit_is_kept() {
     let limited = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(limit), None]),
+        stage: Default::default(),
     };
     for two_phases in [false, true] {
         let settings = RestSettings {
@@ -263,6 +265,7 @@ fn a_sphere_is_kept_out_of() {
     let constraints = Constraints {
         state: clearance,
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let solution = rested(&problem, &degree(16), 1e4, &constraints);
     assert!(
@@ -290,6 +293,7 @@ fn a_passive_joint_has_no_torque_at_the_gauss_points() {
     let constraints = Constraints {
         state: (),
         torque: TorqueLimits(limits.collect()),
+        stage: Default::default(),
     };
     let solution = rested(&problem, &degree(16), 1e4, &constraints);
     assert!(solution.at_rest && solution.slip <= 1e-6, "{solution:?}");

@@ -80,6 +80,7 @@ fn settings_that_make_no_sense_are_refused() {
     let limits = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(1.0)]),
+        stage: Default::default(),
     };
     let lagrangian = AnalyticLagrangian::new(&model, 1e3);
     let flow = FlowToRest::new(&problem, &lagrangian).settings(degree(9));

@@ -8,6 +8,7 @@ fn limits() -> Constraints<()> {
     Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(0.0), Some(2.0)]),
+        stage: Default::default(),
     }
 }
 

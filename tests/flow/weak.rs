@@ -158,6 +158,7 @@ fn the_derivatives_of_the_action_are_those_of_differences() {
                 spheres: vec![sphere],
             },
             torque: TorqueLimits(vec![None, Some(0.0), Some(2.0)]),
+            stage: Default::default(),
         };
         let mut plain = AnalyticLagrangian::new(&model, 2.0);
         plain.silent = (0..grid.times().len())
@@ -293,6 +294,7 @@ fn another_robot_is_refused() {
     let limits = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(1.0)]),
+        stage: Default::default(),
     };
     assert!(
         AugmentedLagrangian::new(AnalyticLagrangian::new(&three, 1.0), &limits, &grid).is_err()

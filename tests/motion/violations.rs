@@ -36,6 +36,7 @@ fn of_state<K>(state: K) -> Constraints<K> {
     Constraints {
         state,
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     }
 }
 
@@ -113,6 +114,7 @@ fn each_segment_has_both_its_ends() {
     let kept = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(5.0)]),
+        stage: Default::default(),
     };
     let found = violations(&slider(2.0), &curve, &kept, 4).expect("same robot");
     assert_close_to(found[0].by, 6.0 - 5.0, 1e-12);
@@ -122,6 +124,7 @@ fn each_segment_has_both_its_ends() {
     let passive = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(0.0)]),
+        stage: Default::default(),
     };
     let found = violations(&slider(2.0), &curve, &passive, 4).expect("same robot");
     assert_eq!(found.len(), 1);
@@ -166,7 +169,11 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
 #[test]
 fn rows_of_an_arm_are_those_at_many_times() {
     let (model, curve, state, torque) = every_kind();
-    let all = Constraints { state, torque };
+    let all = Constraints {
+        state,
+        torque,
+        stage: Default::default(),
+    };
     let found = violations(&model, &curve, &all, 1000).expect("same robot");
     assert_eq!(found.len(), all.dim());
     let (scales, states) = (all.row_scales(), all.state.dim());
@@ -218,6 +225,7 @@ fn the_order_of_constraints_changes_nothing() {
         let all = Constraints {
             state,
             torque: torque.clone(),
+            stage: Default::default(),
         };
         let found = violations(&model, &curve, &all, 501).expect("same robot");
         let label = |v: &Violation| (all.label(v.row, &model), v.by.to_bits(), v.at_s.to_bits());
@@ -232,7 +240,11 @@ fn the_order_of_constraints_changes_nothing() {
 #[test]
 fn labels_name_joint_and_unit() {
     let (model, _, state, torque) = every_kind();
-    let all = Constraints { state, torque };
+    let all = Constraints {
+        state,
+        torque,
+        stage: Default::default(),
+    };
     let joints = model.joints();
     let label = |row| {
         let RowLabel { name, unit, kind } = all.label(row, &model);
@@ -320,6 +332,7 @@ fn what_is_wrong_is_refused() {
     let limits = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(1.0); 2]),
+        stage: Default::default(),
     };
     let other = violations(&model, &curve, &limits, 10);
     assert_refused(other, "torque limits: expected 1 entries, found 2");

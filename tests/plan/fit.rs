@@ -2,7 +2,7 @@
 
 use crate::{across, outside, point};
 use aghf::constraint::{AnyConstraint, Evaluator};
-use aghf::curve::{Basis, Curve};
+use aghf::curve::{Basis, Continuity, Curve};
 use aghf::motion::Problem;
 use aghf::plan::{PlanSettings, curve_along};
 
@@ -26,7 +26,11 @@ fn the_ends_are_those_of_the_problem() {
     let (start, goal) = (vec![0.0, 0.0, 0.5, -1.0], vec![1.0, 0.0, -2.0, 0.25]);
     let problem = Problem::new(&model, start.clone(), goal.clone(), 2.0).expect("valid");
     for (segments, degree) in [(3, 5), (3, 8), (8, 5)] {
-        let curve = along(&problem, &[], Basis::new(segments, degree, false));
+        let curve = along(
+            &problem,
+            &[],
+            Basis::new(segments, degree, Continuity::default()),
+        );
         for (time, state) in [(0.0, &start), (2.0, &goal)] {
             let (x, xdot) = curve.at(time);
             assert_close!(x.as_slice(), &state[..], 1e-12);
@@ -50,7 +54,7 @@ fn it_goes_through_the_waypoints() {
     let model = point();
     let problem = across(&model);
     let horizon = problem.horizon();
-    let three = along(&problem, &[], Basis::new(3, 6, false));
+    let three = along(&problem, &[], Basis::new(3, 6, Continuity::default()));
     for (k, waypoint) in detour().iter().enumerate() {
         let (x, _) = three.at(horizon * k as f64 / 3.0);
         assert_close!(&x.as_slice()[..2], &waypoint[..], 1e-12);
@@ -58,7 +62,7 @@ fn it_goes_through_the_waypoints() {
     let (x, _) = three.at(horizon / 3.0);
     assert_close!(&x.as_slice()[2..], &[1.05 / horizon, 0.9 / horizon], 1e-9);
     // The two long lines of 0.67 are divided, the line of 0.4 is not.
-    let five = along(&problem, &[], Basis::new(5, 6, false));
+    let five = along(&problem, &[], Basis::new(5, 6, Continuity::default()));
     let places = [[0.15, 0.3], [0.3, 0.6], [0.7, 0.6], [0.85, 0.3]];
     for (k, place) in places.iter().enumerate() {
         let (x, _) = five.at(horizon * (k + 1) as f64 / 5.0);
@@ -76,7 +80,7 @@ fn slopes_are_as_large_as_is_free() {
         let times = (0..=400).map(|k| curve.horizon() * f64::from(k) / 400.0);
         times.map(|t| curve.at(t).0[1]).fold(0.0, f64::max)
     };
-    let basis = || Basis::new(3, 6, false);
+    let basis = || Basis::new(3, 6, Continuity::default());
     let wide = along(&problem, &[], basis());
     assert!(height(&wide) > 0.64, "{}", height(&wide));
     // A ball 12 mm above the line between the corners, then one at nearly the margin of the planner, which is 5 mm.
@@ -102,7 +106,7 @@ fn a_path_that_does_not_fit_is_refused() {
     let problem = across(&model);
     let settings = PlanSettings::default();
     let refused = |path: &[Vec<f64>]| {
-        let basis = Basis::new(2, 6, false);
+        let basis = Basis::new(2, 6, Continuity::default());
         let none: &[AnyConstraint] = &[];
         curve_along(&problem, none, path, basis, &settings).map(|_| ())
     };

@@ -15,6 +15,7 @@ fn solve(
     let kept = Constraints {
         state,
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let settings = RelaxSettings {
         degree: 9,
@@ -95,6 +96,7 @@ fn a_planned_first_start_keeps_what_is_asked() {
     let kept = Constraints {
         state: wall_with_a_gap(),
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let solve = |iterations| {
         let settings = RelaxSettings {
@@ -128,6 +130,7 @@ fn a_planned_first_start_has_the_time_that_it_needs() {
         let kept = Constraints {
             state: wall_with_a_gap(),
             torque: TorqueLimits(vec![Some(3.0); 2]),
+            stage: Default::default(),
         };
         let settings = RelaxSettings {
             planned_starts: PlannedStarts::First,
@@ -157,6 +160,7 @@ fn a_planned_start_has_the_time_that_it_needs() {
     let kept = Constraints {
         state: wall_with_a_gap(),
         torque: TorqueLimits(vec![Some(30.0); 2]),
+        stage: Default::default(),
     };
     let settings = RelaxSettings {
         degree: 9,

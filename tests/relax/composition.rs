@@ -278,5 +278,13 @@ fn within<K: Constraint + Sync>(problem: &Problem<'_>, state: K) -> RelaxSolutio
         ..RelaxSettings::constrained()
     };
     let torque = TorqueLimits(Vec::new());
-    solved_within(problem, &settings, &Constraints { state, torque })
+    solved_within(
+        problem,
+        &settings,
+        &Constraints {
+            state,
+            torque,
+            stage: Default::default(),
+        },
+    )
 }

@@ -16,6 +16,7 @@ fn state(constraint: AnyConstraint) -> Kept {
     Constraints {
         state: vec![constraint],
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     }
 }
 
@@ -187,6 +188,7 @@ fn a_torque_limit_is_kept() {
     let kept = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(5.0)]),
+        stage: Default::default(),
     };
     let solution = solved(&problem, &kept);
     assert!(

@@ -66,6 +66,7 @@ fn a_free_final_velocity_is_that_of_least_effort() {
     let kept = Constraints {
         state: Bounds(vec![bound]),
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let settings = RelaxSettings {
         free_final_velocity: true,
@@ -218,6 +219,7 @@ fn a_free_horizon_within_constraints() {
     let kept = Constraints {
         state: Bounds(Vec::new()),
         torque: TorqueLimits(vec![Some(limit)]),
+        stage: Default::default(),
     };
     let weight = 100.0;
     let settings = RelaxSettings {
@@ -254,6 +256,7 @@ fn a_large_weight_finds_a_short_horizon() {
     let kept = Constraints {
         state: Bounds(Vec::new()),
         torque: TorqueLimits(vec![Some(6.0)]),
+        stage: Default::default(),
     };
     let found = [1e2, 1e4].map(|weight| {
         let settings = RelaxSettings {

@@ -14,3 +14,4 @@ mod objective;
 mod own_cost;
 mod running_cost;
 mod segments;
+mod stage;

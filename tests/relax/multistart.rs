@@ -19,6 +19,7 @@ fn torque(limits: Vec<Option<f64>>) -> Kept {
     Constraints {
         state: Vec::new(),
         torque: TorqueLimits(limits),
+        stage: Default::default(),
     }
 }
 
@@ -137,6 +138,7 @@ proptest! {
         let kept = Constraints {
             state: vec![AnyConstraint::Bounds(Bounds(bounds))],
             torque: TorqueLimits(vec![None, Some(6.0 * force * y)]),
+            stage: Default::default(),
         };
         let within = solved_within(&problem, &fine(RelaxSettings::constrained()), &kept);
         prop_assert!(within.converged, "{} {}", within.gradient_norm, within.largest_violation);
@@ -238,6 +240,7 @@ fn the_order_of_constraints_does_not_matter() {
         let kept = Constraints {
             state,
             torque: torque.clone(),
+            stage: Default::default(),
         };
         solved_within(&problem, &settings, &kept)
     });
@@ -302,6 +305,7 @@ fn what_is_impossible_is_told() {
             value,
         }]))],
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let check = |problem: &Problem<'_>, kept: &Kept, excess: f64| {
         let settings = RelaxSettings {

@@ -1,12 +1,16 @@
 //! The objective of the relaxation: its derivatives, and the matrices they are kept in.
 
 use crate::common::slider;
-use aghf::curve::Basis;
+use aghf::curve::{Basis, Continuity};
+use aghf::error::Result;
 use aghf::linalg::BlockTridiagonal;
 use aghf::model::{Model, random_tree};
-use aghf::relax::{ControlEffort, Derivatives, Grid, Objective, PackedHessian};
-use aghf::scalar::{AlgebraOver, Jet};
-use nalgebra::DMatrix;
+use aghf::relax::{
+    ControlEffort, Derivatives, Grid, Objective, PackedHessian, Point, PointCost, PointDerivatives,
+    Points, PointsDerivatives,
+};
+use aghf::scalar::{AlgebraOver, Jet, Scalar};
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -24,24 +28,38 @@ fn second_order(
     type Twice = Jet<Jet<f64, 1>, 1>;
     let grid = Grid::new(basis, 7, 1.3).map(<Twice as AlgebraOver<f64>>::lift);
     let mut lifted = coefficients.map(<Twice as AlgebraOver<f64>>::lift);
-    let first = basis.free().start * model.dof();
-    lifted.as_mut_slice()[first + moving[0]].re.eps[0] += 1.0;
-    lifted.as_mut_slice()[first + moving[1]].eps[0].re += 1.0;
+    let (n, free) = (model.dof(), basis.free());
+    let entry = |unknown: usize| (unknown % n, free[unknown / n]);
+    lifted[entry(moving[0])].re.eps[0] += 1.0;
+    lifted[entry(moving[1])].eps[0].re += 1.0;
     let cost = ControlEffort::<f64, Twice>::new(model);
     Objective::new(&grid, cost, model.dof())
         .value(&lifted)
         .expect("sizes agree")
 }
 
+/// Continuous velocities, or accelerations as well, with rest at the start.
+fn ends(acceleration: bool, free_final_velocity: bool) -> Continuity {
+    Continuity {
+        acceleration,
+        rest: [acceleration, false],
+        free_final_velocity,
+    }
+}
+
 /// Gradient and Hessian of one and of several segments, with and without a free final velocity.
 #[test]
 fn derivatives_are_those_of_duals() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    for (n, seed, segments, degree, free) in
-        [(3, 1, 1, 6, false), (4, 2, 1, 5, true), (2, 5, 3, 4, true)]
-    {
+    for (n, seed, segments, degree, continuity) in [
+        (3, 1, 1, 6, ends(false, false)),
+        (4, 2, 1, 5, ends(false, true)),
+        (2, 5, 3, 4, ends(false, true)),
+        (2, 5, 3, 6, ends(true, false)),
+        (2, 5, 2, 7, ends(true, true)),
+    ] {
         let model = random_tree(n, seed).expect("n > 0");
-        let basis = Basis::new(segments, degree, free);
+        let basis = Basis::new(segments, degree, continuity);
         let grid = Grid::new(&basis, 7, 1.3);
         let coefficients = random(&mut rng, n, basis.count());
         let mut objective = Objective::new(&grid, ControlEffort::new(&model), n);
@@ -73,7 +91,7 @@ fn derivatives_are_those_of_duals() {
 #[test]
 fn on_a_linear_robot_metric_and_hessian_are_one() {
     let model = slider(2.0);
-    let basis = Basis::new(2, 7, false);
+    let basis = Basis::new(2, 7, Continuity::default());
     let grid = Grid::new(&basis, 8, 0.7);
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut derivatives = Derivatives::new(&grid, 1);
@@ -91,12 +109,132 @@ fn on_a_linear_robot_metric_and_hessian_are_one() {
     assert_close!(&bubbles, &expected, 1e-12);
 }
 
+/// The cost $q^2 + \dddot q^4$ of each joint.
+struct OfJerk;
+
+impl<S: Scalar> PointCost<S> for OfJerk {
+    fn value(&mut self, _: Point<'_, S>) -> Result<S> {
+        unreachable!("all points of a segment are evaluated at once")
+    }
+
+    fn derivatives(&mut self, _: Point<'_, S>, _: &mut PointDerivatives<S>) -> Result<S> {
+        unreachable!("all points of a segment are evaluated at once")
+    }
+
+    fn needs_jerk(&self) -> bool {
+        true
+    }
+
+    fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
+        let jerks = points.jerks.expect("the cost needs it");
+        for (g, cost) in costs.iter_mut().enumerate() {
+            let q = points.point(g).q.iter().enumerate();
+            *cost = q.fold(S::zero(), |sum, (i, q)| {
+                let j = jerks[(i, g)];
+                sum + *q * *q + j * j * j * j
+            });
+        }
+        Ok(())
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, S>,
+        out: &mut PointsDerivatives<S>,
+    ) -> Result<()> {
+        let jerks = points.jerks.expect("the cost needs it");
+        self.values(points, &mut out.costs)?;
+        let [two, four, twelve] = [2.0, 4.0, 12.0].map(S::from_f64);
+        let n = jerks.nrows();
+        for g in 0..points.count() {
+            let q = points.point(g).q;
+            let hessian = DMatrix::from_fn(3 * n, 3 * n, |i, j| match i == j && i < n {
+                true => two,
+                false => S::zero(),
+            });
+            out.hessians.set(g, &hessian);
+            for x in 0..3 {
+                let slopes =
+                    DVector::from_fn(n, |i, _| if x == 0 { two * q[i] } else { S::zero() });
+                out.gradients.set_column(3 * g + x, &slopes);
+            }
+        }
+        out.by_jerk = [
+            jerks.map(|j| four * j * j * j),
+            jerks.map(|j| twelve * j * j),
+        ];
+        Ok(())
+    }
+}
+
+/// The derivatives of a cost in the jerk, those in a free horizon included.
+#[test]
+fn derivatives_in_the_jerk_are_those_of_duals() {
+    type Twice = Jet<Jet<f64, 1>, 1>;
+    let lift = <Twice as AlgebraOver<f64>>::lift;
+    let (n, horizon) = (2, 0.8);
+    for (segments, degree, continuity) in [(1, 6, ends(false, false)), (2, 7, ends(true, false))] {
+        let basis = Basis::new(segments, degree, continuity);
+        let grid = Grid::new(&basis, 9, 1.0);
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let coefficients = random(&mut rng, n, basis.count());
+        let mut rates = random(&mut rng, n, basis.count());
+        for function in basis.free() {
+            rates.column_mut(function).fill(0.0);
+        }
+        let mut objective = Objective::new(&grid, OfJerk, n);
+        objective.free_horizon(rates.clone());
+        objective.set_horizon(horizon);
+        let mut derivatives = Derivatives::new(&grid, n);
+        objective
+            .derivatives(&coefficients, &mut derivatives)
+            .expect("sizes agree");
+        let (free, lifted_grid) = (basis.free(), grid.map(lift));
+        let unknowns = free.len() * n;
+        let second_order = |moving: [usize; 2]| {
+            let (mut lifted, mut time) = (coefficients.map(lift), lift(horizon));
+            for (part, unknown) in moving.into_iter().enumerate() {
+                let mut one = lift(0.0);
+                match part {
+                    0 => one.re.eps[0] = 1.0,
+                    _ => one.eps[0].re = 1.0,
+                }
+                if unknown == unknowns {
+                    time += one;
+                    lifted += rates.map(|rate| one * lift(rate));
+                } else {
+                    lifted[(unknown % n, free[unknown / n])] += one;
+                }
+            }
+            let mut objective = Objective::new(&lifted_grid, OfJerk, n);
+            objective.set_horizon(time);
+            objective.value(&lifted).expect("sizes agree")
+        };
+        let hessian = derivatives.hessian.to_dense();
+        for i in 0..unknowns {
+            let slope = second_order([i, i]).re.eps[0];
+            assert_close!(&[derivatives.gradient[i]], &[slope], 1e-11);
+            for j in 0..=i {
+                let second = second_order([i, j]).eps[0].eps[0];
+                let scale = hessian[(i, i)].abs().max(hessian[(j, j)].abs());
+                assert!((hessian[(i, j)] - second).abs() <= 1e-11 * scale);
+            }
+            let mixed = second_order([i, unknowns]).eps[0].eps[0];
+            let found = derivatives.horizon.mixed[i];
+            assert!((found - mixed).abs() <= 1e-10 * mixed.abs().max(1.0));
+        }
+        let own = second_order([unknowns, unknowns]);
+        let found = [derivatives.horizon.first, derivatives.horizon.second];
+        assert_close!(&found, &[own.re.eps[0], own.eps[0].eps[0]], 1e-11);
+    }
+}
+
 #[test]
 fn the_factors_of_a_block_tridiagonal_matrix_solve() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     // One block is larger than a panel of the factorisation.
     let model = random_tree(4, 9).expect("n > 0");
-    let basis = Basis::new(3, 16, true);
+    let basis = Basis::new(3, 16, ends(false, true));
     let grid = Grid::new(&basis, 20, 1.0);
     let mut derivatives = Derivatives::new(&grid, 4);
     Objective::new(&grid, ControlEffort::new(&model), 4)

@@ -213,6 +213,7 @@ fn another_cost_keeps_constraints() {
     let kept: Constraints<Vec<AnyConstraint>> = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(0.8 * most); 2]),
+        stage: Default::default(),
     };
     let effort = solved_within(&problem, &settings, &kept);
     let run = |cost: &CostThroughDynamics<'_, WeightedSquares>| {

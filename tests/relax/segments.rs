@@ -170,6 +170,7 @@ fn limits_are_kept_on_pieces() {
     let velocity = Constraints {
         state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let exact = 8.0 * 1.44 / 3.0 / 0.25;
     let solution = limited(4, &velocity);
@@ -186,6 +187,7 @@ fn limits_are_kept_on_pieces() {
     let torque = Constraints {
         state: Vec::new(),
         torque: TorqueLimits(vec![Some(4.6)]),
+        stage: Default::default(),
     };
     for segments in [2, 3, 5] {
         let solution = limited(segments, &torque);
@@ -263,6 +265,7 @@ fn an_adaptive_degree_keeps_constraints() {
     let kept = Constraints {
         state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
     };
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");

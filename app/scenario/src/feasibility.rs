@@ -96,6 +96,10 @@ pub enum Limit {
     Velocity,
     /// The torque or force of a joint.
     Torque,
+    /// The acceleration of a joint.
+    Acceleration,
+    /// The rate of the acceleration of a joint.
+    Jerk,
     /// The torque or force of a joint without a motor, which is zero.
     Passive,
     /// The distance from an obstacle.
@@ -110,6 +114,8 @@ impl From<RowKind> for Limit {
             RowKind::Position(_) => Self::Position,
             RowKind::Velocity(_) => Self::Velocity,
             RowKind::Torque(_) => Self::Torque,
+            RowKind::Acceleration(_) => Self::Acceleration,
+            RowKind::Jerk(_) => Self::Jerk,
             RowKind::Clearance => Self::Clearance,
             RowKind::Other => Self::Other,
         }

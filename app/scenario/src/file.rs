@@ -94,6 +94,11 @@ pub struct ScenarioFile {
     /// For the relaxation: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
+    /// For the relaxation: the highest derivative that is continuous. If that is the acceleration, it is zero at an end
+    /// at which all velocities are; by default `acceleration`, with passive joints `velocity`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "one_of::<Continuous>")]
+    pub continuity: Option<Continuous>,
     /// The cost that is minimised instead of the control effort. The published flow always minimises the control
     /// effort, and reports this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,6 +128,16 @@ pub struct ScenarioFile {
     /// The final error below which a solve is a success; by default the paper's 0.05.
     #[serde(default = "paper_threshold")]
     pub success_threshold: f64,
+}
+
+aghf::names::named_enum! {
+/// The highest derivative of a motion that is continuous.
+pub enum Continuous("continuity") {
+    /// The acceleration.
+    Acceleration = "acceleration",
+    /// The velocity; accelerations jump between segments, and at the ends.
+    Velocity = "velocity",
+}
 }
 
 fn is_default(mimic: &Mimic) -> bool {

@@ -35,7 +35,7 @@ mod summary;
 pub use builtin::builtin_scenarios;
 pub use curve_file::CurveFile;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
-pub use file::{FlowParameters, Scenario, ScenarioFile};
+pub use file::{Continuous, FlowParameters, Scenario, ScenarioFile};
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use limits::{Enforced, EnforcedLimits};
 pub use moveit::{MoveIt, MoveItHorizon};

@@ -1,7 +1,10 @@
 //! The joint limits that act as constraints.
 
-use super::{Limit, Scenario};
-use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
+use super::objective::PerJoint;
+use super::{Continuous, Limit, Scenario};
+use aghf::constraint::{
+    AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
+};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{JointKind, Model};
 use schemars::JsonSchema;
@@ -13,7 +16,7 @@ use serde::{Deserialize, Serialize};
 #[serde(
     deny_unknown_fields,
     default,
-    expecting = "an object with some of the keys position, velocity and torque"
+    expecting = "an object with some of the keys position, velocity, torque, acceleration and jerk"
 )]
 pub struct EnforcedLimits {
     /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
@@ -22,6 +25,12 @@ pub struct EnforcedLimits {
     pub velocity: Enforced,
     /// The torque and force limits.
     pub torque: Enforced,
+    /// For the relaxation: the largest accelerations, rad/s^2 or m/s^2; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<PerJoint>,
+    /// For the relaxation: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jerk: Option<PerJoint>,
 }
 
 /// The enforced part of one kind of limit.
@@ -58,6 +67,8 @@ impl EnforcedLimits {
         position: Enforced::No,
         velocity: Enforced::No,
         torque: Enforced::No,
+        acceleration: None,
+        jerk: None,
     };
 
     /// Returns true if limits of any kind are enforced, whether or not the robot has such limits.
@@ -71,6 +82,14 @@ impl EnforcedLimits {
     /// of a joint.
     #[must_use]
     pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+        let rates = match limit {
+            Limit::Acceleration => &self.acceleration,
+            Limit::Jerk => &self.jerk,
+            _ => &None,
+        };
+        if let Some(most) = rates.as_ref().and_then(|rates| rates.of(joint)) {
+            return Some([-most, most]);
+        }
         let joint = model.joints().get(joint)?;
         let share = self.of(limit)?.share(joint.name())?;
         let limits = joint.limits();
@@ -79,7 +98,7 @@ impl EnforcedLimits {
             Limit::Position => within([limits.lower, limits.upper], share),
             Limit::Velocity => both(limits.velocity),
             Limit::Torque => both(limits.effort),
-            Limit::Passive | Limit::Clearance | Limit::Other => return None,
+            _ => return None,
         };
         (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
     }
@@ -90,12 +109,29 @@ impl EnforcedLimits {
             Limit::Position => Some(&self.position),
             Limit::Velocity => Some(&self.velocity),
             Limit::Torque => Some(&self.torque),
-            Limit::Passive | Limit::Clearance | Limit::Other => None,
+            _ => None,
         }
     }
 
-    /// Refuses invalid shares and unknown joint names. `path` names the scenario.
+    /// Refuses invalid shares and limits, and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
+        for (key, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
+            let Some(limits) = limits else { continue };
+            let key = format!("enforced_limits.{key}");
+            let all = limits.all(model.dof());
+            if all.len() != model.dof() {
+                let (found, needed) = (all.len(), model.dof());
+                let condition = format!("it has {found} entries, {needed} are needed");
+                return Err(Error::input(path, key, condition));
+            }
+            if let Some(limit) = all
+                .iter()
+                .find(|limit| !(limit.is_finite() && **limit > 0.0))
+            {
+                let condition = format!("it is {}, a positive number is needed", plain(*limit));
+                return Err(Error::input(path, key, condition));
+            }
+        }
         for limit in Limit::OF_JOINTS {
             let Some(Enforced::Share { share, joints }) = self.of(limit) else {
                 continue;
@@ -139,7 +175,13 @@ impl Enforced {
 
 impl Limit {
     /// The kinds of limits that belong to a joint.
-    pub(super) const OF_JOINTS: [Self; 3] = [Self::Position, Self::Velocity, Self::Torque];
+    pub(super) const OF_JOINTS: [Self; 5] = [
+        Self::Position,
+        Self::Velocity,
+        Self::Torque,
+        Self::Acceleration,
+        Self::Jerk,
+    ];
 
     /// The name of the limit, which is its key in a scenario.
     pub(super) fn name(self) -> &'static str {
@@ -147,6 +189,8 @@ impl Limit {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Torque => "torque",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
             Self::Passive => "passive torque",
             Self::Clearance => "clearance",
             Self::Other => "other",
@@ -161,6 +205,10 @@ impl Limit {
             Self::Position => "rad",
             Self::Velocity if slides => "m/s",
             Self::Velocity => "rad/s",
+            Self::Acceleration if slides => "m/s^2",
+            Self::Acceleration => "rad/s^2",
+            Self::Jerk if slides => "m/s^3",
+            Self::Jerk => "rad/s^3",
             Self::Torque | Self::Passive if slides => "N",
             Self::Torque | Self::Passive => "N m",
             Self::Clearance => "m",
@@ -209,6 +257,33 @@ impl Scenario {
         Constraints {
             state: self.state_constraints(),
             torque: self.torque_limits(),
+            stage: self.stage_constraints(),
+        }
+    }
+
+    /// The highest continuous derivative of motions by the relaxation.
+    #[must_use]
+    pub fn continuity(&self) -> Continuous {
+        let default = match self.file.passive.is_empty() {
+            true => Continuous::Acceleration,
+            false => Continuous::Velocity,
+        };
+        self.file.continuity.unwrap_or(default)
+    }
+
+    /// The enforced limits of acceleration and jerk.
+    #[must_use]
+    pub fn stage_constraints(&self) -> StageConstraints {
+        let all = |limit| {
+            let most = |joint| self.bound(limit, joint).map(|[_, most]| most);
+            let limits: Vec<_> = (0..self.model.dof()).map(most).collect();
+            let any = limits.iter().any(Option::is_some);
+            if any { limits } else { Vec::new() }
+        };
+        StageConstraints {
+            acceleration: all(Limit::Acceleration),
+            jerk: all(Limit::Jerk),
+            others: Vec::new(),
         }
     }
 
@@ -230,6 +305,7 @@ impl Scenario {
         Constraints {
             state: limits_of_state(n, other),
             torque: limits_of_torque(n, other),
+            stage: Default::default(),
         }
     }
 }

@@ -35,11 +35,8 @@ impl RunningCostWeights {
     /// # Errors
     /// Those of [`WeightedSquares::new`].
     pub fn weighted(&self, dof: usize) -> Result<WeightedSquares> {
-        let [torque, velocity, acceleration] = [&self.torque, &self.velocity, &self.acceleration]
-            .map(|weights| match weights {
-                PerJoint::Same(weight) => vec![*weight; dof],
-                PerJoint::Each(weights) => weights.clone(),
-            });
+        let [torque, velocity, acceleration] =
+            [&self.torque, &self.velocity, &self.acceleration].map(|weights| weights.all(dof));
         WeightedSquares::new(dof, torque, velocity, acceleration)
     }
 }
@@ -55,6 +52,24 @@ pub enum PerJoint {
     Same(f64),
     /// One number per joint, in their order.
     Each(Vec<f64>),
+}
+
+impl PerJoint {
+    /// One number for each of `dof` joints, or as many as there are in a list.
+    pub(super) fn all(&self, dof: usize) -> Vec<f64> {
+        match self {
+            Self::Same(number) => vec![*number; dof],
+            Self::Each(numbers) => numbers.clone(),
+        }
+    }
+
+    /// The number of a joint.
+    pub(super) fn of(&self, joint: usize) -> Option<f64> {
+        match self {
+            Self::Same(number) => Some(*number),
+            Self::Each(numbers) => numbers.get(joint).copied(),
+        }
+    }
 }
 
 /// The bounds and the weight of a free horizon.
@@ -126,6 +141,11 @@ impl Scenario {
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("free_horizon", file.free_horizon.is_some()),
+            (
+                "enforced_limits.acceleration",
+                file.enforced_limits.acceleration.is_some(),
+            ),
+            ("enforced_limits.jerk", file.enforced_limits.jerk.is_some()),
             ("running cost of one's own", self.own.running_cost.is_some()),
         ];
         let unknown = keys.iter().find(|(_, given)| *given);

@@ -2,7 +2,7 @@
 
 use super::euler::{Euler, Progress, Stretch};
 use super::{RestMetric, RestRecord};
-use crate::curve::{Basis, Curve};
+use crate::curve::{Continuity, Curve};
 use crate::error::{Error, Result, check_positive};
 use crate::flow::weak::{Action, PointLagrangian, StateGrid};
 use crate::motion::{Interrupt, Stopped, Watch};
@@ -142,7 +142,7 @@ fn check(grid: &StateGrid<f64>, curve: &Curve, options: &AnyRestOptions) -> Resu
         let condition = format!("it is {own} s, that of the curve {horizon} s");
         return refuse("horizon", condition);
     }
-    let (degree, least) = (grid.degree(), Basis::SMALLEST_DEGREE);
+    let (degree, least) = (grid.degree(), Continuity::default().smallest_degree());
     if degree < least {
         return refuse("degree", format!("it is {degree}, the least is {least}"));
     }

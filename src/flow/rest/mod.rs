@@ -26,7 +26,7 @@ pub use euler::RestMetric;
 
 use super::weak::AnalyticLagrangian;
 use crate::constraint::{Constraint, Constraints, NONE};
-use crate::curve::{Basis, Curve};
+use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
 use stage::Demands;
@@ -114,7 +114,7 @@ impl RestSettings {
     /// # Errors
     /// A setting is out of range, or the start is not a curve of the problem.
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
-        let degrees = Basis::SMALLEST_DEGREE..=Self::LARGEST_DEGREE;
+        let degrees = Continuity::default().smallest_degree()..=Self::LARGEST_DEGREE;
         check_count("degree", self.degree, degrees)?;
         let segments = 1..=Self::LARGEST_SIZE / self.degree;
         check_count("segments", self.segments, segments)?;
@@ -318,9 +318,13 @@ impl<'a, K: Constraint> FlowToRest<'a, K> {
             mut observe,
         } = self;
         settings.check(problem)?;
+        constraints.stage.refuse_in_a_flow(problem.model().name())?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let kind = usize::from(constraints.dim() > 0);
-        let line = Path::line(problem, Basis::new(1, LOWEST_DEGREE[kind], false));
+        let line = Path::line(
+            problem,
+            Basis::new(1, LOWEST_DEGREE[kind], Continuity::default()),
+        );
         let passive = constraints.torque.has_passive();
         let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
         let (mut best, mut work): (Option<RestSolution>, _) = (None, [0; 3]);

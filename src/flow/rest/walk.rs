@@ -3,7 +3,7 @@
 use super::stage::{Demands, Outcome, Stage, Walk};
 use super::{RestRecord, RestSettings, RestSolution};
 use crate::constraint::{Constraint, Constraints};
-use crate::curve::{Basis, Curve};
+use crate::curve::{Basis, Continuity, Curve};
 use crate::error::Result;
 use crate::flow::weak::{AnalyticLagrangian, StateGrid};
 use crate::motion::{Problem, Watch};
@@ -85,7 +85,8 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
                 break;
             }
             let left = outcome.passive_share > PASSIVE_SHARE && outcome.action < least;
-            let finer = Basis::new(segments, degree, false).finer(RestSettings::LARGEST_SIZE);
+            let finer = Basis::new(segments, degree, Continuity::default())
+                .finer(RestSettings::LARGEST_SIZE);
             if let (true, true, Some(finer)) = (stages.is_empty(), left, finer) {
                 let basis = (finer.segments(), finer.degree());
                 stages.push_back(Demands { basis, ..demands });

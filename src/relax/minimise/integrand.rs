@@ -1,5 +1,6 @@
 //! The running cost with the weighted rows of constraints.
 
+use super::stage_terms::StageTerms;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::error::Result;
 use crate::nlp::Term;
@@ -9,6 +10,7 @@ use crate::relax::{
     PointsDerivatives,
 };
 use crate::scalar::{LANES, Wide};
+use nalgebra::DMatrix;
 
 /// The running cost $l$, and the weighted rows $h_j$ whose weights are those of the condensed equations of the
 /// interior-point method ([`Term`]): the gradient is $l_z + \sum_j \sigma_j \nabla h_j$ and the Hessian
@@ -30,6 +32,8 @@ pub(super) struct Integrand<'a, K, P> {
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     multipliers: Vec<Wide<f64>>,
+    /// The derivatives of the rows in $(t, q, v, a, u)$, if there are any.
+    stage: Option<StageTerms<'a>>,
 }
 
 impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
@@ -43,7 +47,9 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
             Some(Side::Lower) => (joint, -scale),
             _ => (joint, *scale),
         });
+        let Constraints { stage, .. } = rows.constraints;
         Self {
+            stage: (!stage.others.is_empty()).then(|| StageTerms::new(rows.model)),
             torques: torques.collect(),
             h: vec![0.0; points * rows.count()],
             terms: vec![Vec::new(); points],
@@ -112,6 +118,33 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
     }
 }
 
+impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
+    /// Adds the derivatives of the limits of acceleration and jerk.
+    fn add_rates(&self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) {
+        let first = self.rows.constraints.first_of_stage();
+        if self.needs_jerk() {
+            out.by_jerk = [(); 2].map(|()| DMatrix::zeros(points.states.nrows(), points.count()));
+        }
+        for g in 0..points.count() {
+            for (row, term) in &self.terms[points.first + g] {
+                let row = row.checked_sub(first);
+                let Some(rate) = row.and_then(|row| self.rows.rates.get(row)) else {
+                    continue;
+                };
+                let (slope, i) = (rate.sign() / rate.limit, rate.joint);
+                let curvature = term.curvature * slope * slope;
+                if rate.order == 2 {
+                    out.gradients[(i, 3 * g + 2)] += term.slope * slope;
+                    out.hessians.add_acceleration(g, i, curvature);
+                } else {
+                    out.by_jerk[0][(i, g)] += term.slope * slope;
+                    out.by_jerk[1][(i, g)] += curvature;
+                }
+            }
+        }
+    }
+}
+
 impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let states = point.states();
@@ -121,7 +154,17 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
     }
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
-        self.rows.cost.time_rate(point)
+        let of_rows = match &mut self.stage {
+            Some(stage) => {
+                stage.time_rate(point, self.rows.constraints, &self.terms[point.index])?
+            }
+            None => 0.0,
+        };
+        Ok(of_rows + self.rows.cost.time_rate(point)?)
+    }
+
+    fn needs_jerk(&self) -> bool {
+        self.rows.constraints.stage.has_jerk()
     }
 
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
@@ -146,8 +189,11 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         let Constraints { torque, .. } = self.rows.constraints;
         let (states, torques, terms) = (self.rows.states(), &self.torques, &self.terms);
         let mut add = |index: usize, _: &[f64], out: &mut ControlDerivatives<f64>| {
-            for (row, term) in terms[index].iter().filter(|(row, _)| *row >= states) {
-                let (joint, slope) = torques[row - states];
+            for (row, term) in &terms[index] {
+                let row = row.checked_sub(states);
+                let Some((joint, slope)) = row.and_then(|row| torques.get(row).copied()) else {
+                    continue;
+                };
                 out.gradient[joint] += slope * term.slope;
                 out.curvature_weights[joint] += slope * term.multiplier;
                 out.hessian[joint] += slope * slope * term.curvature;
@@ -160,6 +206,10 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
                 .iter()
                 .map(|(_, term)| term.cost)
                 .sum::<f64>();
+        }
+        self.add_rates(points, out);
+        if let Some(stage) = &mut self.stage {
+            stage.add(points, self.rows.constraints, &self.terms, out)?;
         }
         if states > 0 {
             for start in (0..points.count()).step_by(LANES) {

@@ -10,6 +10,7 @@ mod curvature;
 mod integrand;
 mod margins;
 mod program;
+mod stage_terms;
 
 pub(super) use candidate::{Candidate, Multipliers};
 

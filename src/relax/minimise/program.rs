@@ -3,6 +3,7 @@
 use super::integrand::Integrand;
 use super::{Context, Stage};
 use crate::constraint::Constraint;
+use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::{Path, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
@@ -27,8 +28,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
+    basis: Basis,
     rates: DMatrix<f64>,
-    free_slope: bool,
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
     pub(super) margins: Vec<f64>,
@@ -84,7 +85,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             derivatives: Derivatives::new(grid, n),
             coefficients: path.coefficients.clone(),
             rates,
-            free_slope: basis.free_final_velocity(),
+            basis: basis.clone(),
             horizon,
             free_horizon,
             margins: vec![0.0; count],
@@ -108,13 +109,12 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 
     /// The unknowns of the curve.
     pub fn unknowns(&self) -> DVector<f64> {
-        let first = self.grid.free.start * self.objective.dof();
-        let own = &self.coefficients.as_slice()[first..][..self.derivatives.gradient.len()];
         let horizon = self.free_horizon.map(|_| self.horizon);
-        DVector::from_iterator(
-            own.len() + usize::from(horizon.is_some()),
-            own.iter().copied().chain(horizon),
-        )
+        let own = self.derivatives.gradient.len();
+        let free = self.grid.free.iter();
+        let all =
+            free.flat_map(|function| self.coefficients.column(*function).into_iter().copied());
+        DVector::from_iterator(own + usize::from(horizon.is_some()), all.chain(horizon))
     }
 
     /// The coefficients and the horizon of unknowns.
@@ -125,14 +125,16 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 
     /// Sets coefficients and horizon.
     fn place(&mut self, x: &DVector<f64>) {
-        let first = self.grid.free.start * self.objective.dof();
         let own = self.derivatives.gradient.len();
-        self.coefficients.as_mut_slice()[first..first + own].copy_from_slice(&x.as_slice()[..own]);
+        let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
+        for (function, column) in self.grid.free.iter().zip(columns) {
+            self.coefficients
+                .column_mut(*function)
+                .copy_from_slice(column);
+        }
         if self.free_horizon.is_some() {
             self.horizon = x[own];
-            let last = self.coefficients.ncols() - 2;
-            let fixed = if self.free_slope { 1 } else { 2 };
-            for column in [0, last].into_iter().take(fixed) {
+            for column in self.basis.fixed_slopes() {
                 let slope = self.rates.column(column) * self.horizon;
                 self.coefficients.set_column(column, &slope);
             }
@@ -302,7 +304,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let (count, states) = (integrand.rows.count(), integrand.rows.states());
         let attributes = integrand.rows.attributes();
         let (last, with_ends) = (grid.times.len() - 1, grid.times[0] == 0.0);
-        let is_fixed = |g| with_ends && (g == 0 || (g == last && !self.free_slope));
+        let free_slope = self.basis.continuity().free_final_velocity;
+        let is_fixed = |g| with_ends && (g == 0 || (g == last && !free_slope));
         self.working.clear();
         self.working.resize(h.len(), false);
         let mut rows = Vec::new();

@@ -1,6 +1,7 @@
 //! Derivatives of a closure by dual numbers.
 
 use super::{HyperDual64, RunningCost, StageDerivatives, StageInput};
+use crate::constraint::still;
 use crate::error::Result;
 
 /// A running cost given as a closure over dual numbers; see
@@ -25,13 +26,6 @@ impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
             u: &y[3 * n..],
         })
     }
-}
-
-/// Time and $y$ as constants.
-fn still(at: &StageInput<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
-    let parts = [at.q, at.v, at.a, at.u].into_iter().flatten();
-    let y = parts.map(|x| HyperDual64::from(*x)).collect();
-    (HyperDual64::from(at.t), y)
 }
 
 impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> RunningCost for AutodiffCost<F> {

@@ -5,6 +5,7 @@ mod chain_rule;
 mod composition;
 mod weighted_squares;
 
+pub use crate::constraint::{StageDerivatives, StageInput};
 pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
 pub use composition::Weighted;
@@ -15,43 +16,7 @@ use super::{ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, 
 use crate::error::{Error, Result};
 use crate::linalg::positive_part;
 use crate::model::Model;
-use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DVector};
-
-/// A motion at one time, with its control.
-#[derive(Clone, Copy, Debug)]
-pub struct StageInput<'a, S> {
-    /// Time, s.
-    pub t: S,
-    /// The configuration, rad or m, `N` entries.
-    pub q: &'a [S],
-    /// The velocity, rad/s or m/s.
-    pub v: &'a [S],
-    /// The acceleration, rad/s^2 or m/s^2.
-    pub a: &'a [S],
-    /// The control $u = ID(q, v, a)$, N m or N.
-    pub u: &'a [S],
-}
-
-/// The derivatives of a running cost in $y = [q; v; a; u]$, with the control as an independent variable.
-#[derive(Clone, Debug)]
-pub struct StageDerivatives<S: Scalar> {
-    /// $\partial l / \partial y$, `4 N` entries.
-    pub gradient: DVector<S>,
-    /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both triangles.
-    pub hessian: DMatrix<S>,
-}
-
-impl<S: Scalar> StageDerivatives<S> {
-    /// Zeros for a model with `n` joints.
-    #[must_use]
-    pub fn new(n: usize) -> Self {
-        Self {
-            gradient: DVector::zeros(4 * n),
-            hessian: DMatrix::zeros(4 * n, 4 * n),
-        }
-    }
-}
+use nalgebra::DMatrix;
 
 /// A running cost $l(t, q, v, a, u)$ with analytic derivatives. [`CostThroughDynamics::new`] accepts a closure without
 /// derivatives.

@@ -41,12 +41,12 @@ pub(in crate::relax) fn refine(
         costs: vec![found.cost],
         converged: false,
     };
-    let (segments, free_end) = (found.path.basis.segments(), settings.free_final_velocity);
+    let (segments, continuity) = (found.path.basis.segments(), found.path.basis.continuity());
     for degree in RelaxSettings::higher_degrees(&found.path.basis) {
         if !found.converged || adapted.converged {
             break;
         }
-        let higher = next(&found, Basis::new(segments, degree, free_end))?;
+        let higher = next(&found, Basis::new(segments, degree, continuity))?;
         adapted.degrees.push(degree);
         adapted.costs.push(higher.cost);
         if !higher.converged {

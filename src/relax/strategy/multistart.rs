@@ -68,8 +68,8 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
     let passive = context.rows.constraints.torque.has_passive();
     // A start is a single polynomial, whatever it is to become.
-    let free_end = settings.free_final_velocity;
-    let line = Basis::new(1, rungs[0].basis.degree(), free_end);
+    let basis = &rungs[0].basis;
+    let line = Basis::new(1, basis.degree(), basis.continuity());
     let line = Path::line(context.problem, line);
     // Who asks for a start that keeps the constraints is content with a motion that does.
     let content = settings.planned_starts == PlannedStarts::First;

@@ -112,10 +112,10 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         };
         let segments = PLANNED_SEGMENTS.max(path.len() - 1);
         let basis = if self.settings.segments >= segments {
-            self.settings.basis()
+            self.settings.basis(problem)
         } else {
-            let free_end = self.settings.free_final_velocity;
-            Basis::new(segments, PLANNED_DEGREE, free_end)
+            let continuity = self.settings.continuity(problem);
+            Basis::new(segments, PLANNED_DEGREE, continuity)
         };
         along(problem, constraint, &path, basis, &plans).map(Some)
     }
@@ -129,8 +129,8 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         }
     }
 
-    /// The horizon of the problem, or a longer one up to `longest`, until velocities and torques of a start satisfy
-    /// their limits.
+    /// The horizon of the problem, or a longer one up to `longest`, until the rows of a start are
+    /// satisfied.
     fn horizon(&self, start: &Path, problem: &Problem<'_>, longest: f64) -> Result<f64> {
         let (mut horizon, mut rows) = (problem.horizon(), self.context.rows.clone());
         let basis = &start.basis;
@@ -138,6 +138,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         while horizon < longest {
             let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
             let mut states = DMatrix::zeros(n, grid.table.ncols());
+            let mut jerks = Some(DMatrix::zeros(n, grid.points()));
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;
             let path = start
@@ -145,7 +146,10 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 .between_ends_of(&problem.with_horizon(horizon)?);
             for e in 0..basis.segments() {
                 place(&path.coefficients, grid.first(e), &grid.table, &mut states);
-                let mut here = points(&grid, &grid.times, &states, e);
+                if let Some(jerks) = &mut jerks {
+                    place(&path.coefficients, grid.first(e), &grid.thirds[0], jerks);
+                }
+                let mut here = points(&grid, &grid.times, &states, &jerks, e);
                 here.first = 0;
                 rows.of_all(here, &mut h)?;
                 kept &= h.iter().all(|h| *h <= 0.0);

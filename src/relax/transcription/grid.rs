@@ -15,8 +15,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 pub struct Grid<S: Scalar> {
     /// The number of segments.
     pub(in crate::relax) segments: usize,
-    /// The functions with unknown coefficients.
-    pub(in crate::relax) free: Range<usize>,
+    /// The number of functions per breakpoint.
+    shared: usize,
+    /// The functions with unknown coefficients, ascending.
+    pub(in crate::relax) free: Vec<usize>,
+    /// The unknown of each function, if it has one.
+    pub(in crate::relax) unknown: Vec<Option<usize>>,
     /// Times of the points, s, segment by segment.
     pub(in crate::relax) times: Vec<S>,
     /// Weights of the points of a segment.
@@ -28,6 +32,9 @@ pub struct Grid<S: Scalar> {
     pub(in crate::relax) table: DMatrix<S>,
     /// Its transpose.
     pub(in crate::relax) transposed: DMatrix<S>,
+    /// The third derivatives at each point, one row per function, and their transpose; no entries for arbitrary
+    /// functions.
+    pub(in crate::relax) thirds: [DMatrix<S>; 2],
     /// Pairs of functions of a segment, the first not before the second, in the order of the rows of `products`.
     pub(in crate::relax) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
@@ -149,8 +156,10 @@ impl Grid<f64> {
     /// Tabulates at these points of each segment.
     fn at(basis: &Basis, nodes: Vec<Node>, horizon: f64) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * nodes.len());
+        let mut thirds = DMatrix::zeros(basis.degree() + 1, nodes.len());
         for (g, node) in nodes.iter().enumerate() {
             let local = basis.local(node.at);
+            thirds.set_column(g, &(local.row(3).transpose() / horizon.powi(3)));
             for d in 0..3 {
                 let scaled = local.row(d).transpose() / horizon.powi(d as i32);
                 table.set_column(3 * g + d, &scaled);
@@ -162,8 +171,10 @@ impl Grid<f64> {
         let weights = nodes.iter().map(|node| node.weight * length).collect();
         Self {
             collocated: nodes.iter().map(|node| node.collocated).collect(),
+            thirds: [thirds.clone(), thirds.transpose()],
             ..Self::from_table(
                 basis.segments(),
+                basis.continuity().order(),
                 basis.free(),
                 times.collect(),
                 weights,
@@ -177,29 +188,35 @@ impl<S: Scalar> Grid<S> {
     /// A grid of arbitrary functions: the identities of the assembly hold for any.
     pub(crate) fn from_table(
         segments: usize,
-        free: Range<usize>,
+        shared: usize,
+        free: Vec<usize>,
         times: Vec<S>,
         weights: Vec<S>,
         table: DMatrix<S>,
     ) -> Self {
         let functions = table.nrows();
         // On a single segment the fixed functions have no part in the Hessian.
-        let needed = if segments == 1 {
-            free.clone()
-        } else {
-            0..functions
+        let needed = match segments {
+            1 => free.clone(),
+            _ => (0..functions).collect(),
         };
-        let pairs: Vec<_> = needed
-            .clone()
-            .flat_map(|b| (b..needed.end).map(move |a| (a, b)))
-            .collect();
+        let pairs = needed.iter().enumerate();
+        let pairs = pairs.flat_map(|(i, b)| needed[i..].iter().map(move |a| (*a, *b)));
+        let pairs = pairs.collect();
+        let mut unknown = vec![None; segments * (functions - shared) + shared];
+        for (index, function) in free.iter().enumerate() {
+            unknown[*function] = Some(index);
+        }
         Self {
             segments,
+            shared,
             free,
+            unknown,
             times,
             collocated: vec![false; weights.len()],
             weights,
             transposed: table.transpose(),
+            thirds: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
             table,
             pairs,
             products: OnceLock::new(),
@@ -214,7 +231,15 @@ impl<S: Scalar> Grid<S> {
         let table = self.table.map(&f);
         Grid {
             collocated: self.collocated.clone(),
-            ..Grid::from_table(self.segments, self.free.clone(), times, weights, table)
+            thirds: [0, 1].map(|i| self.thirds[i].map(&f)),
+            ..Grid::from_table(
+                self.segments,
+                self.shared,
+                self.free.clone(),
+                times,
+                weights,
+                table,
+            )
         }
     }
 
@@ -233,16 +258,26 @@ impl<S: Scalar> Grid<S> {
     /// The number of functions, those of the boundary conditions included.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.first(self.segments) + 2
+        self.first(self.segments) + self.shared
     }
 
     /// The first function of segment `e`.
     pub(in crate::relax) fn first(&self, e: usize) -> usize {
-        e * (self.table.nrows() - 2)
+        e * (self.table.nrows() - self.shared)
     }
 
-    /// The unknown functions that segment `e` owns alone or shares with the next: a block of the Hessian.
+    /// The number of functions per breakpoint.
+    pub(in crate::relax) fn shared(&self) -> usize {
+        self.shared
+    }
+
+    /// The unknowns that segment `e` owns alone or shares with the next: a block of the Hessian.
     pub(in crate::relax) fn block(&self, e: usize) -> Range<usize> {
-        self.first(e) + 2..(self.first(e + 1) + 2).min(self.free.end)
+        let before = |function| self.free.partition_point(|free| *free < function);
+        let first = match e {
+            0 => 0,
+            _ => self.first(e) + self.shared,
+        };
+        before(first)..before(self.first(e + 1) + self.shared)
     }
 }

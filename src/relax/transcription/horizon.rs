@@ -84,4 +84,39 @@ impl<S: Scalar> Moving<'_, S> {
         scale(&mut mixed, horizon);
         mixed
     }
+
+    /// Does the same for the part of a cost in the jerk $z = T^{-3} \dddot\phi c$, with the first derivatives in it and the
+    /// second ones in `at`. The cost itself is part of [`integrate`](Self::integrate).
+    pub fn integrate_jerk(
+        &self,
+        e: usize,
+        jerks: &DMatrix<S>,
+        at: &PointsDerivatives<S>,
+        out: &mut HorizonDerivatives<S>,
+    ) -> DMatrix<S> {
+        let Self {
+            grid,
+            horizon,
+            rates,
+        } = *self;
+        let (n, [two, three]) = (rates.nrows(), [2.0, 3.0].map(S::from_f64));
+        let scale = S::one() / (horizon * horizon * horizon);
+        let mut moved = DMatrix::zeros(n, grid.points());
+        place(rates, grid.first(e), &grid.thirds[0], &mut moved);
+        moved *= scale;
+        let mut mixed = DMatrix::zeros(n, grid.points());
+        let [slopes, curvatures] = &at.by_jerk;
+        for (g, weight) in grid.weights.iter().enumerate() {
+            for i in 0..n {
+                let (slope, bend, jerk) = (slopes[(i, g)], curvatures[(i, g)], jerks[(i, g)]);
+                let first = moved[(i, g)] - three / horizon * jerk;
+                let second = three / horizon * (jerk / horizon - moved[(i, g)] - first);
+                out.first += *weight * horizon * slope * first;
+                let squares = slope * second + bend * first * first;
+                out.second += *weight * (two * slope * first + horizon * squares);
+                mixed[(i, g)] = *weight * scale * (horizon * bend * first - two * slope);
+            }
+        }
+        mixed
+    }
 }

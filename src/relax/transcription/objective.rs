@@ -28,6 +28,8 @@ pub struct Objective<'g, S: Scalar, P> {
     times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
+    /// The rate of the acceleration at the points of a segment, if the cost needs it.
+    jerks: Option<DMatrix<S>>,
     costs: Vec<S>,
     /// Allocated when derivatives are first requested.
     room: Option<Room<S>>,
@@ -60,7 +62,7 @@ impl<S: Scalar> Derivatives<S> {
         let sizes: Vec<_> = (0..grid.segments)
             .map(|e| grid.block(e).len() * dof)
             .collect();
-        let matrix = BlockTridiagonal::new(&sizes, 2 * dof);
+        let matrix = BlockTridiagonal::new(&sizes, grid.shared() * dof);
         Self {
             gradient: DVector::zeros(grid.free.len() * dof),
             hessian: matrix.clone(),
@@ -81,6 +83,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let points = grid.points();
         Self {
             grid,
+            jerks: cost.needs_jerk().then(|| DMatrix::zeros(dof, points)),
             cost,
             dof,
             horizon: S::one(),
@@ -136,14 +139,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         self.check(coefficients)?;
         let mut sum = S::zero();
         for e in 0..self.grid.segments {
-            place(
-                coefficients,
-                self.grid.first(e),
-                &self.grid.table,
-                &mut self.states,
-            );
-            scale(&mut self.states, self.horizon);
-            let here = points(self.grid, &self.times, &self.states, e);
+            self.place(coefficients, e);
+            let here = points(self.grid, &self.times, &self.states, &self.jerks, e);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
@@ -192,9 +189,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let (grid, dof, horizon) = (self.grid, self.dof, self.horizon);
         let mut sum = S::zero();
         for e in 0..grid.segments {
-            place(coefficients, grid.first(e), &grid.table, &mut self.states);
-            scale(&mut self.states, horizon);
-            let here = points(grid, &self.times, &self.states, e);
+            self.place(coefficients, e);
+            let here = points(grid, &self.times, &self.states, &self.jerks, e);
             let Room {
                 at_points,
                 sums,
@@ -218,6 +214,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                 }
                 multiply(&mixed, &grid.transposed, gradient);
                 add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                if let Some(jerks) = here.jerks {
+                    let mixed = moving.integrate_jerk(e, jerks, at_points, &mut out.horizon);
+                    multiply(&mixed, &grid.thirds[1], gradient);
+                    add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                }
             }
             for (g, weight) in grid.weights.iter().enumerate() {
                 let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
@@ -226,10 +227,24 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             scale(&mut at_points.gradients, horizon);
             multiply(&at_points.gradients, &grid.transposed, gradient);
             add_gradient(grid, gradient, e, &mut out.gradient);
+            let mut of_jerk = None;
+            if here.jerks.is_some() {
+                let (by_jerk, squares) = jerk_products(grid, horizon, &mut at_points.by_jerk);
+                multiply(&by_jerk, &grid.thirds[1], gradient);
+                add_gradient(grid, gradient, e, &mut out.gradient);
+                of_jerk = Some(squares);
+            }
             at_points
                 .hessians
-                .integrate(grid, horizon, sums, |pair, block| {
-                    put_block(grid, block, e, pair, &mut out.hessian);
+                .integrate(grid, horizon, sums, |pair, block| match &of_jerk {
+                    None => put_block(grid, block, e, pair, &mut out.hessian),
+                    Some(squares) => {
+                        let mut block = block.clone();
+                        for i in 0..dof {
+                            block[(i, i)] += squares[(i, pair)];
+                        }
+                        put_block(grid, &block, e, pair, &mut out.hessian);
+                    }
                 });
             if with_metric {
                 at_points
@@ -267,6 +282,17 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         gram
     }
 
+    /// Computes the curve at the points of segment `e`.
+    fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
+        let (grid, first) = (self.grid, self.grid.first(e));
+        place(coefficients, first, &grid.table, &mut self.states);
+        scale(&mut self.states, self.horizon);
+        if let Some(jerks) = &mut self.jerks {
+            place(coefficients, first, &grid.thirds[0], jerks);
+            *jerks *= S::one() / (self.horizon * self.horizon * self.horizon);
+        }
+    }
+
     fn check(&self, coefficients: &DMatrix<S>) -> Result<()> {
         check_length("coefficients", self.dof, coefficients.nrows())?;
         check_length("coefficients", self.grid.count(), coefficients.ncols())
@@ -297,10 +323,10 @@ pub(in crate::relax) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
 
 /// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
 fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
-    let (n, first, free) = (gradient.nrows(), grid.first(e), &grid.free);
+    let (n, first) = (gradient.nrows(), grid.first(e));
     for (m, column) in gradient.column_iter().enumerate() {
-        if free.contains(&(first + m)) {
-            let mut target = out.rows_mut((first + m - free.start) * n, n);
+        if let Some(unknown) = grid.unknown[first + m] {
+            let mut target = out.rows_mut(unknown * n, n);
             target += column;
         }
     }
@@ -315,23 +341,27 @@ fn put_block<S: Scalar>(
     pair: usize,
     out: &mut BlockTridiagonal<S>,
 ) {
-    let (n, first, free, (a, b)) = (block.nrows(), grid.first(e), &grid.free, grid.pairs[pair]);
-    if !(free.contains(&(first + a)) && free.contains(&(first + b))) {
+    let (n, first, (a, b)) = (block.nrows(), grid.first(e), grid.pairs[pair]);
+    let unknowns = (grid.unknown[first + a], grid.unknown[first + b]);
+    let (Some(row), Some(column)) = unknowns else {
         return;
-    }
-    // Functions 0 and 1 of a segment are the last two of the block before.
-    let (target, (row, column)) = match (a < 2, b < 2) {
-        (false, false) => (&mut out.diagonal[e], ((a - 2) * n, (b - 2) * n)),
-        (false, true) => (&mut out.coupling[e - 1], ((a - 2) * n, b * n)),
+    };
+    // The first functions of a segment are the last ones of the block before.
+    let (own, shared) = (grid.block(e).start, grid.shared());
+    let (target, row, column) = match (e > 0 && a < shared, e > 0 && b < shared) {
+        (false, false) => (&mut out.diagonal[e], row - own, column - own),
+        (false, true) => (&mut out.coupling[e - 1], row - own, column + shared - own),
         (true, _) => {
-            let matrix = &mut out.diagonal[e - 1];
-            let tail = matrix.nrows() - 2 * n;
-            let mut target = matrix.view_mut((tail + a * n, tail + b * n), (n, n));
+            let start = grid.block(e - 1).start;
+            let at = ((row - start) * n, (column - start) * n);
+            let mut target = out.diagonal[e - 1].view_mut(at, (n, n));
             target += block;
             return;
         }
     };
-    target.view_mut((row, column), (n, n)).copy_from(block);
+    target
+        .view_mut((row * n, column * n), (n, n))
+        .copy_from(block);
 }
 
 /// Computes the curve of the functions from `first` on by `table`.
@@ -345,11 +375,37 @@ pub(in crate::relax) fn place<S: Scalar>(
     multiply(&own, table, states);
 }
 
+/// Multiplies the first derivatives in the jerk by their weights; returns them, and the second derivatives summed over
+/// the points with the products of each pair of functions, `N` by pairs.
+fn jerk_products<S: Scalar>(
+    grid: &Grid<S>,
+    horizon: S,
+    [first, second]: &mut [DMatrix<S>; 2],
+) -> (DMatrix<S>, DMatrix<S>) {
+    let rate = S::one() / (horizon * horizon * horizon);
+    let mut by_jerk = first.clone();
+    let thirds = &grid.thirds[0];
+    for (g, weight) in grid.weights.iter().enumerate() {
+        let mut column = by_jerk.column_mut(g);
+        column *= *weight * horizon * rate;
+        let mut column = second.column_mut(g);
+        column *= *weight * horizon * rate * rate;
+    }
+    let products = DMatrix::from_fn(grid.points(), grid.pairs.len(), |g, pair| {
+        let (a, b) = grid.pairs[pair];
+        thirds[(a, g)] * thirds[(b, g)]
+    });
+    let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
+    multiply(second, &products, &mut squares);
+    (by_jerk, squares)
+}
+
 /// The input of the running cost at the points of segment `e`.
 pub(in crate::relax) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     times: &'a [S],
     states: &'a DMatrix<S>,
+    jerks: &'a Option<DMatrix<S>>,
     e: usize,
 ) -> Points<'a, S> {
     let first = e * grid.points();
@@ -357,5 +413,6 @@ pub(in crate::relax) fn points<'a, S: Scalar>(
         first,
         times: &times[first..first + grid.points()],
         states,
+        jerks: jerks.as_ref(),
     }
 }

@@ -143,6 +143,18 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
+    /// Adds to the second derivative in the acceleration of joint `i` at point `g`.
+    pub(in crate::relax) fn add_acceleration(&mut self, g: usize, i: usize, second: S) {
+        let (at, _) = self.columns(i, i);
+        self.symmetric[(index(2, 2) * self.room + g, at)] += second;
+    }
+
+    /// Adds the lower triangle of a matrix in $z$, `3 N` by `3 N`, to that of point `g`.
+    pub(in crate::relax) fn add_full(&mut self, g: usize, matrix: &DMatrix<S>) {
+        let sum = self.get(g) + matrix;
+        self.set(g, &sum);
+    }
+
     /// Overwrites the matrix of point `g`.
     pub fn set(&mut self, g: usize, matrix: &DMatrix<S>) {
         let n = self.dof;

@@ -32,6 +32,7 @@ impl<'a, S: Scalar> Point<'a, S> {
             first: self.index,
             times: std::slice::from_ref(&self.time),
             states,
+            jerks: None,
         }
     }
 }
@@ -45,6 +46,8 @@ pub struct Points<'a, S: Scalar> {
     pub times: &'a [S],
     /// $q, v, a$ at each point, one column each: `N` by `3 M`.
     pub states: &'a DMatrix<S>,
+    /// The rate of the acceleration at each point, `N` by `M`, if the cost [needs](PointCost::needs_jerk) it.
+    pub jerks: Option<&'a DMatrix<S>>,
 }
 
 impl<'a, S: Scalar> Points<'a, S> {
@@ -115,6 +118,9 @@ pub struct PointsDerivatives<S: Scalar> {
     pub metrics: PackedHessian<S>,
     /// True if the metrics are needed.
     pub with_metrics: bool,
+    /// The first derivatives in the jerk at each point and the second ones, those of different joints being zero: `N`
+    /// by `M`. Not used unless the cost [needs](PointCost::needs_jerk) it.
+    pub by_jerk: [DMatrix<S>; 2],
 }
 
 impl<S: Scalar> PointsDerivatives<S> {
@@ -128,6 +134,7 @@ impl<S: Scalar> PointsDerivatives<S> {
             metrics: hessians.clone(),
             hessians,
             with_metrics: true,
+            by_jerk: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
         }
     }
 
@@ -169,6 +176,11 @@ pub trait PointCost<S: Scalar> {
     fn time_rate(&mut self, point: Point<'_, S>) -> Result<S> {
         let _ = point;
         Ok(S::zero())
+    }
+
+    /// Returns true if $l$ depends on the rate of the acceleration too. False by default.
+    fn needs_jerk(&self) -> bool {
+        false
     }
 
     /// Computes $l$ at all points into `costs`, `M` entries.

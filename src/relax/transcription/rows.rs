@@ -2,7 +2,8 @@
 
 use super::{CostWithControl, Points};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, RowKind, WeightedDerivatives, Weights,
+    Constraint, Constraints, Evaluator, RateLimit, RowKind, StageInput, WeightedDerivatives,
+    Weights,
 };
 use crate::error::Result;
 use crate::model::Model;
@@ -12,7 +13,10 @@ use nalgebra::DMatrix;
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
 #[derive(Debug)]
 pub(in crate::relax) struct Rows<'a, K, P> {
+    pub model: &'a Model,
     pub constraints: &'a Constraints<K>,
+    /// The limits of acceleration and jerk, after the rows of state and torque.
+    pub rates: Vec<RateLimit>,
     /// The running cost.
     pub cost: P,
     /// The controls at the points.
@@ -41,7 +45,9 @@ pub(in crate::relax) struct Attributes {
 impl<K, P: Clone> Clone for Rows<'_, K, P> {
     fn clone(&self) -> Self {
         Self {
+            model: self.model,
             constraints: self.constraints,
+            rates: self.rates.clone(),
             cost: self.cost.clone(),
             controls: self.controls.clone(),
             evaluator: self.evaluator.clone(),
@@ -54,10 +60,8 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
 
 impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
-        let Constraints { state, torque } = constraints;
-        if torque.dim() > 0 {
-            torque.check(model)?;
-        }
+        constraints.check(model)?;
+        let state = &constraints.state;
         let n = model.dof();
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
@@ -72,7 +76,9 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             scales,
         };
         Ok(Self {
+            model,
             constraints,
+            rates: constraints.stage.rates().collect(),
             cost,
             controls: DMatrix::zeros(n, 0),
             evaluator: Evaluator::new(model),
@@ -97,36 +103,72 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         &self.attributes
     }
 
+    /// Returns true if any row depends on the control.
+    fn with_control(&self) -> bool {
+        let Constraints { torque, stage, .. } = self.constraints;
+        torque.dim() > 0 || !stage.others.is_empty()
+    }
+
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;
-        let torque = &self.constraints.torque;
-        if torque.dim() == 0 {
+        self.of_rates(points, h);
+        if !self.with_control() {
             return self.cost.values(points, costs);
         }
         let (states, count) = (self.states(), self.count());
+        let Constraints { torque, stage, .. } = self.constraints;
+        let rates = states + torque.dim();
         if self.controls.ncols() < points.count() {
             self.controls = DMatrix::zeros(points.states.nrows(), points.count());
         }
         self.cost
             .values_with_control(points, costs, &mut self.controls)?;
-        for (h, u) in h.chunks_exact_mut(count).zip(self.controls.column_iter()) {
-            let h = &mut h[states..];
-            torque.value(u.as_slice(), h)?;
-            for (h, scale) in h.iter_mut().zip(&self.attributes.scales[states..]) {
+        let scales = &self.attributes.scales;
+        for (g, (h, u)) in h
+            .chunks_exact_mut(count)
+            .zip(self.controls.column_iter())
+            .enumerate()
+        {
+            if rates > states {
+                torque.value(u.as_slice(), &mut h[states..rates])?;
+            }
+            for (h, scale) in h[states..rates].iter_mut().zip(&scales[states..]) {
                 *h *= scale;
+            }
+            for (first, other) in stage.others() {
+                let own = rates + first..rates + first + other.dim();
+                other.value(&stage_input(points, g, u.as_slice()), &mut h[own.clone()])?;
+                for (h, scale) in h[own.clone()].iter_mut().zip(&scales[own]) {
+                    *h *= scale;
+                }
             }
         }
         Ok(())
     }
 
+    /// Computes the rows of acceleration and jerk.
+    fn of_rates(&self, points: Points<'_, f64>, h: &mut [f64]) {
+        let first = self.constraints.first_of_stage();
+        let rows = h.chunks_exact_mut(self.count().max(1)).take(points.count());
+        for (g, h) in rows.enumerate() {
+            for (h, rate) in h[first..].iter_mut().zip(&self.rates) {
+                let of_joint = match points.jerks {
+                    Some(jerks) if rate.order == 3 => jerks[(rate.joint, g)],
+                    _ => points.states[(rate.joint, 3 * g + 2)],
+                };
+                *h = rate.sign() * of_joint / rate.limit - 1.0;
+            }
+        }
+    }
+
     /// Computes the rows without the running cost, which is skipped if only the state has constraints.
     pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        if self.constraints.torque.dim() > 0 {
-            self.at(points, h, &mut vec![0.0; points.count()])
-        } else {
-            self.of_state(points, h)
+        if self.with_control() {
+            return self.at(points, h, &mut vec![0.0; points.count()]);
         }
+        self.of_rates(points, h);
+        self.of_state(points, h)
     }
 
     /// Computes the rows of the state alone and leaves those of the control unchanged.
@@ -163,5 +205,22 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let own = 2 * points.states.nrows();
         self.evaluator
             .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
+    }
+}
+
+/// A point with its control.
+pub(in crate::relax) fn stage_input<'a>(
+    points: Points<'a, f64>,
+    g: usize,
+    u: &'a [f64],
+) -> StageInput<'a, f64> {
+    let n = points.states.nrows();
+    let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
+    StageInput {
+        t: points.times[g],
+        q: &state[..n],
+        v: &state[n..2 * n],
+        a: &state[2 * n..],
+        u,
     }
 }

@@ -13,6 +13,8 @@ pub(in crate::relax) struct Scan {
     basis: Basis,
     /// Value, first and second derivative in normalised time at each time of a segment.
     table: DMatrix<f64>,
+    /// Third derivatives.
+    thirds: DMatrix<f64>,
     intervals: usize,
 }
 
@@ -29,15 +31,18 @@ impl Scan {
     /// Tabulates `basis` at `intervals` intervals per segment.
     pub fn new(basis: &Basis, intervals: usize) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
+        let mut thirds = DMatrix::zeros(basis.degree() + 1, intervals + 1);
         for k in 0..=intervals {
             let local = basis.local(2.0 * k as f64 / intervals as f64 - 1.0);
             for d in 0..3 {
                 table.set_column(3 * k + d, &local.row(d).transpose());
             }
+            thirds.set_column(k, &local.row(3).transpose());
         }
         Self {
             basis: basis.clone(),
             table,
+            thirds,
             intervals,
         }
     }
@@ -55,12 +60,10 @@ impl Scan {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = 1.0 / (segments * self.intervals) as f64;
-        // Three neighbours in time; a value from beyond the ends is below all. The control may jump where two segments
-        // meet, so each has ends of its own: after the last value of one `here` is below all again.
-        let below = vec![f64::NEG_INFINITY; count];
-        let [mut before, mut here, mut next] = [below.clone(), below.clone(), below.clone()];
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
         let mut uncertain = Vec::new();
+        let with_jerk = rows.constraints.stage.has_jerk();
+        let mut jerks = with_jerk.then(|| DMatrix::zeros(n, self.intervals + 1));
         let mut h = vec![0.0; count * (self.intervals + 1)];
         for segment in 0..segments {
             place(
@@ -70,6 +73,10 @@ impl Scan {
                 &mut states,
             );
             scale(&mut states, horizon);
+            if let Some(jerks) = &mut jerks {
+                place(coefficients, self.basis.first(segment), &self.thirds, jerks);
+                *jerks *= horizon.powi(-3);
+            }
             let first = segment * self.intervals;
             let times: Vec<_> = (0..=self.intervals)
                 .map(|k| (first + k) as f64 * interval * horizon)
@@ -78,41 +85,35 @@ impl Scan {
                 first: 0,
                 times: &times,
                 states: &states,
+                jerks: jerks.as_ref(),
             };
             rows.of_all(points, &mut h)?;
-            for k in 0..=self.intervals + 1 {
-                if k <= self.intervals {
-                    next.copy_from_slice(&h[k * count..(k + 1) * count]);
-                } else {
-                    next.copy_from_slice(&below);
-                }
-                for row in 0..count {
-                    let (a, b, c) = (before[row], here[row], next[row]);
-                    if k == 0 || b <= floor || a > b || c >= b || rows.attributes().equalities[row]
-                    {
-                        continue;
-                    }
-                    let time = (first + k - 1) as f64 * interval;
-                    let mut peak = Peak {
+            // The control may jump where two segments meet, so each has ends of its own.
+            for k in 1..self.intervals {
+                let time = (first + k) as f64 * interval;
+                let times = [time - interval, time, time + interval];
+                for row in (0..count).filter(|row| !rows.attributes().equalities[*row]) {
+                    let values = [k - 1, k, k + 1].map(|k| h[k * count + row]);
+                    let bracket = Bracket { times, values };
+                    let peak = |(time, height)| Peak {
                         row,
                         segment,
                         time,
-                        height: b,
+                        height,
                     };
-                    let bracket = Bracket {
-                        times: [time - interval, time, time + interval],
-                        values: [a, b, c],
-                    };
-                    if bracket.is_valid() {
-                        (peak.time, peak.height) = bracket.vertex();
-                        if bracket.may_exceed(0.0) {
+                    if k == 1 && values[0] > floor && values[0] > values[1] {
+                        found.push(peak(bracket.at_end(0)));
+                    }
+                    if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
+                        if bracket.is_valid() && bracket.may_exceed(0.0) {
                             uncertain.push((found.len(), bracket));
                         }
+                        found.push(peak(bracket.vertex()));
                     }
-                    found.push(peak);
+                    if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
+                        found.push(peak(bracket.at_end(2)));
+                    }
                 }
-                std::mem::swap(&mut before, &mut here);
-                std::mem::swap(&mut here, &mut next);
             }
         }
         if !uncertain.is_empty() {
@@ -134,13 +135,15 @@ impl Scan {
     ) -> Result<()> {
         let (n, count, segments) = (coefficients.nrows(), rows.count(), self.basis.segments());
         let mut states = DMatrix::zeros(n, 3 * uncertain.len());
-        let (mut one, mut times) = (DMatrix::zeros(n, 3), Vec::new());
+        let (mut one, mut times) = (DMatrix::zeros(n, 4), Vec::new());
+        let mut jerks = DMatrix::zeros(n, uncertain.len());
         for (k, (at, bracket)) in uncertain.iter().enumerate() {
             let (segment, time) = (found[*at].segment, bracket.next());
             let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
             let table = self.basis.local(local).transpose();
             place(coefficients, self.basis.first(segment), &table, &mut one);
-            states.columns_mut(3 * k, 3).copy_from(&one);
+            states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
+            jerks.set_column(k, &(one.column(3) * horizon.powi(-3)));
             times.push(time * horizon);
         }
         scale(&mut states, horizon);
@@ -149,6 +152,7 @@ impl Scan {
             first: 0,
             times: &times,
             states: &states,
+            jerks: Some(&jerks),
         };
         rows.of_all(points, &mut h)?;
         for (k, (at, bracket)) in uncertain.iter_mut().enumerate() {

@@ -182,6 +182,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                 AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
             ],
             torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: Penalty {

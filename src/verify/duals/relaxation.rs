@@ -1,7 +1,7 @@
 //! The relation between the relaxation and the flow, checked on any robot.
 
 use super::{At, CheckOptions, Finding, Findings, State, extreme_eigenvalues};
-use crate::curve::{Basis, gauss_legendre};
+use crate::curve::{Basis, Continuity, gauss_legendre};
 use crate::dynamics::{Data, crba, rnea};
 use crate::error::Result;
 use crate::flow::{ControlForm, Node, RightHandSide};
@@ -95,7 +95,7 @@ fn along<'a>(model: &Model, path: &Path, start: At<'a>) -> Result<At<'a>> {
 /// A random curve of two segments of degree 5 that begins in a random state and lasts one second. Everything but the
 /// start is scaled by `extent`.
 fn curve_about(state: &State, extent: f64) -> Path {
-    let basis = Basis::new(2, 5, false);
+    let basis = Basis::new(2, 5, Continuity::default());
     let n = state.x.len() / 2;
     let part = |x: &[f64], half: usize| DVector::from_column_slice(&x[half * n..(half + 1) * n]);
     let q = part(&state.x, 0);
@@ -109,8 +109,8 @@ fn curve_about(state: &State, extent: f64) -> Path {
     let bend = part(&state.xddot, 1) * extent;
     let mut coefficients = DMatrix::zeros(n, basis.count());
     for (e, (slope, away)) in slopes.iter().zip(&away).enumerate() {
-        coefficients.set_column(basis.first(e), slope);
-        coefficients.set_column(basis.first(e) + 1, &(&q + away));
+        coefficients.set_column(basis.slope(e), slope);
+        coefficients.set_column(basis.value(e), &(&q + away));
     }
     for (i, column) in [2, 3, 6, 7].into_iter().enumerate() {
         coefficients.set_column(column, &(&bend * (i as f64).cos()));
@@ -176,8 +176,8 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
         };
         let jump = control(e, -1.0)? - control(e - 1, 1.0)?;
         // At a breakpoint only the slope function has a nonzero slope, which is one.
-        let mut column = sum.column_mut(basis.first(e));
+        let mut column = sum.column_mut(basis.slope(e));
         column.axpy(-2.0, &(&h * jump), 1.0);
     }
-    Ok(sum.columns_range(basis.free()).into_owned())
+    Ok(sum.select_columns(&basis.free()))
 }

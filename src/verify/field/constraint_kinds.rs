@@ -81,6 +81,7 @@ pub(super) fn set(p: &RandomInstance) -> Set {
                 ])),
             ],
             torque: TorqueLimits((0..n).map(|i| (i % 3 == 0).then_some(p.w[i])).collect()),
+            stage: Default::default(),
         },
         weights: PenaltyWeights {
             state: pair(p),

@@ -64,7 +64,14 @@ impl Discretisation {
         });
         let scaled = |x: &[Gf]| x.iter().map(|x| horizon.scale(*x)).collect();
         let (times, weights) = (scaled(&self.times), scaled(&self.weights));
-        let grid = Grid::from_table(Self::SEGMENTS, Self::FREE, times, weights, table);
+        let grid = Grid::from_table(
+            Self::SEGMENTS,
+            2,
+            Self::FREE.collect(),
+            times,
+            weights,
+            table,
+        );
         let affine = |c: Gf, rate: Gf| S::lift(c) + horizon.scale(rate);
         (grid, self.coefficients.zip_map(&self.rates, affine))
     }

@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    EnforcedLimits, FlowParameters, Obstacle, ObstacleShape, PerJoint, Pose, RobotShape,
-    RunningCostWeights, ScenarioFile,
+    Continuous, EnforcedLimits, FlowParameters, Obstacle, ObstacleShape, PerJoint, Pose,
+    RobotShape, RunningCostWeights, ScenarioFile,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -291,6 +291,7 @@ impl Family {
             q_goal,
             v_goal,
             free_final_velocity: false,
+            continuity: Some(Continuous::Velocity),
             running_cost: Some(RunningCostWeights {
                 acceleration: PerJoint::Same(SMALL_ACCELERATION),
                 ..RunningCostWeights::default()

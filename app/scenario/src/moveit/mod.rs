@@ -127,6 +127,7 @@ impl MoveIt {
             q_goal,
             v_goal: zeros,
             free_final_velocity: false,
+            continuity: None,
             running_cost: None,
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,

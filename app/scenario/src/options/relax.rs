@@ -1,8 +1,8 @@
 //! The options of the relaxation.
 
 use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
-use crate::Scenario;
 use crate::schema::one_of;
+use crate::{Continuous, Scenario};
 use aghf::error::Result;
 use aghf::relax::{PlannedStarts, RelaxSettings};
 use schemars::JsonSchema;
@@ -64,6 +64,7 @@ impl RelaxOptions {
             time_limit: time_limit(self.time_limit_s)?,
             threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,
+            continuous_acceleration: scenario.continuity() == Continuous::Acceleration,
             free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
         })

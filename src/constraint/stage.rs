@@ -1,0 +1,384 @@
+//! Constraints on a motion at one time: limits of acceleration and jerk, and user-defined rows in $(t, q, v, a, u)$.
+
+use super::label::unit_of;
+use super::{RowKind, RowLabel, Side};
+use crate::error::{Error, Result, check_length};
+use crate::model::Model;
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+use num_dual::HyperDual64;
+use std::fmt;
+use std::sync::Arc;
+
+/// A motion at one time, with its control.
+#[derive(Clone, Copy, Debug)]
+pub struct StageInput<'a, S> {
+    /// Time, s.
+    pub t: S,
+    /// The configuration, rad or m, `N` entries.
+    pub q: &'a [S],
+    /// The velocity, rad/s or m/s.
+    pub v: &'a [S],
+    /// The acceleration, rad/s^2 or m/s^2.
+    pub a: &'a [S],
+    /// The control $u = ID(q, v, a)$, N m or N.
+    pub u: &'a [S],
+}
+
+/// The derivatives of a function of $y = [q; v; a; u]$, with the control as an independent variable.
+#[derive(Clone, Debug)]
+pub struct StageDerivatives<S: Scalar> {
+    /// $\partial l / \partial y$, `4 N` entries.
+    pub gradient: DVector<S>,
+    /// $\partial^2 l / \partial y^2$, `4 N` by `4 N`, both triangles.
+    pub hessian: DMatrix<S>,
+}
+
+impl<S: Scalar> StageDerivatives<S> {
+    /// Zeros for a model with `n` joints.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        Self {
+            gradient: DVector::zeros(4 * n),
+            hessian: DMatrix::zeros(4 * n, 4 * n),
+        }
+    }
+}
+
+/// Inequalities $g_j(t, q, v, a, u) \le 0$ along motions of a robot. [`StageRows`] accepts a closure without
+/// derivatives.
+///
+/// A row that concerns a part of the motion alone is a negative constant at other times.
+pub trait StageConstraint: fmt::Debug + Send + Sync {
+    /// The number of rows $g_j$.
+    fn dim(&self) -> usize;
+
+    /// Computes $g$ into `g`, [`dim`](Self::dim) entries. A positive value is a violation.
+    ///
+    /// # Errors
+    /// A slice of the input does not have `N` entries.
+    fn value(&self, at: &StageInput<'_, f64>, g: &mut [f64]) -> Result<()>;
+
+    /// Computes the gradient of each row in $y = [q; v; a; u]$ into the columns of `gradients`, `4 N` by
+    /// [`dim`](Self::dim), and adds $\sum_j \lambda_j\, \partial^2 g_j / \partial y^2$ to `hessian`, `4 N` by `4 N`.
+    ///
+    /// # Errors
+    /// A slice of the input does not have `N` entries.
+    fn derivatives(
+        &self,
+        at: &StageInput<'_, f64>,
+        multipliers: &[f64],
+        gradients: &mut DMatrix<f64>,
+        hessian: &mut DMatrix<f64>,
+    ) -> Result<()>;
+
+    /// Computes $\partial g_j / \partial t$ into `rates`, [`dim`](Self::dim) entries, which a free horizon needs for
+    /// rows that depend explicitly on time. Zero by default.
+    ///
+    /// # Errors
+    /// A slice of the input does not have `N` entries.
+    fn time_rates(&self, at: &StageInput<'_, f64>, rates: &mut [f64]) -> Result<()> {
+        let _ = at;
+        rates.fill(0.0);
+        Ok(())
+    }
+
+    /// The value of each row at a bad violation, in the unit of its label: rows are measured relative to it. One by
+    /// default.
+    fn scale(&self, row: usize) -> f64 {
+        let _ = row;
+        1.0
+    }
+
+    /// The name of row `row` and its unit, for reports. By default the number of the row, without a unit.
+    fn label(&self, row: usize, model: &Model) -> RowLabel {
+        let _ = model;
+        RowLabel::numbered(row)
+    }
+}
+
+/// Rows $g_j(t, q, v, a, u) \le 0$ given as a closure over dual numbers, with the number of rows and their scales.
+#[derive(Clone)]
+pub struct StageRows<F> {
+    name: String,
+    scales: Vec<f64>,
+    value: F,
+}
+
+impl<F: Fn(&StageInput<'_, HyperDual64>, &mut [HyperDual64])> StageRows<F> {
+    /// Rows computed by `value`, one for each of `scales`, positive values that are bad violations. Derivatives come
+    /// from dual numbers: about $8 N^2$ calls of the closure per point.
+    #[must_use]
+    pub fn new(name: &str, scales: Vec<f64>, value: F) -> Self {
+        let name = name.to_owned();
+        Self {
+            name,
+            scales,
+            value,
+        }
+    }
+
+    /// Evaluates the closure at time and $y$.
+    fn at(&self, t: HyperDual64, y: &[HyperDual64], g: &mut [HyperDual64]) {
+        let n = y.len() / 4;
+        let [q, v, a, u] = [0, 1, 2, 3].map(|part| &y[part * n..(part + 1) * n]);
+        (self.value)(&StageInput { t, q, v, a, u }, g);
+    }
+
+    fn zeros(&self) -> Vec<HyperDual64> {
+        vec![HyperDual64::from(0.0); self.scales.len()]
+    }
+}
+
+impl<F> fmt::Debug for StageRows<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "StageRows({})", self.name)
+    }
+}
+
+/// Time and $y$ as constants.
+pub(crate) fn still(at: &StageInput<'_, f64>) -> (HyperDual64, Vec<HyperDual64>) {
+    let parts = [at.q, at.v, at.a, at.u].into_iter().flatten();
+    let y = parts.map(|x| HyperDual64::from(*x)).collect();
+    (HyperDual64::from(at.t), y)
+}
+
+impl<F> StageConstraint for StageRows<F>
+where
+    F: Fn(&StageInput<'_, HyperDual64>, &mut [HyperDual64]) + Send + Sync,
+{
+    fn dim(&self) -> usize {
+        self.scales.len()
+    }
+
+    fn value(&self, at: &StageInput<'_, f64>, g: &mut [f64]) -> Result<()> {
+        check_length("g", self.dim(), g.len())?;
+        let ((t, y), mut found) = (still(at), self.zeros());
+        self.at(t, &y, &mut found);
+        for (g, found) in g.iter_mut().zip(found) {
+            *g = found.re;
+        }
+        Ok(())
+    }
+
+    fn derivatives(
+        &self,
+        at: &StageInput<'_, f64>,
+        multipliers: &[f64],
+        gradients: &mut DMatrix<f64>,
+        hessian: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        let ((t, mut y), mut g) = (still(at), self.zeros());
+        for i in 0..y.len() {
+            y[i].eps1 = 1.0;
+            for j in 0..=i {
+                y[j].eps2 = 1.0;
+                self.at(t, &y, &mut g);
+                y[j].eps2 = 0.0;
+                let rows = multipliers.iter().zip(&g);
+                let sum: f64 = rows.map(|(multiplier, g)| multiplier * g.eps1eps2).sum();
+                hessian[(i, j)] += sum;
+                if j < i {
+                    hessian[(j, i)] += sum;
+                }
+            }
+            for (row, g) in g.iter().enumerate() {
+                gradients[(i, row)] = g.eps1;
+            }
+            y[i].eps1 = 0.0;
+        }
+        Ok(())
+    }
+
+    fn time_rates(&self, at: &StageInput<'_, f64>, rates: &mut [f64]) -> Result<()> {
+        let ((mut t, y), mut g) = (still(at), self.zeros());
+        t.eps1 = 1.0;
+        self.at(t, &y, &mut g);
+        for (rate, g) in rates.iter_mut().zip(g) {
+            *rate = g.eps1;
+        }
+        Ok(())
+    }
+
+    fn scale(&self, row: usize) -> f64 {
+        self.scales[row]
+    }
+
+    fn label(&self, row: usize, _: &Model) -> RowLabel {
+        let name = match self.dim() {
+            1 => self.name.clone(),
+            _ => format!("row {row} of {}", self.name),
+        };
+        RowLabel {
+            name,
+            ..RowLabel::numbered(row)
+        }
+    }
+}
+
+/// All constraints on a motion at one time beyond those of state and torque; none by default.
+#[derive(Clone, Debug, Default)]
+pub struct StageConstraints {
+    /// Limits $|a_i| \le \bar a_i$ in rad/s^2 or m/s^2, one entry per joint; no entries if there are none.
+    pub acceleration: Vec<Option<f64>>,
+    /// Limits of the rate of the acceleration in rad/s^3 or m/s^3, one entry per joint; no entries if there are none.
+    pub jerk: Vec<Option<f64>>,
+    /// Any other rows.
+    pub others: Vec<Arc<dyn StageConstraint>>,
+}
+
+/// Other rows are equal if they are the same object.
+impl PartialEq for StageConstraints {
+    fn eq(&self, other: &Self) -> bool {
+        let same =
+            |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
+        self.acceleration == other.acceleration
+            && self.jerk == other.jerk
+            && self.others.len() == other.others.len()
+            && self.others.iter().zip(&other.others).all(same)
+    }
+}
+
+/// A limit of a derivative of the motion of one joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RateLimit {
+    /// The number of the derivative in time: 2 for acceleration, 3 for jerk.
+    pub order: usize,
+    pub joint: usize,
+    pub side: Side,
+    pub limit: f64,
+}
+
+impl RateLimit {
+    /// The slope of the row in the limited number.
+    pub fn sign(&self) -> f64 {
+        match self.side {
+            Side::Upper => 1.0,
+            Side::Lower => -1.0,
+        }
+    }
+}
+
+impl StageConstraints {
+    /// None.
+    pub(crate) const NONE: Self = Self {
+        acceleration: Vec::new(),
+        jerk: Vec::new(),
+        others: Vec::new(),
+    };
+
+    /// The limits of acceleration, then those of jerk, two rows each.
+    pub(crate) fn rates(&self) -> impl Iterator<Item = RateLimit> {
+        let orders = [(2, &self.acceleration), (3, &self.jerk)].into_iter();
+        let limits = orders.flat_map(|(order, limits)| {
+            let joints = limits.iter().enumerate();
+            joints.filter_map(move |(joint, limit)| limit.map(|limit| (order, joint, limit)))
+        });
+        limits.flat_map(|(order, joint, limit)| {
+            [Side::Upper, Side::Lower].map(|side| RateLimit {
+                order,
+                joint,
+                side,
+                limit,
+            })
+        })
+    }
+
+    /// Returns true if any row depends on the jerk.
+    pub(crate) fn has_jerk(&self) -> bool {
+        self.jerk.iter().any(Option::is_some)
+    }
+
+    /// The number of rows: two for each limit, then those of the others.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        self.rates().count() + self.others.iter().map(|other| other.dim()).sum::<usize>()
+    }
+
+    /// The other constraints, each with its first row.
+    pub(crate) fn others(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
+        let firsts = self
+            .others
+            .iter()
+            .scan(self.rates().count(), |next, other| {
+                let first = *next;
+                *next += other.dim();
+                Some((first, &**other))
+            });
+        firsts
+    }
+
+    /// The scale of each row: limits of acceleration and jerk themselves.
+    pub(crate) fn scales(&self) -> Vec<f64> {
+        let others = self.others.iter();
+        let others = others.flat_map(|other| (0..other.dim()).map(|row| other.scale(row)));
+        self.rates().map(|rate| rate.limit).chain(others).collect()
+    }
+
+    /// The name of a row and its unit.
+    #[must_use]
+    pub fn label(&self, row: usize, model: &Model) -> RowLabel {
+        let Some(rate) = self.rates().nth(row) else {
+            let other = self.others().take_while(|(first, _)| *first <= row).last();
+            return match other {
+                Some((first, other)) => other.label(row - first, model),
+                None => RowLabel::numbered(row),
+            };
+        };
+        let Some(joint) = model.joints().get(rate.joint) else {
+            return RowLabel::numbered(row);
+        };
+        let (what, unit, kind) = match rate.order {
+            2 => {
+                let unit = unit_of(joint, "rad/s^2", "m/s^2");
+                ("acceleration", unit, RowKind::Acceleration(rate.joint))
+            }
+            _ => {
+                let unit = unit_of(joint, "rad/s^3", "m/s^3");
+                ("jerk", unit, RowKind::Jerk(rate.joint))
+            }
+        };
+        let (side, joint) = (rate.side.name(), joint.name());
+        RowLabel {
+            name: format!("{side} {what} limit of joint '{joint}'"),
+            unit,
+            kind,
+        }
+    }
+
+    /// Refuses any row: a flow keeps rows of the state and the torque alone.
+    pub(crate) fn refuse_in_a_flow(&self, robot: &str) -> Result<()> {
+        if self.dim() == 0 {
+            return Ok(());
+        }
+        let condition =
+            "a flow keeps limits of position, velocity and torque, the relaxation these as well";
+        Err(Error::input(
+            robot,
+            "limits of acceleration and jerk, rows in (t, q, v, a, u)",
+            condition,
+        ))
+    }
+
+    /// Checks the limits for `model`.
+    ///
+    /// # Errors
+    /// The number of entries is not the number of joints, or a limit is not positive and finite; the error names the
+    /// joint.
+    pub fn check(&self, model: &Model) -> Result<()> {
+        for (what, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
+            if limits.is_empty() {
+                continue;
+            }
+            check_length("limits of acceleration or jerk", model.dof(), limits.len())?;
+            for (joint, limit) in model.joints().iter().zip(limits) {
+                if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+                    let element = format!("joint '{}': {what} limit", joint.name());
+                    let condition = format!("it is {limit}, a positive number is needed");
+                    return Err(Error::input(model.name(), element, condition));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,93 @@
+//! Rows in $(t, q, v, a, u)$: their derivatives, names and checks.
+
+use crate::common::{robot, slider};
+use aghf::constraint::{
+    Constraints, RowKind, StageConstraint, StageConstraints, StageInput, StageRows, TorqueLimits,
+};
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// The power of the first joint beyond a limit that grows with time, and a coupling of all parts of the input.
+fn rows() -> Arc<dyn StageConstraint> {
+    Arc::new(StageRows::new("power", vec![10.0, 2.0], |at, g| {
+        g[0] = at.u[0] * at.v[0] - at.t * at.t - 3.0;
+        g[1] = at.q[0] * at.a[1] * at.a[1] + at.u[1] * at.q[1];
+    }))
+}
+
+#[test]
+fn derivatives_of_a_closure_are_those_by_hand() {
+    let [q, v, a, u] = [[0.3, -0.8], [1.1, 0.2], [-0.4, 2.0], [5.0, -7.0]];
+    let at = StageInput {
+        t: 0.6,
+        q: &q,
+        v: &v,
+        a: &a,
+        u: &u,
+    };
+    let rows = rows();
+    let (mut g, mut rates) = ([0.0; 2], [0.0; 2]);
+    rows.value(&at, &mut g).expect("two rows");
+    rows.time_rates(&at, &mut rates).expect("two rows");
+    assert_eq!(g, [5.5 - 0.36 - 3.0, 0.3 * 4.0 + 7.0 * 0.8]);
+    assert_eq!(rates, [-1.2, 0.0]);
+    let (mut gradients, mut hessian) = (DMatrix::zeros(8, 2), DMatrix::zeros(8, 8));
+    rows.derivatives(&at, &[2.0, 3.0], &mut gradients, &mut hessian)
+        .expect("two rows");
+    let mut expected = DMatrix::zeros(8, 2);
+    (expected[(2, 0)], expected[(6, 0)]) = (u[0], v[0]);
+    (expected[(0, 1)], expected[(1, 1)]) = (a[1] * a[1], u[1]);
+    (expected[(5, 1)], expected[(7, 1)]) = (2.0 * q[0] * a[1], q[1]);
+    assert_close!(&gradients, &expected, 1e-15);
+    let mut expected = DMatrix::zeros(8, 8);
+    for (i, j, second) in [(2, 6, 2.0), (0, 5, 3.0 * 2.0 * a[1]), (1, 7, 3.0)] {
+        (expected[(i, j)], expected[(j, i)]) = (second, second);
+    }
+    expected[(5, 5)] = 3.0 * 2.0 * q[0];
+    assert_close!(&hessian, &expected, 1e-15);
+}
+
+#[test]
+fn rows_have_names_and_units() {
+    let model = robot("pendulum_2");
+    let limits = StageConstraints {
+        acceleration: vec![None, Some(4.0)],
+        jerk: vec![Some(9.0), None],
+        others: vec![rows()],
+    };
+    limits.check(&model).expect("valid");
+    assert_eq!(limits.dim(), 6);
+    let all = Constraints {
+        state: (),
+        torque: TorqueLimits(vec![Some(1.0), None]),
+        stage: limits,
+    };
+    assert_eq!(all.dim(), 8);
+    let label = |row| all.label(row, &model);
+    let joint = |i: usize| model.joints()[i].name();
+    let name = format!("lower acceleration limit of joint '{}'", joint(1));
+    assert_eq!((label(3).name, label(3).unit), (name, "rad/s^2"));
+    let name = format!("upper jerk limit of joint '{}'", joint(0));
+    assert_eq!((label(4).name, label(4).kind), (name, RowKind::Jerk(0)));
+    assert_eq!(label(7).name, "row 1 of power");
+    assert_eq!(label(1).kind, RowKind::Torque(0));
+}
+
+#[test]
+fn invalid_limits_are_refused_by_joint() {
+    let model = slider(1.0);
+    let refused = |acceleration: Vec<Option<f64>>| {
+        let limits = StageConstraints {
+            acceleration,
+            ..StageConstraints::default()
+        };
+        limits.check(&model).expect_err("invalid").to_string()
+    };
+    let name = model.joints()[0].name();
+    let zero = refused(vec![Some(0.0)]);
+    assert!(
+        zero.contains(name) && zero.contains("acceleration limit: it is 0"),
+        "{zero}"
+    );
+    assert!(refused(vec![None, None]).contains('2'));
+}
