@@ -261,7 +261,7 @@ impl RateLimit {
 
 impl StageConstraints {
     /// None.
-    pub(crate) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         acceleration: Vec::new(),
         jerk: Vec::new(),
         others: Vec::new(),

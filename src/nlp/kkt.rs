@@ -149,6 +149,17 @@ impl Kkt {
         (x.dot(&self.hessian.product(&x)) < 0.0).then_some(x)
     }
 
+    /// The length of the gradient in the dual norm.
+    pub fn dual_length(&mut self) -> f64 {
+        self.factor.set_sum(&self.norm, 0.0, &self.norm);
+        if !self.factor.factorise() {
+            return f64::INFINITY;
+        }
+        let mut x = self.gradient.clone();
+        self.factor.solve(&mut x);
+        self.gradient.dot(&x).sqrt()
+    }
+
     /// The length of a step.
     pub fn length(&self, step: &DVector<f64>) -> f64 {
         step.dot(&self.norm.product(step)).sqrt()

@@ -199,6 +199,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             curve: found.curve(&problem)?,
             cost: found.cost,
             gradient_norm: found.gradient_norm,
+            stationarity: found.stationarity,
             smallest_curvature: found.smallest_curvature,
             largest_violation: found.violation,
             passive_share: found.passive_share,

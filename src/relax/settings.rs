@@ -302,6 +302,10 @@ pub struct RelaxSolution {
     pub cost: f64,
     /// The final relative gradient norm; see [`Iteration::gradient_norm`].
     pub gradient_norm: f64,
+    /// The norm of the gradient of the Lagrangian relative to the cost, in the norm that is dual to that of
+    /// velocities: the first of the three residuals of the optimality conditions, beside
+    /// [`largest_violation`](Self::largest_violation) and [`complementarity`](Self::complementarity).
+    pub stationarity: f64,
     /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric: positive at a minimum, one for a
     /// linear problem.
     pub smallest_curvature: f64,

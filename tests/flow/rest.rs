@@ -4,7 +4,8 @@ use crate::common::relax::solved;
 use crate::common::robot;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{
-    CollisionSphere, Constraint, Constraints, Sphere, SphereClearance, TorqueLimits,
+    CollisionSphere, Constraint, Constraints, Sphere, SphereClearance, StageConstraints,
+    TorqueLimits,
 };
 use aghf::curve::{Curve, gauss_legendre};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
@@ -19,7 +20,7 @@ use nalgebra::Vector3;
 pub(super) const FREE: Constraints<()> = Constraints {
     state: (),
     torque: TorqueLimits(Vec::new()),
-    stage: Default::default(),
+    stage: StageConstraints::NONE,
 };
 
 pub(super) fn swing(model: &Model) -> Problem<'_> {

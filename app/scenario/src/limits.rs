@@ -232,7 +232,10 @@ impl Scenario {
     /// user-defined constraint.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.scene.is_empty() && !self.limits_are_enforced() && self.own.constraints.is_empty()
+        self.scene.is_empty()
+            && !self.limits_are_enforced()
+            && self.own.constraints.is_empty()
+            && self.own.stage.is_empty()
     }
 
     /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
@@ -271,7 +274,7 @@ impl Scenario {
         self.file.continuity.unwrap_or(default)
     }
 
-    /// The enforced limits of acceleration and jerk.
+    /// The enforced limits of acceleration and jerk, and user-defined rows.
     #[must_use]
     pub fn stage_constraints(&self) -> StageConstraints {
         let all = |limit| {
@@ -283,7 +286,7 @@ impl Scenario {
         StageConstraints {
             acceleration: all(Limit::Acceleration),
             jerk: all(Limit::Jerk),
-            others: Vec::new(),
+            others: self.own.stage.clone(),
         }
     }
 

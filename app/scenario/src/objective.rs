@@ -146,6 +146,7 @@ impl Scenario {
                 file.enforced_limits.acceleration.is_some(),
             ),
             ("enforced_limits.jerk", file.enforced_limits.jerk.is_some()),
+            ("rows in (t, q, v, a, u)", !self.own.stage.is_empty()),
             ("running cost of one's own", self.own.running_cost.is_some()),
         ];
         let unknown = keys.iter().find(|(_, given)| *given);

@@ -1,7 +1,7 @@
 //! User-defined constraints and running costs, which no key of a scenario can express.
 
 use super::Scenario;
-use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel};
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint};
 use aghf::error::{Error, Result};
 use aghf::relax::{
     ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
@@ -18,6 +18,7 @@ pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 #[derive(Clone, Default)]
 pub(super) struct OwnTerms {
     pub constraints: Vec<AnyConstraint>,
+    pub stage: Vec<Arc<dyn StageConstraint>>,
     pub running_cost: Option<SharedCost>,
 }
 
@@ -25,6 +26,7 @@ impl Debug for OwnTerms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("OwnTerms")
             .field("constraints", &self.constraints)
+            .field("stage", &self.stage)
             .field("running_cost", &self.running_cost.is_some())
             .finish()
     }
@@ -39,6 +41,11 @@ impl Scenario {
     ) {
         let constraint = AnyConstraint::Other(Box::new(constraint));
         self.own.constraints.push(constraint);
+    }
+
+    /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the relaxation supports them.
+    pub fn add_stage_constraint(&mut self, constraint: impl StageConstraint + 'static) {
+        self.own.stage.push(Arc::new(constraint));
     }
 
     /// Replaces the running cost of the scenario. Only the relaxation supports this.

@@ -1,7 +1,7 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
 use super::feasibility::three_digits;
-use super::{HorizonBounds, Limit, Scenario};
+use super::{Continuous, HorizonBounds, Limit, Scenario};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::geometry::{Collider, Part};
@@ -51,14 +51,44 @@ struct End<'a> {
 }
 
 impl Scenario {
-    /// The shortest horizon at the enforced velocity limits, as [`least_horizon`] computes it.
+    /// The joint that takes longest at the enforced limits of velocity, acceleration and jerk, the limit, and its
+    /// duration, s: no motion is shorter. Each joint takes at least the time of its way $d$ at its velocity; from rest
+    /// to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity, and
+    /// $(32 d / \bar\jmath)^{1/3}$ with continuous accelerations. `None` if no joint with such a limit moves.
     #[must_use]
-    pub fn least_horizon(&self) -> Option<(usize, f64)> {
-        let speed = |i| {
-            self.bound(Limit::Velocity, i)
-                .map_or(f64::INFINITY, |[_, v]| v)
-        };
-        slowest(&self.file.q_start, &self.file.q_goal, speed)
+    pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
+        let file = &self.file;
+        let rests = |v: &[f64]| v.iter().all(|v| *v == 0.0);
+        let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
+        let counts = |does: bool| if does { 1.0 } else { 0.0 };
+        let smooth = self.continuity() == Continuous::Acceleration;
+        let times = (0..self.model.dof()).flat_map(|i| {
+            let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
+            let way = (file.q_goal[i] - file.q_start[i]).abs();
+            let (v, a, j) = (
+                most(Limit::Velocity),
+                most(Limit::Acceleration),
+                most(Limit::Jerk),
+            );
+            let accelerated = if way * a > v * v {
+                way / v + v / a
+            } else {
+                2.0 * (way / a).sqrt()
+            };
+            let by_jerk = (32.0 * way / j).cbrt();
+            [
+                (i, Limit::Velocity, way / v),
+                (
+                    i,
+                    Limit::Acceleration,
+                    counts(at_rest && a.is_finite()) * accelerated,
+                ),
+                (i, Limit::Jerk, counts(at_rest && smooth) * by_jerk),
+            ]
+        });
+        // A joint that does not move takes no time, even at a velocity limit of zero.
+        let moving = times.filter(|(.., time)| *time > 0.0);
+        moving.max_by(|(.., a), (.., b)| a.total_cmp(b))
     }
 
     /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
@@ -125,23 +155,24 @@ impl Scenario {
             Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
             None => ("horizon_s", file.horizon_s),
         };
-        let Some((i, least)) = self.least_horizon() else {
+        let Some((i, limit, least)) = self.least_horizon() else {
             return Ok(());
         };
-        let [_, speed] = self.bound(Limit::Velocity, i).unwrap_or([f64::INFINITY; 2]);
-        if (file.q_goal[i] - file.q_start[i]).abs() <= (speed + TOLERANCE) * horizon {
+        let [_, most] = self.bound(limit, i).unwrap_or([f64::INFINITY; 2]);
+        // A limit may be exceeded by the tolerance, and no time is proportional to less than its cube root.
+        if least * most <= (most + TOLERANCE) * horizon {
             return Ok(());
         }
         let joint = &self.model.joints()[i];
-        let (name, unit) = (joint.name(), Limit::Velocity.unit(joint.kind()));
-        let (least, speed) = (
+        let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
+        let (least, most) = (
             three_digits(least, f64::ceil),
-            three_digits(speed, f64::round),
+            three_digits(most, f64::round),
         );
         let horizon = plain(horizon);
         let condition = format!(
-            "it is {horizon} s, but joint '{name}' needs at least {least} s at its velocity limit of {speed} {unit}, \
-             the others less"
+            "it is {horizon} s, but joint '{name}' needs at least {least} s at its {what} limit of {most} {unit}, the \
+             others less"
         );
         self.refuse(key, condition)
     }

@@ -195,6 +195,7 @@ fn solve_by_relaxation(
         quadrature_points: solution.points,
         starts_tried: solution.start_costs.len(),
         start_costs: solution.start_costs,
+        stationarity: solution.stationarity,
         complementarity: (!scenario.is_free()).then_some(solution.complementarity),
         minima: solution.minima,
         iterations: iterations.len(),

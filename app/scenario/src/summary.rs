@@ -170,6 +170,8 @@ pub struct RelaxDetails {
     pub start_costs: Vec<f64>,
     /// The minima found from the starts, by cost.
     pub minima: Vec<LocalMinimum>,
+    /// The norm of the gradient of the Lagrangian relative to the cost, dual to that of velocities.
+    pub stationarity: f64,
     /// The relative excess of the cost over that of the minimum with exact complementarity; `None` without constraints.
     pub complementarity: Option<f64>,
     /// Newton iterations over all starts and degrees.

@@ -26,6 +26,8 @@ pub(in crate::relax) struct Candidate {
     /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
     pub passive_share: f64,
     pub gradient_norm: f64,
+    /// The gradient of the Lagrangian, relative to the cost.
+    pub stationarity: f64,
     /// The last barrier parameter, relative to the cost and summed over all rows.
     pub complementarity: f64,
     pub smallest_curvature: f64,
@@ -65,6 +67,7 @@ impl Candidate {
             violation: f64::NAN,
             passive_share: 0.0,
             gradient_norm: f64::NAN,
+            stationarity: f64::NAN,
             complementarity: 0.0,
             smallest_curvature: f64::NAN,
             points: 0,

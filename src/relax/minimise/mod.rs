@@ -181,6 +181,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     candidate.gradient_norm = end.progress.stationarity;
     candidate.complementarity = end.progress.complementarity;
     if stage.last {
+        candidate.stationarity = program.stationarity(&x, &end.iterate)?;
         let derivatives = program.with_metric(&end.x, &end.iterate)?;
         candidate.smallest_curvature = curvature::smallest(derivatives).0;
     }

@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
 use crate::motion::{Path, Watch};
-use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Term, Tightened};
 use crate::relax::transcription::{Grid, Scan};
 use crate::relax::tuning::{EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, SCAN};
 use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
@@ -34,7 +34,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) free_horizon: Option<FreeHorizon>,
     pub(super) margins: Vec<f64>,
     /// True for rows of the working set.
-    working: Vec<bool>,
+    pub(super) working: Vec<bool>,
     /// The distance from its bound up to which a clearance is in the working set, m.
     near: f64,
     pub(super) stage: Stage,
@@ -42,6 +42,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub equality_penalty: f64,
     /// True if the number of points may increase.
     pub(super) refinable: bool,
+    /// True for the derivatives of the Lagrangian in place of those of the barrier function.
+    lagrangian: bool,
     /// Unknowns that appeared to satisfy the constraints, the last one last.
     pub kept: Vec<DVector<f64>>,
     watch: &'g Watch,
@@ -91,6 +93,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             margins: vec![0.0; count],
             working: Vec::new(),
             refinable,
+            lagrangian: false,
             kept: Vec::new(),
             grid,
             objective,
@@ -151,6 +154,31 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Kkt::new(Bordered { matrix, border })
     }
 
+    /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
+    /// first of the optimality conditions (NW 19.2a).
+    pub fn stationarity(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
+        let Some(mut kkt) = self.kkt() else {
+            return Ok(f64::INFINITY);
+        };
+        self.lagrangian = true;
+        let found = self.derivatives(x, iterate, &mut kkt);
+        self.lagrangian = false;
+        found.map(|()| kkt.dual_length() / self.finer_cost[0].abs())
+    }
+
+    /// The term of a row: with its multiplier as slope for the Lagrangian.
+    fn term(&self, iterate: &Iterate, row: &Row, h: f64) -> Term {
+        let term = iterate.term(row, h);
+        match self.lagrangian {
+            false => term,
+            true => Term {
+                slope: term.multiplier,
+                cost: 0.0,
+                ..term
+            },
+        }
+    }
+
     /// The derivatives with the metric, at the unknowns of an iterate.
     pub fn with_metric(
         &mut self,
@@ -186,9 +214,12 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let points = integrand.terms.len();
         let of_bounds = points * count;
         for row in iterate.working.iter().filter(|row| row.at < of_bounds) {
-            let term = iterate.term(row, integrand.h[row.at] + self.margins[row.at]);
+            let h = self.objective.cost().h[row.at] + self.margins[row.at];
+            let term = self.term(iterate, row, h);
+            let integrand = self.objective.cost_mut();
             integrand.terms[row.at / count].push((row.at % count, term));
         }
+        let integrand = self.objective.cost_mut();
         for equality in &iterate.equalities {
             let at = equality.row.at;
             // Their rule has a small share of the quadrature.
@@ -252,7 +283,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             for row in iterate.working.iter().filter(|row| row.at >= first) {
                 let side = row.at - first;
                 let slope = [-1.0, 1.0][side] / free.longest;
-                let term = iterate.term(row, bounds[side]);
+                let term = self.term(iterate, row, bounds[side]);
                 out.gradient[own] +=
                     horizon * row.weight * term.slope * slope + row.weight * term.cost;
                 *corner += horizon * row.weight * term.curvature * slope * slope;
@@ -359,23 +390,5 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn is_stopped(&self) -> bool {
         self.watch.stopped().is_some()
-    }
-}
-
-impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// The objective, infinite where a row outside the working set is violated: a step into something that was far
-    /// away.
-    fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
-        let (grid, integrand) = (self.grid, &self.objective);
-        let attributes = integrand.cost().rows.attributes();
-        let count = attributes.scales.len();
-        let mut rows = h.iter().zip(&self.working).enumerate();
-        let violated = rows.any(|(at, (h, working))| {
-            !working
-                && *h > 0.0
-                && attributes.clearances[at % count]
-                && !grid.collocated[at / count % grid.points()]
-        });
-        if violated { f64::INFINITY } else { objective }
     }
 }

@@ -33,7 +33,7 @@ fn of_robot(limits: &Limits, limit: Limit) -> [f64; 2] {
         Limit::Position => [limits.lower, limits.upper],
         Limit::Velocity => [-limits.velocity, limits.velocity],
         Limit::Torque => [-limits.effort, limits.effort],
-        Limit::Passive | Limit::Clearance | Limit::Other => panic!("{limit:?}"),
+        _ => panic!("{limit:?}"),
     }
 }
 

@@ -6,7 +6,7 @@ use aghf::model::{Model, pendulum};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
 use aghf_scenario::{
-    FlowOptions, Scenario, Solve, SolveOptions, builtin_scenarios, generated_scenarios,
+    FlowOptions, Limit, Scenario, Solve, SolveOptions, builtin_scenarios, generated_scenarios,
     least_horizon,
 };
 use serde_json::{Value, json};
@@ -108,7 +108,7 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
     assert_refused(&far(json!({})), &format!("horizon_s: {words}"));
     let least = 5.6 / 1.2218;
     let scenario = load("least", &far(json!({}))).expect("it is good");
-    assert_eq!(scenario.least_horizon(), Some((4, least)));
+    assert_eq!(scenario.least_horizon(), Some((4, Limit::Velocity, least)));
     assert_eq!(refusal(&far(json!({ "horizon_s": least }))), None);
     assert_eq!(
         refusal(&far(json!({ "horizon_s": 4.59 }))),
@@ -141,6 +141,24 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
     );
     assert_eq!(refusal(&enforced(json!({ "joints": ["joint_1"] }))), None);
     assert_eq!(refusal(&enforced(json!(false))), None);
+
+    // From rest to rest within accelerations and jerks, up to a velocity or not.
+    let within = |limits: Value| far(json!({ "enforced_limits": limits }));
+    assert_refused(
+        &within(json!({ "acceleration": 2, "velocity": false })),
+        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 3.35 s at its acceleration limit of 2.00 rad/s^2, the others less",
+    );
+    assert_refused(
+        &within(json!({ "acceleration": 2, "velocity": { "joints": ["joint_5"] } })),
+        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 5.20 s at its acceleration limit of 2.00 rad/s^2",
+    );
+    let jerk = json!({ "jerk": 10, "velocity": false });
+    assert_refused(
+        &within(jerk.clone()),
+        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 2.62 s at its jerk limit of 10.0 rad/s^3",
+    );
+    let jumping = json!({ "continuity": "velocity", "enforced_limits": jerk });
+    assert_eq!(refusal(&far(jumping)), None);
 }
 
 #[test]
