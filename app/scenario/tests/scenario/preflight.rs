@@ -146,7 +146,7 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
     let within = |limits: Value| far(json!({ "enforced_limits": limits }));
     assert_refused(
         &within(json!({ "acceleration": 2, "velocity": false })),
-        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 3.35 s at its acceleration limit of 2.00 rad/s^2, the others less",
+        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 3.35 s at its acceleration limit of 2.00 rad/s^2",
     );
     assert_refused(
         &within(json!({ "acceleration": 2, "velocity": { "joints": ["joint_5"] } })),
