@@ -7,7 +7,7 @@ use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::signals::{LOOK, until_signalled};
 use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
-use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
+use aghf_cli::output::{OutputFolder, REPORT_FILES, write_report};
 use aghf_cli::report::{Motion, page};
 use aghf_scenario::{Record, RelaxOptions, Scenario, Solve, SolveOptions, SolveReport};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
@@ -253,8 +253,7 @@ impl PySolution {
     fn save(&self, folder: &str, replace: bool) -> PyResult<Vec<String>> {
         let folder = OutputFolder::open(Path::new(folder), &REPORT_FILES, replace);
         let (folder, page) = (folder.map_err(raised)?, self.report_html()?);
-        let (model, sampling) = (&self.scenario.model, Sampling::default());
-        let files = write_report(model, &self.report, Some(&page), &folder, sampling);
+        let files = write_report(&self.scenario, &self.report, Some(&page), &folder, None);
         let files = files.map_err(raised)?;
         Ok(files
             .iter()

@@ -1,19 +1,14 @@
 //! The solves of a benchmark.
 
 use super::Problem;
-use crate::output::write_trajectory;
 use aghf::error::{Error, Result};
+use aghf::motion::sample;
 use aghf::relax::RelaxSettings;
-use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
+use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{Details, RelaxOptions, Solve};
 use serde::{Deserialize, Serialize};
 use std::fs::OpenOptions;
 use std::path::Path;
-
-/// The longest interval of the judged table, s, and the fraction of one before the end of a segment at which there is
-/// an additional row: accelerations may jump there.
-const INTERVAL: f64 = 1e-3;
-const BEFORE: f64 = 1e-4;
 
 /// The outcome of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,20 +128,10 @@ fn solve(problem: &Problem) -> Result<Row> {
         row.reason.clone_from(failure);
         return Ok(row);
     }
-    // By way of the table, as the motion of another tool would come.
+    // The table that `aghf solve` writes.
     let (model, curve) = (&scenario.model, &report.curve);
-    let mut text = Vec::new();
-    let times = curve.breakpoints().windows(2).flat_map(|ends| {
-        let (begin, length) = (ends[0], ends[1] - ends[0]);
-        let intervals = (length / INTERVAL).ceil().max(1.0);
-        let inner = (0..intervals as usize).map(move |k| begin + k as f64 / intervals * length);
-        inner.chain([begin + (1.0 - BEFORE / intervals) * length])
-    });
-    let times = times.chain([curve.horizon()]);
-    write_trajectory(model, curve, times, None, &mut text)
-        .map_err(|error| Error::io(problem.name.as_str(), error))?;
-    let text = String::from_utf8_lossy(&text);
-    let trajectory = Trajectory::parse(&text, &problem.name, model)?;
+    let intervals = sufficient_samples(&scenario, curve)? - 1;
+    let trajectory = Trajectory::of_samples(sample(model, curve, intervals)?);
     let judgement = judge(&scenario, &trajectory, Tolerances::default())?;
     let of_clearance = judgement.checks.iter().filter_map(|row| {
         let clearance = matches!(row.check, Check::Obstacles | Check::SelfCollision);

@@ -68,8 +68,10 @@ impl SolveArgs {
         let options = self.options.over(&repeated)?;
         let sampling = self.sampling.sampling();
         // Better to learn now than in the end that it cannot be written.
-        let longest = scenario.file.free_horizon.map(|free| free.longest_s);
-        let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
+        if let Some(sampling) = sampling {
+            let longest = scenario.file.free_horizon.map(|free| free.longest_s);
+            let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
+        }
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
         let interrupt = Interrupt::default();
@@ -88,22 +90,22 @@ impl SolveArgs {
         stages.finish();
         progress.finish();
 
-        let model = &scenario.model;
         let page = match self.no_report {
             true => None,
             false => Some(page(&[Motion::of_report(&scenario, &outcome)])?),
         };
         let page = page.as_deref();
-        let files = write_report(model, &outcome, page, &folder, sampling).or_else(|error| {
-            // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
-            tell(&format!("aghf: {error}"));
-            let spare = OutputFolder::private(&scenario.name)?;
-            tell(&format!(
-                "aghf: the files are in {}",
-                spare.path().display()
-            ));
-            write_report(model, &outcome, page, &spare, sampling)
-        })?;
+        let files =
+            write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
+                // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
+                tell(&format!("aghf: {error}"));
+                let spare = OutputFolder::private(&scenario.name)?;
+                tell(&format!(
+                    "aghf: the files are in {}",
+                    spare.path().display()
+                ));
+                write_report(&scenario, &outcome, page, &spare, sampling)
+            })?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {

@@ -34,11 +34,13 @@ mod checks;
 mod clearance;
 mod cubic;
 mod reach;
+mod rows;
 mod trajectory;
 mod verdict;
 
 pub use cubic::Cubic;
 pub use reach::{Reach, carriers};
+pub use rows::sufficient_samples;
 pub use trajectory::Trajectory;
 pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Worst};
 
@@ -70,19 +72,7 @@ pub fn judge(
     }
     check(scenario, trajectory)?;
     let intervals = Intervals::new(trajectory);
-    let mut rows = checks::boundary(scenario, trajectory, tolerances.tolerance);
-    rows.extend(checks::consistency(
-        scenario,
-        trajectory,
-        tolerances.tolerance,
-    ));
-    rows.extend(checks::torques(
-        scenario,
-        trajectory,
-        &intervals,
-        tolerances.tolerance,
-    )?);
-    rows.extend(checks::limits(scenario, &intervals, tolerances.tolerance));
+    let mut rows = checks::by_joint(scenario, trajectory, &intervals, tolerances.tolerance)?;
     rows.extend(clearance::clearances(
         scenario,
         &intervals,

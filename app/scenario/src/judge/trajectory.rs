@@ -3,6 +3,7 @@
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
 use aghf::model::Model;
+use aghf::motion::Sample;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
@@ -121,6 +122,28 @@ impl Trajectory {
             has_velocities,
             has_accelerations,
         })
+    }
+
+    /// The motion through samples of a curve, ascending in time.
+    #[must_use]
+    pub fn of_samples(samples: impl IntoIterator<Item = Sample>) -> Self {
+        let mut all = Self {
+            times: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
+            a: Vec::new(),
+            u: Some(Vec::new()),
+            has_velocities: true,
+            has_accelerations: true,
+        };
+        for Sample { t, q, v, a, u, .. } in samples {
+            all.times.push(t);
+            all.q.push(q);
+            all.v.push(v);
+            all.a.push(a);
+            all.u.get_or_insert_default().push(u);
+        }
+        all
     }
 
     /// The time from the first to the last sample, s.

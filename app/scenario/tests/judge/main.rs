@@ -8,5 +8,6 @@ mod clearance;
 mod cubic;
 mod reach;
 mod robot;
+mod rows;
 mod trajectory;
 mod verdict;
