@@ -32,7 +32,10 @@ class Solution:
 
     Attributes
     ----------
+    verdict : str
+        "optimal", "valid", which keeps everything but has not converged, or "not valid".
     success : bool
+        True if the motion is valid.
     horizon : float
         The duration of the motion, s.
     summary : dict
@@ -45,6 +48,10 @@ class Solution:
 
     def __init__(self, own: _aghf.Solution) -> None:
         self._own = own
+
+    @property
+    def verdict(self) -> str:
+        return self._own.verdict
 
     @property
     def success(self) -> bool:
@@ -93,8 +100,7 @@ class Solution:
 
     def __repr__(self) -> str:
         effort = self.summary["control_effort"]
-        ending = "success" if self.success else "no success"
-        return f"Solution('{self.summary['scenario']}', {ending}, {self.horizon:.4g} s, effort {effort:.4g})"
+        return f"Solution('{self.summary['scenario']}', {self.verdict}, {self.horizon:.4g} s, effort {effort:.4g})"
 
 
 def _named(scenario) -> tuple[str, str | None]:

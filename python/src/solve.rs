@@ -181,6 +181,11 @@ fn solve_many(
 #[pymethods]
 impl PySolution {
     #[getter]
+    fn verdict(&self) -> String {
+        self.report.summary.verdict.to_string()
+    }
+
+    #[getter]
     fn success(&self) -> bool {
         self.report.summary.success
     }

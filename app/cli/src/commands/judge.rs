@@ -13,7 +13,8 @@ use std::process::ExitCode;
 /// The table is a CSV file as written by `aghf solve`: a column t in s, a column q_JOINT for every joint, and for all
 /// joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are derived,
 /// and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
-/// clearances at all times between the samples. Exit code 1 if a check fails or cannot be decided.
+/// clearances at all times between the samples. The verdict is valid, or not valid with the worst row; exit code 1 if a
+/// check fails or cannot be decided.
 #[derive(Debug, Args)]
 pub(super) struct Judge {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.

@@ -52,8 +52,8 @@ struct Cli {
     command: Option<Command>,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the solve \
-    failed.";
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
+    of a solve is not valid.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

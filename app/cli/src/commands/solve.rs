@@ -19,8 +19,10 @@ use std::process::ExitCode;
 /// `aghf scenarios` lists the built-in scenarios. The default parameters of the flow are those of the scenario. A new
 /// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
 /// for more rows see `aghf sample`), summary.json, from which the solve can be repeated, and report.html, a page that
-/// shows the motion (`aghf view` opens it). If the solve fails they are called trajectory.failed.csv and so on, next to
-/// those of an earlier success. Ctrl-C ends the search with the best motion so far.
+/// shows the motion (`aghf view` opens it). The verdict is optimal, valid, which is a motion that keeps everything of a
+/// search that has not converged, or not valid, with the worst violations; then the files are called
+/// trajectory.failed.csv and so on, next to those of an earlier motion. Ctrl-C ends the search with the best motion so
+/// far.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of

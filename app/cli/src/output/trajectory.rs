@@ -64,7 +64,8 @@ impl Sampling {
     }
 }
 
-/// The names of the files of a solve: the table, the summary and the page of a success, and those of a failure.
+/// The names of the files of a solve: the table, the summary and the page of a valid motion, and those of one that is
+/// not valid.
 pub const REPORT_FILES: [&str; 6] = [
     "trajectory.csv",
     "summary.json",

@@ -44,7 +44,7 @@ pub use rows::sufficient_samples;
 pub use trajectory::Trajectory;
 pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Worst};
 
-use crate::Scenario;
+use crate::{Scenario, Verdict};
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::model::{Joint, JointKind};
 
@@ -93,8 +93,14 @@ pub fn judge(
         ),
     ];
     let derived = given.into_iter().filter(|(given, _)| !given);
+    let valid = rows.iter().all(|row| row.outcome.is_good());
     Ok(Judgement {
-        valid: rows.iter().all(|row| row.outcome.is_good()),
+        verdict: if valid {
+            Verdict::Valid
+        } else {
+            Verdict::NotValid
+        },
+        valid,
         scenario: scenario.name.clone(),
         samples: trajectory.times.len(),
         duration_s: trajectory.duration(),
