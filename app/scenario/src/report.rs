@@ -319,6 +319,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
     };
     let success = verdict.is_valid();
     let mut notes = scenario.notes(method);
+    notes.extend(scenario.far_obstacles()?);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }

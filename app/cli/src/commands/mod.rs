@@ -5,6 +5,7 @@ mod check;
 mod choice;
 mod compare;
 mod eval;
+mod export;
 mod import;
 mod judge;
 mod options;
@@ -60,6 +61,7 @@ enum Command {
     Solve(solve::SolveArgs),
     View(view::View),
     Compare(compare::Compare),
+    Export(export::Export),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
     Robots(robots::Robots),
@@ -162,6 +164,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.run(),
         Command::View(view) => view.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Export(export) => export.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Robots(robots) => robots.run(),

@@ -13,6 +13,11 @@ use aghf_scenario::Solve;
 use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
+
+/// The time after which a search stops with the best motion so far unless `--time-limit-s` is given: few people wait
+/// longer without being told.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Solve a scenario and write the trajectory.
 ///
@@ -22,7 +27,7 @@ use std::process::ExitCode;
 /// shows the motion (`aghf view` opens it). The verdict is optimal, valid, which is a motion that keeps everything of a
 /// search that has not converged, or not valid, with the worst violations; then the files are called
 /// trajectory.failed.csv and so on, next to those of an earlier motion. Ctrl-C ends the search with the best motion so
-/// far.
+/// far, and so do 60 s unless --time-limit-s is given.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
@@ -76,7 +81,10 @@ impl SolveArgs {
         }
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
-        let interrupt = Interrupt::default();
+        let interrupt = match options.keys()?.contains_key("time_limit_s") {
+            true => Interrupt::default(),
+            false => Interrupt::after(TIME_LIMIT),
+        };
         signals::stop_first(&interrupt);
         let hidden = self.json || self.verbose;
         let mut progress = Progress::new(&scenario, &options, hidden)?;

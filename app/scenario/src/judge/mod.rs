@@ -33,6 +33,7 @@
 mod checks;
 mod clearance;
 mod cubic;
+mod message;
 mod reach;
 mod rows;
 mod trajectory;

@@ -6,6 +6,7 @@ mod common;
 
 mod clearance;
 mod cubic;
+mod message;
 mod reach;
 mod robot;
 mod rows;
