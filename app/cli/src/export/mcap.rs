@@ -20,8 +20,19 @@ pub const DEFAULT_RATE: f64 = 100.0;
 /// The header of little-endian CDR.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// The quality of service by which a later subscriber gets the last message too.
-const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n";
+/// The quality of service by which a later subscriber gets the last message too, with all keys that `ros2 bag` asks
+/// for: the last message, reliable, transient local, and no deadline.
+const LATCHED: &str = "\
+- history: 1
+  depth: 1
+  reliability: 1
+  durability: 1
+  deadline: {sec: 9223372036, nsec: 854775807}
+  lifespan: {sec: 9223372036, nsec: 854775807}
+  liveliness: 1
+  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}
+  avoid_ros_namespace_conventions: false
+";
 
 /// Writes an MCAP file of a motion as ROS 2 records it, not compressed, from time zero. At the beginning it has
 /// `/robot_description`, the URDF; `/obstacles`, a marker for each; and `/plan`, the motion; then for each point of

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 /// A message with two points, the joints in another order than the robot has them.
 fn message() -> Value {
     let point = |sec: i32, q: [f64; 3]| json!({ "positions": q, "time_from_start": { "sec": sec, "nanosec": 500 } });
-    json!({ "joint_names": ["elbow", "slide", "shoulder"], "points": [point(0, [3.0, 1.0, 2.0]), point(2, [6.0, 4.0, 5.0])] })
+    let points = [point(0, [3.0, 1.0, 2.0]), point(2, [6.0, 4.0, 5.0])];
+    json!({ "joint_names": ["elbow", "slide", "shoulder"], "points": points })
 }
 
 #[test]
