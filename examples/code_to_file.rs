@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = OutputFolder::fresh(Path::new("out/code_to_file"))?;
     let model = &scenario.model;
     let page = page(&[Motion::of_report(&scenario, &report)])?;
-    let files = write_report(model, &report, Some(&page), &folder, Sampling::Rate(1e3))?;
+    let files = write_report(&scenario, &report, Some(&page), &folder, Some(Sampling::Rate(1e3)))?;
     let samples = sample(model, &report.curve, 400)?;
     let (positions, torques) = (folder.path().join("q.svg"), folder.path().join("u.svg"));
     write_text(&plot("positions, rad", model, &samples, |s| &s.q)?, &positions)?;

@@ -230,7 +230,7 @@ def ours(table, problems):
     number = lambda text: float(text) if text else float("nan")
     for name, family, _ in left:
         entry = found[name]
-        good = entry["end"] == "valid"
+        good = entry["end"] in ("optimal", "valid")
         row = Row(SECTION, family, name, "ours", success=good, valid=good, repeats=1, note=entry["reason"])
         row.seconds = row.seconds_90 = number(entry["solve_seconds"])
         row.effort, row.duration = number(entry["control_effort"]), number(entry["duration_s"])

@@ -32,7 +32,10 @@ class Solution:
 
     Attributes
     ----------
+    verdict : str
+        "optimal", "valid", which keeps everything but has not converged, or "not valid".
     success : bool
+        True if the motion is valid.
     horizon : float
         The duration of the motion, s.
     summary : dict
@@ -45,6 +48,10 @@ class Solution:
 
     def __init__(self, own: _aghf.Solution) -> None:
         self._own = own
+
+    @property
+    def verdict(self) -> str:
+        return self._own.verdict
 
     @property
     def success(self) -> bool:
@@ -79,9 +86,23 @@ class Solution:
         """The motion at this number of equidistant times, both ends included."""
         return self.evaluate(np.linspace(0.0, self.horizon, count))
 
-    def save(self, folder: str | os.PathLike, *, replace: bool = False) -> list[str]:
-        """Writes the files of the solve into a folder; returns their paths."""
-        return self._own.save(os.fspath(folder), replace)
+    def to_joint_trajectory(self, rate: float | None = None) -> dict:
+        """The motion in the shape of a ``trajectory_msgs/JointTrajectory``.
+
+        The points are at this rate, Hz, or as many as `aghf judge` needs.
+        """
+        return json.loads(self._own.joint_trajectory_json(rate))
+
+    def save(self, path: str | os.PathLike, *, rate: float | None = None, replace: bool = False) -> list[str]:
+        """Writes the motion to a file ending in .mcap, which Foxglove, rerun and `ros2 bag` open, at this rate, Hz, by
+        default 100, or all files of the solve into a folder; returns their paths."""
+        path = os.fspath(path)
+        if path.endswith(".mcap"):
+            self._own.save_mcap(path, rate, replace)
+            return [path]
+        if rate is not None:
+            raise ValueError("rate: it belongs to a file ending in .mcap")
+        return self._own.save(path, replace)
 
     def report_html(self) -> str:
         """The page of the motion: HTML that needs no network and no other file."""
@@ -93,8 +114,7 @@ class Solution:
 
     def __repr__(self) -> str:
         effort = self.summary["control_effort"]
-        ending = "success" if self.success else "no success"
-        return f"Solution('{self.summary['scenario']}', {ending}, {self.horizon:.4g} s, effort {effort:.4g})"
+        return f"Solution('{self.summary['scenario']}', {self.verdict}, {self.horizon:.4g} s, effort {effort:.4g})"
 
 
 def _named(scenario) -> tuple[str, str | None]:

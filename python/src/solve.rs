@@ -7,7 +7,8 @@ use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::signals::{LOOK, until_signalled};
 use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
-use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, write_report};
+use aghf_cli::export::{joint_trajectory, save_mcap};
+use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page};
 use aghf_scenario::{Record, RelaxOptions, Scenario, Solve, SolveOptions, SolveReport};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
@@ -181,6 +182,11 @@ fn solve_many(
 #[pymethods]
 impl PySolution {
     #[getter]
+    fn verdict(&self) -> String {
+        self.report.summary.verdict.to_string()
+    }
+
+    #[getter]
     fn success(&self) -> bool {
         self.report.summary.success
     }
@@ -249,12 +255,27 @@ impl PySolution {
         page(&[Motion::of_report(&self.scenario, &self.report)]).map_err(raised)
     }
 
+    /// The motion as a `trajectory_msgs/JointTrajectory` in JSON.
+    fn joint_trajectory_json(&self, rate: Option<f64>) -> PyResult<String> {
+        let (scenario, curve) = (&self.scenario, &self.report.curve);
+        let message = joint_trajectory(scenario, curve, rate.map(Sampling::Rate));
+        let text = serde_json::to_string(&message.map_err(raised)?);
+        text.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Writes the motion to an MCAP file.
+    fn save_mcap(&self, path: &str, rate: Option<f64>, replace: bool) -> PyResult<()> {
+        let path = Path::new(path);
+        refuse_existing(path, replace).map_err(raised)?;
+        let (scenario, curve) = (&self.scenario, &self.report.curve);
+        save_mcap(scenario, curve, rate.map(Sampling::Rate), path).map_err(raised)
+    }
+
     /// Writes the files of the solve into a folder; returns their paths.
     fn save(&self, folder: &str, replace: bool) -> PyResult<Vec<String>> {
         let folder = OutputFolder::open(Path::new(folder), &REPORT_FILES, replace);
         let (folder, page) = (folder.map_err(raised)?, self.report_html()?);
-        let (model, sampling) = (&self.scenario.model, Sampling::default());
-        let files = write_report(model, &self.report, Some(&page), &folder, sampling);
+        let files = write_report(&self.scenario, &self.report, Some(&page), &folder, None);
         let files = files.map_err(raised)?;
         Ok(files
             .iter()

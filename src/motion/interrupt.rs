@@ -9,17 +9,17 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     raised: Arc<AtomicBool>,
-    /// The time at which the request is raised automatically.
-    at: Option<Instant>,
+    /// The time at which the search has to stop anyway, and how long it may take until then.
+    limit: Option<(Instant, Duration)>,
 }
 
 impl Interrupt {
-    /// A request that is raised automatically after a time, counted from now.
+    /// A request that is a time limit too, counted from now.
     #[must_use]
     pub fn after(time: Duration) -> Self {
         Self {
             raised: Arc::default(),
-            at: Some(Instant::now() + time),
+            limit: Some((Instant::now() + time, time)),
         }
     }
 
@@ -28,10 +28,20 @@ impl Interrupt {
         self.raised.store(true, Ordering::Relaxed);
     }
 
+    /// The reason to stop the search, if there is one.
+    #[must_use]
+    pub fn stopped(&self) -> Option<Stopped> {
+        if self.raised.load(Ordering::Relaxed) {
+            return Some(Stopped::Interrupt);
+        }
+        let over = self.limit.filter(|(at, _)| Instant::now() >= *at);
+        over.map(|(_, limit)| Stopped::TimeLimit(limit))
+    }
+
     /// Returns true if the search has to stop.
     #[must_use]
     pub fn is_raised(&self) -> bool {
-        self.raised.load(Ordering::Relaxed) || self.at.is_some_and(|at| Instant::now() >= at)
+        self.stopped().is_some()
     }
 }
 
@@ -79,10 +89,9 @@ impl Watch {
 
     /// The reason to stop, if there is one.
     pub fn stopped(&self) -> Option<Stopped> {
-        if self.interrupt.is_raised() {
-            return Some(Stopped::Interrupt);
-        }
-        let over = self.limit.filter(|_| self.is_late(1.0));
-        over.map(Stopped::TimeLimit)
+        let over = || self.limit.filter(|_| self.is_late(1.0));
+        self.interrupt
+            .stopped()
+            .or_else(|| over().map(Stopped::TimeLimit))
     }
 }

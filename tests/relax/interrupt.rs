@@ -37,19 +37,27 @@ fn stopped_when(settings: RelaxSettings, when: impl Fn(&Iteration) -> bool) -> R
 fn a_search_without_time_is_its_first_guess() {
     let scenario = Scenario::load("kinova_free_02");
     let problem = scenario.problem();
-    let settings = RelaxSettings {
-        time_limit: Some(Duration::ZERO),
-        starts: 3,
-        ..degree(16)
-    };
-    let solution = solved(&problem, &settings);
-    assert_eq!(solution.stopped, Some(Stopped::TimeLimit(Duration::ZERO)));
-    assert!(!solution.converged && solution.minima.is_empty());
-    assert!(
-        solution.iterations.iter().all(|i| i.step == 0.0),
-        "nothing moved"
-    );
-    assert!(solution.cost.is_finite() && solution.cost > 0.0);
+    // The limit of the settings, and that of a handle.
+    let none = Some(Duration::ZERO);
+    for (time_limit, interrupt) in [
+        (none, Interrupt::default()),
+        (None, Interrupt::after(Duration::ZERO)),
+    ] {
+        let settings = RelaxSettings {
+            time_limit,
+            interrupt,
+            starts: 3,
+            ..degree(16)
+        };
+        let solution = solved(&problem, &settings);
+        assert_eq!(solution.stopped, none.map(Stopped::TimeLimit));
+        assert!(!solution.converged && solution.minima.is_empty());
+        assert!(
+            solution.iterations.iter().all(|i| i.step == 0.0),
+            "nothing moved"
+        );
+        assert!(solution.cost.is_finite() && solution.cost > 0.0);
+    }
 }
 
 #[test]

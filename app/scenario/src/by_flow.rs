@@ -75,7 +75,6 @@ pub(super) fn solve_by_flow(
         details,
         solve_seconds,
         failure,
-        note: None,
         stopped,
         trace: Trace {
             first_guess: Some(Curve::new(chebyshev, guess)?),
@@ -136,7 +135,6 @@ pub(super) fn solve_by_flow_to_rest(
         details,
         solve_seconds,
         failure,
-        note: None,
         stopped: solution.stopped,
         trace: Trace::default(),
     })

@@ -164,8 +164,8 @@ impl Feasibility {
         self.beyond(tolerance).next().is_none()
     }
 
-    /// The enforced limits that are violated by more than `tolerance`, in words; `None` if [all are
-    /// satisfied](Self::holds).
+    /// The enforced limits that are violated by more than `tolerance`, in words, the worst first, each compared with
+    /// what is allowed for it; `None` if [all are satisfied](Self::holds).
     #[must_use]
     pub fn reason(&self, tolerance: f64) -> Option<String> {
         let in_words = |violation: &LimitViolation| match violation.limit {
@@ -177,7 +177,11 @@ impl Feasibility {
             }
             _ => violation.to_string(),
         };
-        let named: Vec<_> = self.beyond(tolerance).map(in_words).collect();
+        let mut named: Vec<_> = self.beyond(tolerance).collect();
+        let share =
+            |violation: &LimitViolation| violation.by / self.allowed(violation.limit, tolerance);
+        named.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        let named: Vec<_> = named.into_iter().map(in_words).collect();
         let (first, more) = named.split_at(NAMED.min(named.len()));
         let more = match more.len() {
             0 => String::new(),
@@ -188,12 +192,16 @@ impl Feasibility {
 
     /// The violations of enforced rows beyond what is allowed for them.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
-        let allowed = move |limit| match limit {
+        let all = self.limit_violations.iter().filter(|each| each.enforced);
+        all.filter(move |each| each.by > self.allowed(each.limit, tolerance))
+    }
+
+    /// The allowed violation of a kind of limit.
+    fn allowed(&self, limit: Limit, tolerance: f64) -> f64 {
+        match limit {
             Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
             _ => tolerance,
-        };
-        let all = self.limit_violations.iter();
-        all.filter(move |violation| violation.enforced && violation.by > allowed(violation.limit))
+        }
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
-use super::summary::{Details, RelaxDetails, Summary};
+use super::summary::{Details, RelaxDetails, Summary, Verdict};
 use super::{CurveFile, Feasibility, Method, Provenance, RelaxOptions, Scenario, SolveOptions};
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::flow::rest::RestRecord;
 use aghf::flow::{EffortSummary, FlowRecord, effort_of};
 use aghf::motion::{Feedback, Interrupt, Stopped, replay_error, simulate};
-use aghf::relax::{Iteration, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
+use aghf::relax::{Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
 /// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact.
@@ -161,17 +161,10 @@ fn solve_by_relaxation(
         .solve()?;
     let solve_seconds = started.elapsed().as_secs_f64();
     let stopped = solution.stopped;
-    let missed = failure_of(&solution, settings);
-    // With `PlannedStarts::First` a feasible motion is a success, minimum or not.
-    let content = settings.planned_starts == PlannedStarts::First && solution.kept;
-    let (failure, note) = match (missed, stopped) {
-        (Some(missed), _) if content => (None, Some(format!("no minimum: {missed}"))),
-        (Some(missed), Some(stopped)) => {
-            let failure = format!("{stopped}: the motion is the best until then; {missed}");
-            (Some(failure), None)
-        }
-        (missed, _) => (missed, None),
-    };
+    let failure = failure_of(&solution, settings).map(|missed| match stopped {
+        Some(stopped) => format!("{stopped}: the motion is the best until then; {missed}"),
+        None => missed,
+    });
     let RelaxSolution {
         curve, iterations, ..
     } = solution;
@@ -211,7 +204,6 @@ fn solve_by_relaxation(
         details,
         solve_seconds,
         failure,
-        note,
         stopped,
         trace,
     })
@@ -276,9 +268,8 @@ pub(super) struct Solution {
     pub history: Vec<Record>,
     pub details: Details,
     pub solve_seconds: f64,
+    /// The reason why the method did not terminate normally.
     pub failure: Option<String>,
-    /// A remark that is not a failure.
-    pub note: Option<String>,
     pub stopped: Option<Stopped>,
     pub trace: Trace,
 }
@@ -292,7 +283,6 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         details,
         solve_seconds,
         failure,
-        note,
         stopped,
         trace,
     } = found;
@@ -318,23 +308,34 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         None => "the forward simulation with feedback stopped before its end".to_owned(),
     });
     let completed = failure.is_none();
-    // After a flow the simulation decides on success. After the relaxation it only measures sensitivity, except with
+    // After a flow the simulation decides as well. After the relaxation it only measures sensitivity, except with
     // passive joints, where it shows whether zero torque there suffices.
     let simulated = method != Method::Relax || !passive.is_empty();
-    let success = completed && feasible && (reached || !simulated);
+    // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
+    let ended = completed || method != Method::Flow;
+    let verdict = match ended && feasible && (reached || !simulated) {
+        true if completed => Verdict::Optimal,
+        true => Verdict::Valid,
+        false => Verdict::NotValid,
+    };
+    let success = verdict.is_valid();
     let mut notes = scenario.notes(method);
-    notes.extend(note);
+    notes.extend(scenario.far_obstacles()?);
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
+    }
+    match (&failure, stopped) {
+        (Some(failure), _) if success => notes.push(format!("not optimal: {failure}")),
+        (None, Some(stopped)) if success => {
+            notes.push(format!("{stopped}: the motion is the best until then"));
+        }
+        _ => {}
     }
     // The reasons include all violations, and the simulation where it decides.
     let missed = missed.filter(|_| completed && simulated);
     let reasons = [failure, feasibility.reason(tolerance), missed];
     let reasons: Vec<String> = reasons.into_iter().flatten().collect();
     let failure = (!success).then(|| reasons.join("; "));
-    if let (true, Some(stopped)) = (success, stopped) {
-        notes.push(format!("{stopped}: the motion is the best until then"));
-    }
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
     let effort_of_passive = effort_of_joints(model, &curve, &passive, INTERVALS)?;
     let summary = Summary {
@@ -343,6 +344,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         method,
         degree: curve.chebyshev().degree(),
         segments: curve.segments(),
+        verdict,
         success,
         success_threshold,
         final_error_inf,

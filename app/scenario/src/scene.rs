@@ -1,5 +1,6 @@
 //! The robot of a scenario among its obstacles.
 
+use super::feasibility::three_digits;
 use super::obstacles::placed;
 use super::robot_shape::collision_geometry;
 use super::self_collision::check_links;
@@ -9,11 +10,15 @@ use aghf::error::{Error, Result};
 use aghf::geometry::{ClosestPair, Collider, Part, Scene};
 use aghf::model::Model;
 use aghf::spatial::Placement;
+use nalgebra::Vector3;
 use std::path::Path;
 
 /// The largest number of distances between a ball and an obstacle: each is a row of the constraints, which takes about
 /// 10 kB at degree 16.
 const MOST_DISTANCES: usize = 50_000;
+
+/// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
+const FAR: f64 = 100.0;
 
 /// Builds the scene of a scenario; `path` names the scenario in errors. Meshes are looked for from `folder`. If joints
 /// of the robot are locked, `bodies` has per body of `robot` the one of the reduced robot that contains it, and its
@@ -84,6 +89,26 @@ impl Scenario {
             smallest = smallest.min(self.scene.clearance(&placements)?);
         }
         Ok(Some(smallest))
+    }
+
+    /// Remarks on obstacles so far away that their lengths may have another unit.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub(super) fn far_obstacles(&self) -> Result<Vec<String>> {
+        let reach = self.problem()?.reach();
+        let obstacles = self.scene.obstacles().iter();
+        let distances = obstacles.map(|each| (each, each.solid.distance(&Vector3::zeros())));
+        let far = distances.filter(|(_, distance)| reach > 0.0 && *distance > FAR * reach);
+        let told = far.map(|(obstacle, distance)| {
+            let (name, [distance, reach]) =
+                (&obstacle.name, [distance, reach].map(|x| three_digits(x, f64::round)));
+            format!(
+                "'{name}' is {distance} m from the base, and the robot reaches {reach} m: lengths are in metres, are \
+                 these millimetres?"
+            )
+        });
+        Ok(told.collect())
     }
 
     /// The names of a part of the robot, its link or otherwise the joint that moves it, and of the obstacle or part

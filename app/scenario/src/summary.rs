@@ -6,6 +6,37 @@ use aghf::motion::{Feedback, Guess};
 use aghf::ode::IntegratorKind;
 use aghf::relax::{DegreeRefinement, LocalMinimum};
 use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+
+/// The verdict on a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It is valid, and the search converged.
+    Optimal,
+    /// It keeps everything that the scenario enforces.
+    Valid,
+    /// It violates something, or there is none.
+    NotValid,
+}
+
+impl Verdict {
+    /// True if the motion keeps everything that the scenario enforces.
+    #[must_use]
+    pub fn is_valid(self) -> bool {
+        self != Self::NotValid
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Optimal => "optimal",
+            Self::Valid => "valid",
+            Self::NotValid => "not valid",
+        })
+    }
+}
 
 /// The result of a solve in numbers. `None` if a simulation could not be completed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -20,11 +51,14 @@ pub struct Summary {
     pub degree: usize,
     /// The number of polynomials on equal parts of the horizon.
     pub segments: usize,
-    /// True if the method terminated normally and the curve is free of collisions, satisfies the enforced limits, and
-    /// leaves passive joints without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any
-    /// method, the simulation with feedback must also end within the threshold of the goal.
+    /// The verdict. A motion is valid if it is free of collisions, satisfies the enforced limits, and leaves passive
+    /// joints without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any method, the
+    /// simulation with feedback must also end within the threshold of the goal, and the published flow must have come
+    /// to its end. It is optimal if the method terminated normally as well.
+    pub verdict: Verdict,
+    /// True if the motion is valid.
     pub success: bool,
-    /// The largest final error of a success.
+    /// The largest final error of the simulation with feedback, where that decides.
     pub success_threshold: f64,
     /// The final error of the simulation with feedback: the largest of all positions and velocities.
     pub final_error_inf: Option<f64>,
@@ -41,7 +75,7 @@ pub struct Summary {
     /// The details of the method; in JSON their fields are at the level of the others.
     #[serde(flatten)]
     pub details: Details,
-    /// The reasons of a failure; `None` for a success.
+    /// The reasons why the motion is not valid, the worst violations first; `None` if it is.
     pub failure: Option<String>,
     /// The clearance of the curve, the limits that it violates, and its largest torques.
     #[serde(flatten)]

@@ -1,32 +1,35 @@
 //! The solves of a benchmark.
 
 use super::Problem;
-use crate::output::write_trajectory;
+use crate::output::verdict;
 use aghf::error::{Error, Result};
-use aghf::relax::RelaxSettings;
-use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
-use aghf_scenario::{Details, RelaxOptions, Solve};
+use aghf::motion::sample;
+use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
+use aghf_scenario::{RelaxOptions, Solve, Verdict};
 use serde::{Deserialize, Serialize};
 use std::fs::OpenOptions;
 use std::path::Path;
-
-/// The longest interval of the judged table, s, and the fraction of one before the end of a segment at which there is
-/// an additional row: accelerations may jump there.
-const INTERVAL: f64 = 1e-3;
-const BEFORE: f64 = 1e-4;
 
 /// The outcome of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// A motion was found, and the judge accepts it.
+    /// The motion is valid and a minimum to within the tolerance.
+    Optimal,
+    /// The judge accepts the motion.
     Valid,
-    /// A motion was found, but the judge does not accept it.
-    Invalid,
-    /// No motion was found.
-    Unsolved,
+    /// No motion was found, or the judge does not accept it.
+    NotValid,
     /// The problem is known to be infeasible.
     Impossible,
+}
+
+impl End {
+    /// True if there is a valid motion.
+    #[must_use]
+    pub fn is_valid(self) -> bool {
+        matches!(self, Self::Optimal | Self::Valid)
+    }
 }
 
 /// The result of a problem.
@@ -38,8 +41,6 @@ pub struct Row {
     pub problem: String,
     /// The outcome.
     pub end: End,
-    /// True if the motion is a minimum to within the tolerance.
-    pub minimum: bool,
     /// The time of the search on one core, s.
     pub solve_seconds: f64,
     /// The control effort of the motion, N^2 m^2 s.
@@ -105,7 +106,6 @@ fn solve(problem: &Problem) -> Result<Row> {
         family: problem.family.clone(),
         problem: problem.name.clone(),
         end: End::Impossible,
-        minimum: false,
         solve_seconds: 0.0,
         control_effort: f64::NAN,
         duration_s: f64::NAN,
@@ -125,41 +125,28 @@ fn solve(problem: &Problem) -> Result<Row> {
     let summary = &report.summary;
     row.solve_seconds = summary.solve_seconds;
     (row.control_effort, row.duration_s) = (summary.control_effort, report.curve.horizon());
-    row.minimum = report.completed;
-    if let (Details::Relax(found), Some(failure)) = (&summary.details, &summary.failure)
-        && found.largest_violation > Some(RelaxSettings::FEASIBLE)
-    {
-        row.end = End::Unsolved;
+    if let Some(failure) = &summary.failure {
+        row.end = End::NotValid;
         row.reason.clone_from(failure);
         return Ok(row);
     }
-    // By way of the table, as the motion of another tool would come.
+    // The table that `aghf solve` writes.
     let (model, curve) = (&scenario.model, &report.curve);
-    let mut text = Vec::new();
-    let times = curve.breakpoints().windows(2).flat_map(|ends| {
-        let (begin, length) = (ends[0], ends[1] - ends[0]);
-        let intervals = (length / INTERVAL).ceil().max(1.0);
-        let inner = (0..intervals as usize).map(move |k| begin + k as f64 / intervals * length);
-        inner.chain([begin + (1.0 - BEFORE / intervals) * length])
-    });
-    let times = times.chain([curve.horizon()]);
-    write_trajectory(model, curve, times, None, &mut text)
-        .map_err(|error| Error::io(problem.name.as_str(), error))?;
-    let text = String::from_utf8_lossy(&text);
-    let trajectory = Trajectory::parse(&text, &problem.name, model)?;
+    let intervals = sufficient_samples(&scenario, curve)? - 1;
+    let trajectory = Trajectory::of_samples(sample(model, curve, intervals)?);
     let judgement = judge(&scenario, &trajectory, Tolerances::default())?;
     let of_clearance = judgement.checks.iter().filter_map(|row| {
         let clearance = matches!(row.check, Check::Obstacles | Check::SelfCollision);
         clearance.then_some(row.proved_at_least).flatten()
     });
     row.least_clearance_m = of_clearance.reduce(f64::min);
-    row.end = if judgement.valid {
-        End::Valid
-    } else {
-        End::Invalid
+    row.end = match (judgement.verdict, summary.verdict) {
+        (Verdict::NotValid, _) => {
+            row.reason = verdict(&judgement);
+            End::NotValid
+        }
+        (_, Verdict::Optimal) => End::Optimal,
+        _ => End::Valid,
     };
-    let failed = judgement.checks.iter().filter(|row| !row.outcome.is_good());
-    let failed: Vec<_> = failed.map(|row| row.check.name()).collect();
-    row.reason = failed.join("; ");
     Ok(row)
 }

@@ -13,8 +13,8 @@ pub struct Family {
     pub valid: usize,
     /// The number of problems that are known to be infeasible.
     pub impossible: usize,
-    /// The number of valid motions that are minima.
-    pub minima: usize,
+    /// The number of optimal motions.
+    pub optimal: usize,
     /// The median, the 90th and the 99th percentile and the largest of the solve times, s.
     pub seconds: [f64; 4],
     /// The median effort, N^2 m^2 s.
@@ -45,7 +45,7 @@ pub fn families(rows: &[Row]) -> Vec<Family> {
 
 fn family<'r>(name: &str, rows: impl Iterator<Item = &'r Row>) -> Family {
     let rows: Vec<&Row> = rows.collect();
-    let valid: Vec<&&Row> = rows.iter().filter(|row| row.end == End::Valid).collect();
+    let valid: Vec<&&Row> = rows.iter().filter(|row| row.end.is_valid()).collect();
     let sorted = |value: &dyn Fn(&Row) -> f64| {
         let mut values: Vec<f64> = valid.iter().map(|row| value(row)).collect();
         values.sort_by(f64::total_cmp);
@@ -58,7 +58,7 @@ fn family<'r>(name: &str, rows: impl Iterator<Item = &'r Row>) -> Family {
         problems: rows.len(),
         valid: valid.len(),
         impossible: rows.iter().filter(|row| row.end == End::Impossible).count(),
-        minima: valid.iter().filter(|row| row.minimum).count(),
+        optimal: valid.iter().filter(|row| row.end == End::Optimal).count(),
         seconds: [0.5, 0.9, 0.99, 1.0].map(|share| percentile(&seconds, share)),
         effort: percentile(&sorted(&|row| row.control_effort), 0.5),
         duration: percentile(&sorted(&|row| row.duration_s), 0.5),
@@ -77,7 +77,7 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
 #[must_use]
 pub fn table(families: &[Family]) -> String {
     let mut text = String::from(
-        "| family | problems | valid | no solution | minima | median ms | 90 % | 99 % | worst | effort N²m²s | \
+        "| family | problems | valid | no solution | optimal | median ms | 90 % | 99 % | worst | effort N²m²s | \
         duration s | least clearance mm |\n\
          | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n",
     );
@@ -93,7 +93,7 @@ pub fn table(families: &[Family]) -> String {
             family.problems,
             family.valid,
             family.impossible,
-            family.minima,
+            family.optimal,
             family.effort,
             family.duration,
         );

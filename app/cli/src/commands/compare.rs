@@ -46,7 +46,7 @@ impl Compare {
 }
 
 /// The path of the summary in a folder, or of the file itself.
-fn summary_at(path: &Path) -> Result<String> {
+pub(super) fn summary_at(path: &Path) -> Result<String> {
     let summaries = SUMMARIES.map(|name| path.join(name));
     let found = match path.is_dir() {
         false => Some(path),

@@ -10,17 +10,19 @@ use std::process::ExitCode;
 
 /// Judge a trajectory from any source: is it a motion of the scenario?
 ///
-/// The table is a CSV file as written by `aghf solve`: a column t in s, a column q_JOINT for every joint, and for all
-/// joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are derived,
-/// and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
-/// clearances at all times between the samples. Exit code 1 if a check fails or cannot be decided.
+/// The trajectory is a trajectory_msgs/JointTrajectory in a file that ends in .yaml, .yml or .json, as `aghf export`
+/// writes it, or a table, a CSV file as `aghf solve` writes it: a column t in s, a column q_JOINT for every joint, and
+/// for all joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are
+/// derived, and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
+/// clearances at all times between the samples. The verdict is valid, or not valid with the worst row; exit code 1 if a
+/// check fails or cannot be decided.
 #[derive(Debug, Args)]
 pub(super) struct Judge {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// The table, "-" for the standard input.
+    /// The trajectory, "-" for a table on the standard input.
     trajectory: PathBuf,
     /// Accepted deviation of everything but clearances: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; for torques as a
     /// fraction of the largest torque of the motion.

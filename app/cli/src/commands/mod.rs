@@ -5,6 +5,7 @@ mod check;
 mod choice;
 mod compare;
 mod eval;
+mod export;
 mod import;
 mod judge;
 mod options;
@@ -52,14 +53,15 @@ struct Cli {
     command: Option<Command>,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the solve \
-    failed.";
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
+    of a solve is not valid.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::SolveArgs),
     View(view::View),
     Compare(compare::Compare),
+    Export(export::Export),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
     Robots(robots::Robots),
@@ -162,6 +164,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.run(),
         Command::View(view) => view.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Export(export) => export.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Robots(robots) => robots.run(),

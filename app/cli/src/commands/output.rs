@@ -34,16 +34,16 @@ pub(super) struct SamplingArgs {
     /// Rows of the table per second, Hz, from the start, and one at the end.
     #[arg(long, conflicts_with = "samples", allow_negative_numbers = true)]
     rate: Option<f64>,
-    /// Rows of the table at equal distances, both ends of the motion included [default: 201].
+    /// Rows of the table at equal distances, both ends of the motion included [default: as many as
+    /// `aghf judge` needs, 201 or more].
     #[arg(long)]
     samples: Option<usize>,
 }
 
 impl SamplingArgs {
-    pub(super) fn sampling(&self) -> Sampling {
+    /// The chosen rows, if any were.
+    pub(super) fn sampling(&self) -> Option<Sampling> {
         let samples = self.samples.map(Sampling::Samples);
-        (self.rate.map(Sampling::Rate))
-            .or(samples)
-            .unwrap_or_default()
+        self.rate.map(Sampling::Rate).or(samples)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::output::SamplingArgs;
 use super::{print, printed};
-use crate::output::{refuse_existing, write_table, write_trajectory};
+use crate::output::{Sampling, refuse_existing, write_table, write_trajectory};
 use aghf::error::Result;
 use aghf_scenario::Solved;
 use clap::Args;
@@ -36,7 +36,11 @@ impl Sample {
             summary,
         } = Solved::load(&self.summary)?;
         let (model, failure) = (&scenario.model, summary.failure.as_deref());
-        let times = self.sampling.sampling().times(curve.horizon())?;
+        let sampling = match self.sampling.sampling() {
+            Some(sampling) => sampling,
+            None => Sampling::sufficient(&scenario, &curve)?,
+        };
+        let times = sampling.times(curve.horizon())?;
         match &self.out {
             Some(path) => {
                 refuse_existing(path, self.force)?;

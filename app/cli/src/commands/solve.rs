@@ -13,14 +13,21 @@ use aghf_scenario::Solve;
 use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
+
+/// The time after which a search stops with the best motion so far unless `--time-limit-s` is given: few people wait
+/// longer without being told.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Solve a scenario and write the trajectory.
 ///
 /// `aghf scenarios` lists the built-in scenarios. The default parameters of the flow are those of the scenario. A new
 /// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
 /// for more rows see `aghf sample`), summary.json, from which the solve can be repeated, and report.html, a page that
-/// shows the motion (`aghf view` opens it). If the solve fails they are called trajectory.failed.csv and so on, next to
-/// those of an earlier success. Ctrl-C ends the search with the best motion so far.
+/// shows the motion (`aghf view` opens it). The verdict is optimal, valid, which is a motion that keeps everything of a
+/// search that has not converged, or not valid, with the worst violations; then the files are called
+/// trajectory.failed.csv and so on, next to those of an earlier motion. Ctrl-C ends the search with the best motion so
+/// far, and so do 60 s unless --time-limit-s is given.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
@@ -68,11 +75,16 @@ impl SolveArgs {
         let options = self.options.over(&repeated)?;
         let sampling = self.sampling.sampling();
         // Better to learn now than in the end that it cannot be written.
-        let longest = scenario.file.free_horizon.map(|free| free.longest_s);
-        let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
+        if let Some(sampling) = sampling {
+            let longest = scenario.file.free_horizon.map(|free| free.longest_s);
+            let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
+        }
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
-        let interrupt = Interrupt::default();
+        let interrupt = match options.keys()?.contains_key("time_limit_s") {
+            true => Interrupt::default(),
+            false => Interrupt::after(TIME_LIMIT),
+        };
         signals::stop_first(&interrupt);
         let hidden = self.json || self.verbose;
         let mut progress = Progress::new(&scenario, &options, hidden)?;
@@ -88,22 +100,22 @@ impl SolveArgs {
         stages.finish();
         progress.finish();
 
-        let model = &scenario.model;
         let page = match self.no_report {
             true => None,
             false => Some(page(&[Motion::of_report(&scenario, &outcome)])?),
         };
         let page = page.as_deref();
-        let files = write_report(model, &outcome, page, &folder, sampling).or_else(|error| {
-            // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
-            tell(&format!("aghf: {error}"));
-            let spare = OutputFolder::private(&scenario.name)?;
-            tell(&format!(
-                "aghf: the files are in {}",
-                spare.path().display()
-            ));
-            write_report(model, &outcome, page, &spare, sampling)
-        })?;
+        let files =
+            write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
+                // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
+                tell(&format!("aghf: {error}"));
+                let spare = OutputFolder::private(&scenario.name)?;
+                tell(&format!(
+                    "aghf: the files are in {}",
+                    spare.path().display()
+                ));
+                write_report(&scenario, &outcome, page, &spare, sampling)
+            })?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {

@@ -45,12 +45,26 @@ pub fn judgement_table(judgement: &Judgement) -> String {
     if !judgement.derived.is_empty() {
         text += &format!("\nderived: {}", judgement.derived.join("; "));
     }
-    text += if judgement.valid {
-        "\nvalid"
-    } else {
-        "\nNOT VALID"
+    format!("{text}\n{}", verdict(judgement))
+}
+
+/// The verdict in words, with the worst row of a motion that is not valid.
+pub fn verdict(judgement: &Judgement) -> String {
+    let Some(row) = judgement.worst() else {
+        return judgement.verdict.to_string();
     };
-    text
+    let name = row.check.name();
+    let undecided = match row.outcome {
+        Outcome::Undecided => " undecided",
+        _ => "",
+    };
+    let worst = row.worst.as_ref().map_or_else(String::new, |worst| {
+        let (value, bound) = (short(worst.value), bound(worst, row.tolerance));
+        let place = worst.place.as_deref().unwrap_or_default();
+        let Worst { unit, at_s, .. } = worst;
+        format!(": {place} has {value} {unit} at {at_s:.4} s, {bound} is accepted")
+    });
+    format!("{}: {name}{undecided}{worst}", judgement.verdict)
 }
 
 /// Formats a bound with its tolerance.

@@ -62,7 +62,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let mut add = |what: &str, value: &str| all.push([what.to_owned(), value.to_owned()]);
     add("scenario", &format!("{} ({})", s.scenario, s.robot));
     add("method", &settings);
-    add("success", if s.success { "yes" } else { "no" });
+    add("verdict", &s.verdict.to_string());
     add(
         &gains,
         &format!(

@@ -6,7 +6,8 @@ use aghf::curve::Curve;
 use aghf::error::{Error, Result};
 use aghf::model::Model;
 use aghf::motion::samples_at;
-use aghf_scenario::SolveReport;
+use aghf_scenario::judge::sufficient_samples;
+use aghf_scenario::{Scenario, SolveReport};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -19,13 +20,15 @@ pub enum Sampling {
     Rate(f64),
 }
 
-impl Default for Sampling {
-    fn default() -> Self {
-        Self::Samples(201)
-    }
-}
-
 impl Sampling {
+    /// As many rows as the judge needs of a motion, by [`sufficient_samples`].
+    ///
+    /// # Errors
+    /// The robot of the curve has another number of joints.
+    pub fn sufficient(scenario: &Scenario, curve: &Curve) -> Result<Self> {
+        sufficient_samples(scenario, curve).map(Self::Samples)
+    }
+
     /// The largest number of rows of a table: several GB of text for an arm.
     pub const MOST: usize = 10_000_000;
 
@@ -61,7 +64,8 @@ impl Sampling {
     }
 }
 
-/// The names of the files of a solve: the table, the summary and the page of a success, and those of a failure.
+/// The names of the files of a solve: the table, the summary and the page of a valid motion, and those of one that is
+/// not valid.
 pub const REPORT_FILES: [&str; 6] = [
     "trajectory.csv",
     "summary.json",
@@ -130,7 +134,8 @@ pub fn write_table(
     })
 }
 
-/// Writes `trajectory.csv`, see [`write_trajectory`], `summary.json`, and `report.html` if there is a `page`, into
+/// Writes `trajectory.csv`, see [`write_trajectory`], by default with [as many rows](Sampling::sufficient) as the judge
+/// needs, `summary.json`, and `report.html` if there is a `page`, into
 /// `folder` and returns their paths; a failed solve writes `trajectory.failed.csv` and so on, so that the files of an
 /// earlier success remain. If files may be replaced, a success removes those of an earlier failure, and no page of an
 /// earlier solve remains next to another motion.
@@ -138,24 +143,28 @@ pub fn write_table(
 /// # Errors
 /// A file cannot be written, and then none is; or the sampling is out of range.
 pub fn write_report(
-    model: &Model,
+    scenario: &Scenario,
     outcome: &SolveReport,
     page: Option<&str>,
     folder: &OutputFolder,
-    sampling: Sampling,
+    sampling: Option<Sampling>,
 ) -> Result<Vec<PathBuf>> {
-    let summary = &outcome.summary;
+    let (summary, curve) = (&outcome.summary, &outcome.curve);
     let (success, failure) = REPORT_FILES.split_at(REPORT_FILES.len() / 2);
     let (own, other) = match summary.success {
         true => (success, failure),
         false => (failure, success),
     };
     let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
-    let times = sampling.times(outcome.curve.horizon())?;
+    let sampling = match sampling {
+        Some(sampling) => sampling,
+        None => Sampling::sufficient(scenario, curve)?,
+    };
+    let times = sampling.times(curve.horizon())?;
     let reason = summary.failure.as_deref();
     let mut parts = vec![
         Partial::write(&paths[0], |file| {
-            write_trajectory(model, &outcome.curve, times, reason, file)
+            write_trajectory(&scenario.model, curve, times, reason, file)
         })?,
         Partial::write(&paths[1], |file| {
             write_json(summary, &mut *file)?;

@@ -22,7 +22,7 @@ pub struct Motion<'a> {
     pub scenario: &'a Scenario,
     /// Its curve.
     pub curve: &'a Curve,
-    /// The reason of a failure; `None` for a success.
+    /// The reasons why it is not valid; `None` if it is.
     pub failure: Option<&'a str>,
     facts: SolveFacts,
     /// The report of its solve.
@@ -83,6 +83,7 @@ pub(super) struct MotionData {
     robot: String,
     method: String,
     horizon: f64,
+    verdict: String,
     failure: Option<String>,
     facts: Vec<[String; 2]>,
     commands: Vec<String>,
@@ -161,6 +162,7 @@ impl MotionData {
             robot: scenario.file.robot.clone(),
             method: motion.facts.method.clone(),
             horizon: motion.curve.horizon(),
+            verdict: motion.facts.verdict.clone(),
             failure: motion.failure.map(str::to_owned),
             facts: motion.facts.facts.clone(),
             commands: motion.facts.commands.clone(),

@@ -9,6 +9,8 @@ pub(super) struct SolveFacts {
     pub facts: Vec<[String; 2]>,
     /// The commands that repeat the solve.
     pub commands: Vec<String>,
+    /// The verdict in words.
+    pub verdict: String,
     /// The method in words.
     pub method: String,
     pub effort: f64,
@@ -31,7 +33,7 @@ impl SolveFacts {
             ("method", Some(s.method.to_string())),
             ("degree", Some(s.degree.to_string())),
             ("segments", Some(s.segments.to_string())),
-            ("success", Some(s.success.to_string())),
+            ("verdict", Some(s.verdict.to_string())),
             (
                 "control effort, int |u|^2 dt",
                 Some(short(s.control_effort)),
@@ -62,6 +64,7 @@ impl SolveFacts {
         Self {
             facts,
             commands: Vec::new(),
+            verdict: summary.verdict.to_string(),
             method: summary.method.to_string(),
             effort: summary.control_effort,
             least_clearance: summary.feasibility.smallest_clearance_m,

@@ -6,6 +6,7 @@ mod command;
 mod benchmark;
 mod check;
 mod eval;
+mod export;
 mod import;
 mod input;
 mod judge;

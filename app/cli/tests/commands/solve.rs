@@ -40,7 +40,7 @@ fn without_arguments_it_plans_over_the_table() {
     assert_eq!(files(&folder), expected.map(str::to_owned).into());
     for words in expected
         .iter()
-        .chain(&["kinova_table_01 (kinova_gen3)", "success", "yes"])
+        .chain(&["kinova_table_01 (kinova_gen3)", "verdict", "optimal"])
     {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
@@ -273,10 +273,10 @@ fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     let words: Vec<_> = run
         .stdout
         .lines()
-        .filter(|l| l.contains("success"))
+        .filter(|l| l.starts_with(" verdict"))
         .collect();
     assert!(
-        words.iter().any(|l| l.trim_end().ends_with("no")),
+        words.iter().any(|l| l.trim_end().ends_with("not valid")),
         "{}",
         run.stdout
     );
@@ -288,7 +288,10 @@ fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     let expected = expected.map(|f| format!("out/pendulum_5_swingup/{f}"));
     assert_eq!(files(&folder), expected.clone().into());
     let summary = json_file(&folder.join(&expected[0]));
-    assert_eq!(summary["success"], false);
+    assert_eq!(
+        (&summary["success"], &summary["verdict"]),
+        (&json!(false), &json!("not_valid"))
+    );
     let text = std::fs::read_to_string(folder.join(&expected[1])).expect("it is there");
     let (first, table) = text.split_once('\n').expect("it has lines");
     let reason = summary["failure"].as_str().expect("there is a reason");

@@ -15,8 +15,22 @@ fn difference(value: f64, unit: &'static str, at_s: f64) -> Worst {
     Worst::between(value, [f64::NEG_INFINITY, 0.0], unit, at_s)
 }
 
+/// All checks but those of clearances.
+pub(super) fn by_joint(
+    scenario: &Scenario,
+    trajectory: &Trajectory,
+    intervals: &Intervals,
+    tolerance: f64,
+) -> Result<Vec<Row>> {
+    let mut rows = boundary(scenario, trajectory, tolerance);
+    rows.extend(consistency(scenario, trajectory, tolerance));
+    rows.extend(torques(scenario, trajectory, intervals, tolerance)?);
+    rows.extend(limits(scenario, intervals, tolerance));
+    Ok(rows)
+}
+
 /// Checks the duration and the boundary states.
-pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
+fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
     let (file, duration) = (&scenario.file, trajectory.duration());
     let bounds = match file.free_horizon {
         Some(free) => [free.shortest_s, free.longest_s],
@@ -73,11 +87,7 @@ pub(super) fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: 
 }
 
 /// Checks that velocities and accelerations are the rates of positions and velocities.
-pub(super) fn consistency(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    tolerance: f64,
-) -> Vec<Row> {
+fn consistency(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
     let Trajectory { times, q, v, a, .. } = trajectory;
     let intervals = times.len() - 1;
     // The mean rate of joint i on interval k.
@@ -134,7 +144,7 @@ fn beyond(off: f64, explained: f64) -> f64 {
 }
 
 /// Checks the torques against inverse dynamics, against zero and against their limits.
-pub(super) fn torques(
+fn torques(
     scenario: &Scenario,
     trajectory: &Trajectory,
     intervals: &Intervals,
@@ -195,7 +205,7 @@ pub(super) fn torques(
 }
 
 /// Checks the limits of positions and velocities.
-pub(super) fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Vec<Row> {
+fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Vec<Row> {
     let mut position = Row::new(Check::PositionLimits, tolerance);
     let mut velocity = Row::new(Check::VelocityLimits, tolerance);
     for (i, joint) in scenario.model.joints().iter().enumerate() {

@@ -33,16 +33,19 @@
 mod checks;
 mod clearance;
 mod cubic;
+mod message;
 mod reach;
+mod rows;
 mod trajectory;
 mod verdict;
 
 pub use cubic::Cubic;
 pub use reach::{Reach, carriers};
+pub use rows::sufficient_samples;
 pub use trajectory::Trajectory;
 pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Worst};
 
-use crate::Scenario;
+use crate::{Scenario, Verdict};
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::model::{Joint, JointKind};
 
@@ -70,19 +73,7 @@ pub fn judge(
     }
     check(scenario, trajectory)?;
     let intervals = Intervals::new(trajectory);
-    let mut rows = checks::boundary(scenario, trajectory, tolerances.tolerance);
-    rows.extend(checks::consistency(
-        scenario,
-        trajectory,
-        tolerances.tolerance,
-    ));
-    rows.extend(checks::torques(
-        scenario,
-        trajectory,
-        &intervals,
-        tolerances.tolerance,
-    )?);
-    rows.extend(checks::limits(scenario, &intervals, tolerances.tolerance));
+    let mut rows = checks::by_joint(scenario, trajectory, &intervals, tolerances.tolerance)?;
     rows.extend(clearance::clearances(
         scenario,
         &intervals,
@@ -103,8 +94,14 @@ pub fn judge(
         ),
     ];
     let derived = given.into_iter().filter(|(given, _)| !given);
+    let valid = rows.iter().all(|row| row.outcome.is_good());
     Ok(Judgement {
-        valid: rows.iter().all(|row| row.outcome.is_good()),
+        verdict: if valid {
+            Verdict::Valid
+        } else {
+            Verdict::NotValid
+        },
+        valid,
         scenario: scenario.name.clone(),
         samples: trajectory.times.len(),
         duration_s: trajectory.duration(),

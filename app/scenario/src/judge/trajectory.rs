@@ -1,9 +1,12 @@
 //! A motion as a table of samples.
 
+use crate::JointTrajectory;
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
 use aghf::model::Model;
+use aghf::motion::Sample;
 use csv::{ReaderBuilder, StringRecord, Trim};
+use std::ffi::OsStr;
 use std::path::Path;
 
 /// The number of neighbouring samples through which a polynomial is differentiated.
@@ -35,12 +38,19 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Loads the table in the file at `path`; `-` reads the standard input. See [`parse`](Self::parse).
+    /// Loads the table in the file at `path`, or the message if it ends in `.yaml`, `.yml` or `.json`; `-` reads a
+    /// table from the standard input. See [`parse`](Self::parse) and [`of_message`](Self::of_message).
     ///
     /// # Errors
-    /// Those of [`parse`](Self::parse); or the file cannot be read or is larger than 64 MiB.
+    /// Those of these; or the file cannot be read or is larger than 64 MiB.
     pub fn load(path: &Path, model: &Model) -> Result<Self> {
-        Self::parse(&read_text(path)?, &path.display().to_string(), model)
+        let (text, file) = (read_text(path)?, path.display().to_string());
+        match path.extension().and_then(OsStr::to_str) {
+            Some("yaml" | "yml" | "json") => {
+                Self::of_message(&JointTrajectory::parse(&text, &file)?, &file, model)
+            }
+            _ => Self::parse(&text, &file, model),
+        }
     }
 
     /// Parses a CSV table with a header for `model`. The columns, in any order, are `t` in s and `q_JOINT` for every
@@ -123,6 +133,28 @@ impl Trajectory {
         })
     }
 
+    /// The motion through samples of a curve, ascending in time.
+    #[must_use]
+    pub fn of_samples(samples: impl IntoIterator<Item = Sample>) -> Self {
+        let mut all = Self {
+            times: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
+            a: Vec::new(),
+            u: Some(Vec::new()),
+            has_velocities: true,
+            has_accelerations: true,
+        };
+        for Sample { t, q, v, a, u, .. } in samples {
+            all.times.push(t);
+            all.q.push(q);
+            all.v.push(v);
+            all.a.push(a);
+            all.u.get_or_insert_default().push(u);
+        }
+        all
+    }
+
     /// The time from the first to the last sample, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
@@ -187,7 +219,7 @@ impl Columns {
 
 /// The derivatives in time at the samples, by the polynomials through [`NEIGHBOURS`] of them, or through all if there
 /// are fewer. The error is of fourth order in the spacing if the fifth derivative is bounded.
-fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub(super) fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = NEIGHBOURS.min(times.len());
     let rate = |k: usize| {
         let first = k.saturating_sub(count / 2).min(times.len() - count);

@@ -1,5 +1,6 @@
 //! The judgement of a trajectory, check by check.
 
+use crate::Verdict;
 use serde::Serialize;
 
 /// The accepted deviations.
@@ -25,7 +26,9 @@ impl Default for Tolerances {
 /// The judgement of a trajectory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// True if no check fails or is undecided.
+    /// Valid if no check fails or is undecided, otherwise not valid.
+    pub verdict: Verdict,
+    /// True if it is valid.
     pub valid: bool,
     /// The scenario.
     pub scenario: String,
@@ -41,6 +44,16 @@ pub struct Judgement {
     pub tolerances: Tolerances,
     /// The checks.
     pub checks: Vec<Row>,
+}
+
+impl Judgement {
+    /// The check that fails or is undecided with the largest excess as a multiple of its tolerance; `None` if the
+    /// trajectory is valid.
+    #[must_use]
+    pub fn worst(&self) -> Option<&Row> {
+        let failed = self.checks.iter().filter(|row| !row.outcome.is_good());
+        failed.max_by(|a, b| a.severity().total_cmp(&b.severity()))
+    }
 }
 
 /// The result of a kind of check.
@@ -213,6 +226,12 @@ impl Row {
             note: Some(why.to_owned()),
             ..Self::new(check, tolerance)
         }
+    }
+
+    /// The worst excess as a multiple of the tolerance.
+    fn severity(&self) -> f64 {
+        let excess = self.worst.as_ref().map_or(0.0, Worst::excess);
+        excess / self.tolerance.max(f64::MIN_POSITIVE)
     }
 
     /// Updates the worst value; `place` names its place.

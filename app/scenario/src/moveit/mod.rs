@@ -2,9 +2,9 @@
 
 mod messages;
 mod obstacles;
-mod yaml;
 
 use super::preflight::slowest;
+use super::yaml::read_yaml;
 use super::{
     EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, RobotShape, Scenario,
     ScenarioFile, SelfCollision, cover_links,
@@ -18,7 +18,6 @@ use messages::{Goal, Request, RobotState, Scene};
 use obstacles::obstacles_of;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use yaml::read_yaml;
 
 /// The shortest default horizon, s.
 const SHORTEST: f64 = 0.1;

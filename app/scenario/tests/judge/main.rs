@@ -6,7 +6,9 @@ mod common;
 
 mod clearance;
 mod cubic;
+mod message;
 mod reach;
 mod robot;
+mod rows;
 mod trajectory;
 mod verdict;

@@ -5,7 +5,7 @@ use aghf::relax::PlannedStarts;
 use aghf::urdf::builtin_robots;
 use aghf_scenario::{
     Details, FlowDetails, FlowOptions, Method, Record, RelaxOptions, Scenario, Solve, SolveOptions,
-    SolveReport, builtin_scenarios,
+    SolveReport, Verdict, builtin_scenarios,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -344,9 +344,9 @@ fn the_same_solve_gives_the_same_bits() {
     }
 }
 
-/// Who plans the first start is content with a motion that keeps the constraints and is told that it is no minimum.
+/// A motion that keeps the constraints is valid, and optimal if the search converged; what is missing is told.
 #[test]
-fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
+fn a_motion_that_keeps_its_constraints_is_valid() {
     let scenario = json!({
         "robot": "pendulum_2", "horizon_s": 2.0,
         "q_start": [0, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
@@ -356,9 +356,9 @@ fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("planned_first.json");
     std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
     let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
-    let found = |tolerance| {
+    let found = |planned, tolerance| {
         let options = RelaxOptions {
-            planned_starts: Some(PlannedStarts::First),
+            planned_starts: Some(planned),
             starts: Some(1),
             tolerance: Some(tolerance),
             ..Default::default()
@@ -367,10 +367,18 @@ fn a_planned_first_motion_that_keeps_its_constraints_will_do() {
             .options(options.clone())
             .run()
             .expect("valid");
-        assert!(report.summary.success, "{:?}", report.summary.failure);
-        let notes = report.summary.notes;
-        notes.iter().any(|note| note.starts_with("no minimum: "))
+        let summary = report.summary;
+        assert!(summary.success && summary.failure.is_none(), "{summary:?}");
+        let told = summary
+            .notes
+            .iter()
+            .any(|note| note.starts_with("not optimal: "));
+        assert_eq!(told, summary.verdict == Verdict::Valid, "{summary:?}");
+        summary.verdict
     };
-    // Rounding alone leaves more of the gradient than the first asks for.
-    assert!(found(1e-30) && !found(1e-6));
+    for planned in [PlannedStarts::First, PlannedStarts::Never] {
+        // Rounding alone leaves more of the gradient than the first asks for.
+        assert_eq!(found(planned, 1e-30), Verdict::Valid);
+        assert_eq!(found(planned, 1e-6), Verdict::Optimal);
+    }
 }

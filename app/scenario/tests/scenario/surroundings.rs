@@ -6,7 +6,7 @@ use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Shape, Sphere};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{Scenario, cover_links};
+use aghf_scenario::{RelaxOptions, Scenario, Solve, cover_links};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -258,4 +258,30 @@ fn problems_of_motion_bench_maker_are_scenarios() {
         count += 1;
     }
     assert_eq!(count, 35);
+}
+
+/// A sphere 500 m away is in no way of a pendulum: its position is meant in mm.
+#[test]
+fn an_obstacle_far_away_gets_a_remark() {
+    let note = |x: f64| {
+        let scenario = json!({
+            "robot": "pendulum_2", "horizon_s": 2.0,
+            "q_start": [0, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
+            "obstacles": [{ "shape": { "sphere": { "radius_m": 1.0 } }, "pose": { "position_m": [x, 0.0, 0.0] } }]
+        });
+        let scenario = load("far", &scenario).expect("it is good");
+        let options = RelaxOptions {
+            starts: Some(1),
+            ..RelaxOptions::default()
+        };
+        let report = Solve::new(&scenario).options(options).run();
+        let notes = report.expect("it is good").summary.notes;
+        notes.into_iter().find(|note| note.contains("millimetres"))
+    };
+    assert_eq!(note(50.0), None);
+    let told = note(501.0).expect("it is far");
+    assert!(
+        told.starts_with("'obstacles[0]' is 500 m from the base"),
+        "{told}"
+    );
 }

@@ -170,7 +170,7 @@ const addMotion = (motion, i) => {
   const numbers = [["duration", `${short(motion.horizon)} s`], ["effort ∫τ² dt", short(motion.effort)]];
   if (clearances) numbers.push(["least clearance", `${(1000 * motion.least_clearance).toFixed(2)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
-  const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.failure ? "not a success" : "success");
+  const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.verdict);
   const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", `${motion.robot}, ${motion.method}`), badge]);
   const figures = element("dl", "figures", "", numbers.flatMap(([name, value]) => [element("div", "", "", [element("dt", "", name), element("dd", "", value)])]));
   header.append(element("div", "head", "", [title, figures]));

@@ -1,0 +1,88 @@
+//! `aghf export`.
+
+use super::compare::summary_at;
+use super::output::SamplingArgs;
+use super::{print, tell};
+use crate::export::{joint_trajectory, save_mcap, write_yaml};
+use crate::output::{refuse_existing, write_json, write_whole};
+use aghf::error::Result;
+use aghf_scenario::{Solved, Verdict};
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write the motion of a solve for ROS 2.
+///
+/// A trajectory is a trajectory_msgs/JointTrajectory with positions, velocities, accelerations, efforts and
+/// time_from_start, for a controller of joints; `aghf judge` reads it back. An MCAP file is a recording that Foxglove,
+/// rerun and `ros2 bag` open: /robot_description, /obstacles, /plan, /joint_states and /tf, from time zero.
+#[derive(Debug, Args)]
+pub(super) struct Export {
+    /// Folder of a solve, or its summary.json.
+    run: PathBuf,
+    /// What to write.
+    #[arg(long, value_enum)]
+    to: Target,
+    /// Format of a trajectory.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    /// The file [default: trajectory.yaml, trajectory.json or motion.mcap beside the summary].
+    #[arg(long, short)]
+    out: Option<PathBuf>,
+    /// Replace the file if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Target {
+    /// A trajectory_msgs/JointTrajectory; by default with as many points as `aghf judge` needs.
+    Trajectory,
+    /// An MCAP file; by default at 100 Hz.
+    Mcap,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Format {
+    #[default]
+    Yaml,
+    Json,
+}
+
+impl Export {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let summary = summary_at(&self.run)?;
+        let name = match (self.to, self.format) {
+            (Target::Trajectory, Format::Yaml) => "trajectory.yaml",
+            (Target::Trajectory, Format::Json) => "trajectory.json",
+            (Target::Mcap, _) => "motion.mcap",
+        };
+        let path = self
+            .out
+            .unwrap_or_else(|| Path::new(&summary).with_file_name(name));
+        refuse_existing(&path, self.force)?;
+        let solved = Solved::load(&summary)?;
+        let (scenario, curve) = (&solved.scenario, &solved.curve);
+        if solved.summary.verdict == Verdict::NotValid {
+            let reason = solved.summary.failure.unwrap_or_default();
+            tell(&format!(
+                "note: {summary}: the motion is not valid: {reason}"
+            ));
+        }
+        let sampling = self.sampling.sampling();
+        match self.to {
+            Target::Mcap => save_mcap(scenario, curve, sampling, &path)?,
+            Target::Trajectory => {
+                let message = joint_trajectory(scenario, curve, sampling)?;
+                write_whole(&path, |file| match self.format {
+                    Format::Yaml => write_yaml(&message, file),
+                    Format::Json => write_json(&message, file),
+                })?;
+            }
+        }
+        print(&format!("wrote {}", path.display()))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}

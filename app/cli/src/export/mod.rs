@@ -1,0 +1,51 @@
+//! Motions in the formats of ROS 2: a message for a controller of joints, and a recording for viewers.
+
+mod markers;
+mod mcap;
+mod messages;
+mod schemas;
+mod yaml;
+
+pub use mcap::{DEFAULT_RATE, write_mcap};
+pub use yaml::write_yaml;
+
+use crate::output::{Sampling, write_whole};
+use aghf::curve::Curve;
+use aghf::error::Result;
+use aghf::motion::samples_at;
+use aghf_scenario::{JointTrajectory, Scenario};
+use std::path::Path;
+
+/// The motion as a message, by default with [as many points](Sampling::sufficient) as the judge needs.
+///
+/// # Errors
+/// The sampling is out of range, or the curve has another number of joints than the robot.
+pub fn joint_trajectory(
+    scenario: &Scenario,
+    curve: &Curve,
+    sampling: Option<Sampling>,
+) -> Result<JointTrajectory> {
+    let sampling = match sampling {
+        Some(sampling) => sampling,
+        None => Sampling::sufficient(scenario, curve)?,
+    };
+    let times = sampling.times(curve.horizon())?;
+    let times = times.map(|t| (curve.segment_at(t), t));
+    let samples = samples_at(&scenario.model, curve, times).collect::<Result<Vec<_>>>()?;
+    Ok(JointTrajectory::of_samples(&scenario.model, samples))
+}
+
+/// Writes the motion to the MCAP file at `path` by [`write_mcap`], by default at [`DEFAULT_RATE`].
+///
+/// # Errors
+/// Those of [`joint_trajectory`], or the file cannot be written.
+pub fn save_mcap(
+    scenario: &Scenario,
+    curve: &Curve,
+    sampling: Option<Sampling>,
+    path: &Path,
+) -> Result<()> {
+    let sampling = sampling.unwrap_or(Sampling::Rate(DEFAULT_RATE));
+    let plan = joint_trajectory(scenario, curve, Some(sampling))?;
+    write_whole(path, |file| write_mcap(scenario, plan, file))
+}

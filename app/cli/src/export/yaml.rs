@@ -1,0 +1,43 @@
+//! Trajectories in YAML.
+
+use aghf_scenario::{JointTrajectory, Stamp};
+use std::io::{self, Write};
+
+/// Writes a trajectory as YAML, as `ros2 topic pub` reads it, with a line for each list of numbers.
+///
+/// # Errors
+/// The writer fails.
+pub fn write_yaml(trajectory: &JointTrajectory, mut writer: impl Write) -> io::Result<()> {
+    // A string of JSON is one of YAML.
+    let names = serde_json::to_string(&trajectory.joint_names)?;
+    writeln!(writer, "joint_names: {names}\npoints:")?;
+    for point in &trajectory.points {
+        let lists = [
+            ("- positions", &point.positions),
+            ("  velocities", &point.velocities),
+            ("  accelerations", &point.accelerations),
+            ("  effort", &point.effort),
+        ];
+        for (key, list) in lists {
+            let numbers: Vec<String> = list.iter().map(|x| number(*x)).collect();
+            writeln!(writer, "{key}: [{}]", numbers.join(", "))?;
+        }
+        let Stamp { sec, nanosec } = point.time_from_start;
+        writeln!(
+            writer,
+            "  time_from_start: {{sec: {sec}, nanosec: {nanosec}}}"
+        )?;
+    }
+    Ok(())
+}
+
+/// A number that YAML 1.1 takes for one too: it asks for a point, and for a sign in the exponent.
+fn number(x: f64) -> String {
+    let text = format!("{x:?}");
+    let Some((mantissa, exponent)) = text.split_once('e') else {
+        return text;
+    };
+    let point = if mantissa.contains('.') { "" } else { ".0" };
+    let sign = if exponent.starts_with('-') { "" } else { "+" };
+    format!("{mantissa}{point}e{sign}{exponent}")
+}

@@ -1,0 +1,164 @@
+//! `aghf export`.
+
+use crate::command::{aghf, assert_bad_input, empty_folder};
+use aghf_scenario::{JointTrajectory, Stamp};
+use byteorder::LittleEndian;
+use cdr_encoding::from_bytes;
+use mcap::MessageStream;
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Solves a problem among spheres; the motion is swift at its end.
+fn solved(folder: &Path) {
+    let run = aghf(
+        folder,
+        &[
+            "solve",
+            "kinova_obstacles_01",
+            "--out",
+            "run",
+            "--no-report",
+        ],
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+}
+
+fn exported(folder: &Path, arguments: &[&str]) {
+    let run = aghf(folder, &[&["export", "run", "--to"], arguments].concat());
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+}
+
+/// What is exported is the motion: the judge accepts it, in both formats, and it has the numbers of the table.
+#[test]
+fn a_trajectory_is_judged_like_the_table() {
+    let folder = empty_folder("export_trajectory");
+    solved(&folder);
+    exported(&folder, &["trajectory"]);
+    exported(&folder, &["trajectory", "--format", "json"]);
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(folder.join("run").join(name)).expect("written");
+        JointTrajectory::parse(&text, name).expect("it is one")
+    };
+    let message = read("trajectory.yaml");
+    assert_eq!(message, read("trajectory.json"));
+    let text = std::fs::read_to_string(folder.join("run/trajectory.csv")).expect("written");
+    let rows = text.lines().skip(1).zip(&message.points);
+    assert_eq!((rows.clone().count(), message.points.len()), (401, 401));
+    for (row, point) in rows {
+        let numbers: Vec<f64> = row
+            .split(',')
+            .map(|x| x.parse().expect("a number"))
+            .collect();
+        assert!((numbers[0] - point.time_from_start.seconds()).abs() <= 0.5e-9);
+        let lists = [
+            &point.positions,
+            &point.velocities,
+            &point.accelerations,
+            &point.effort,
+        ];
+        assert_eq!(lists.map(Vec::as_slice).concat(), numbers[1..]);
+    }
+    for name in ["run/trajectory.yaml", "run/trajectory.json"] {
+        let run = aghf(&folder, &["judge", "kinova_obstacles_01", name]);
+        assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
+    }
+    let again = ["export", "run", "--to", "trajectory"];
+    assert_bad_input(&folder, &again, "trajectory.yaml: output; --force");
+    exported(&folder, &["trajectory", "--force", "--rate", "10"]);
+    assert_eq!(read("trajectory.yaml").points.len(), 21);
+    assert_bad_input(&folder, &["export", "nowhere", "--to", "mcap"], "nowhere");
+}
+
+/// The numbers of a motion may be tiny or huge, and are numbers in YAML 1.1 as well.
+#[test]
+fn numbers_of_yaml_have_a_point_and_a_signed_exponent() {
+    let mut message = JointTrajectory::default();
+    message.points.resize_with(1, Default::default);
+    message.points[0].positions = vec![1e-7, -2.5e-9, 1e17, 0.0, 3.0];
+    message.joint_names = vec!["a \"b\"".to_owned()];
+    let mut text = Vec::new();
+    aghf_cli::export::write_yaml(&message, &mut text).expect("it is memory");
+    let text = String::from_utf8(text).expect("it is text");
+    assert!(
+        text.contains("[1.0e-7, -2.5e-9, 1.0e+17, 0.0, 3.0]"),
+        "{text}"
+    );
+    assert_eq!(
+        JointTrajectory::parse(&text, "it").expect("it is one"),
+        message
+    );
+}
+
+/// A `sensor_msgs/JointState` as another program would read it.
+#[derive(Deserialize)]
+struct State {
+    stamp: Stamp,
+    _frame: String,
+    name: Vec<String>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    effort: Vec<f64>,
+}
+
+#[test]
+fn a_recording_has_the_robot_the_plan_and_the_states() {
+    let folder = empty_folder("export_mcap");
+    solved(&folder);
+    exported(&folder, &["mcap"]);
+    let bytes = std::fs::read(folder.join("run/motion.mcap")).expect("written");
+    let mut counts = BTreeMap::new();
+    let (mut states, mut plan) = (Vec::new(), None);
+    for message in MessageStream::new(&bytes).expect("it is MCAP") {
+        let message = message.expect("it is whole");
+        let (topic, schema) = (
+            message.channel.topic.clone(),
+            message.channel.schema.clone(),
+        );
+        let schema = schema.expect("each has one");
+        *counts
+            .entry((topic.clone(), schema.name.clone()))
+            .or_insert(0) += 1;
+        let (encapsulation, body) = message.data.split_at(4);
+        assert_eq!(encapsulation, [0, 1, 0, 0]);
+        match topic.as_str() {
+            "/joint_states" => {
+                let (state, _) = from_bytes::<State, LittleEndian>(body).expect("CDR");
+                assert_eq!(state.stamp.nanoseconds(), message.log_time);
+                states.push(state);
+            }
+            "/plan" => {
+                let read = from_bytes::<JointTrajectory, LittleEndian>(body);
+                plan = Some(read.expect("CDR").0);
+            }
+            _ => {}
+        }
+    }
+    let counted: Vec<_> = counts
+        .iter()
+        .map(|((t, s), n)| (t.as_str(), s.as_str(), *n))
+        .collect();
+    let wanted = [
+        ("/joint_states", "sensor_msgs/msg/JointState", 201),
+        ("/obstacles", "visualization_msgs/msg/MarkerArray", 1),
+        ("/plan", "trajectory_msgs/msg/JointTrajectory", 1),
+        ("/robot_description", "std_msgs/msg/String", 1),
+        ("/tf", "tf2_msgs/msg/TFMessage", 201),
+    ];
+    assert_eq!(counted, wanted);
+    let plan = plan.expect("there is one");
+    for (state, point) in states.iter().zip(&plan.points) {
+        assert_eq!(state.stamp, point.time_from_start);
+        assert_eq!(state.name, plan.joint_names);
+        let lists = [&state.position, &state.velocity, &state.effort];
+        assert_eq!(lists, [&point.positions, &point.velocities, &point.effort]);
+    }
+    let summary = std::fs::read_to_string(folder.join("run/summary.json")).expect("written");
+    let summary: Value = serde_json::from_str(&summary).expect("JSON");
+    let goal = &summary["provenance"]["scenario"]["q_goal"];
+    let last = states.last().expect("there are some");
+    for (x, goal) in last.position.iter().zip(goal.as_array().expect("a list")) {
+        assert!((x - goal.as_f64().expect("a number")).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,48 @@
+//! The number of samples that the judge needs of a curve.
+
+use super::{Intervals, Tolerances, Trajectory, checks};
+use crate::Scenario;
+use aghf::curve::Curve;
+use aghf::error::Result;
+use aghf::motion::sample;
+
+/// The fewest intervals of a table, and how often they may be halved: to a quarter of a millisecond for motions of
+/// three seconds.
+const INTERVALS: usize = 200;
+const HALVINGS: u32 = 6;
+
+/// The number of samples at equal distances, both ends included, with which `curve` passes as many of the judge's
+/// checks joint by joint as it does with any number: 201, or with intervals halved up to six times. Coarse samples fail
+/// where accelerations change or jump within an interval.
+///
+/// Cost O(N p) per sample.
+///
+/// # Errors
+/// The curve has another number of joints.
+pub fn sufficient_samples(scenario: &Scenario, curve: &Curve) -> Result<usize> {
+    let mut best = (usize::MAX, INTERVALS);
+    for halvings in 0..=HALVINGS {
+        let intervals = INTERVALS << halvings;
+        let failed = failures(scenario, curve, intervals)?;
+        if failed < best.0 {
+            best = (failed, intervals);
+        }
+        if failed == 0 {
+            break;
+        }
+    }
+    Ok(best.1 + 1)
+}
+
+/// The number of checks joint by joint that a curve fails with this number of intervals.
+fn failures(scenario: &Scenario, curve: &Curve, intervals: usize) -> Result<usize> {
+    let samples = sample(&scenario.model, curve, intervals)?;
+    let trajectory = Trajectory::of_samples(samples);
+    let rows = checks::by_joint(
+        scenario,
+        &trajectory,
+        &Intervals::new(&trajectory),
+        Tolerances::default().tolerance,
+    )?;
+    Ok(rows.iter().filter(|row| !row.outcome.is_good()).count())
+}
