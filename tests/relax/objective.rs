@@ -1,6 +1,6 @@
 //! The objective of the relaxation: its derivatives, and the matrices they are kept in.
 
-use crate::common::slider;
+use crate::common::{slider, tree};
 use aghf::curve::Basis;
 use aghf::linalg::BlockTridiagonal;
 use aghf::model::{Model, random_tree};
@@ -40,7 +40,7 @@ fn derivatives_are_those_of_duals() {
     for (n, seed, segments, degree, free) in
         [(3, 1, 1, 6, false), (4, 2, 1, 5, true), (2, 5, 3, 4, true)]
     {
-        let model = random_tree(n, seed).expect("n > 0");
+        let model = tree(n, seed);
         let basis = Basis::new(segments, degree, free);
         let grid = Grid::new(&basis, 7, 1.3);
         let coefficients = random(&mut rng, n, basis.count());

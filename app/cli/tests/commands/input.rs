@@ -157,8 +157,8 @@ fn notes_on_a_robot_are_told_wherever_it_is_loaded() {
             ("state.json", state),
         ],
     );
-    let notes = "note: r.urdf: joint 'j1': damping is left out, these dynamics have none
-note: r.urdf: joints 'j1', 'j2', 'j3': friction is left out, these dynamics have none
+    let notes = "note: r.urdf: joint 'j1': damping is not counted, as losses are not asked for
+note: r.urdf: joints 'j1', 'j2', 'j3': friction is not counted, as losses are not asked for
 note: r.urdf: joints 'j1', 'j2', 'j3': effort limit of 0 counts as unknown, no limit
 note: r.urdf: link 'l3': its principal moment of inertia -1e0 is negative
 ";
