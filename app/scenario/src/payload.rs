@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 /// The largest number: far beyond any load, in kg, m and kg m^2. Products of several must not overflow.
 const LARGEST: f64 = 1e6;
 
-/// A body that a link of the robot carries, such as a tool or a grasped object. It moves with the link, and its shape is
-/// one of the link's own.
+/// A body that a link of the robot carries, such as a tool or a grasped object. It moves with the link, and its shape
+/// is one of the link's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {

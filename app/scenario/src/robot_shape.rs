@@ -114,7 +114,7 @@ pub(super) fn collision_geometry(
             let geometry = cover_links(model, folder, spacing_m);
             let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
             let mut geometry = geometry.map_err(refused)?;
-            for load in load {
+            if let Some(load) = load {
                 for ball in balls(model, load, folder, spacing_m).map_err(refused)? {
                     geometry.links.push(load.link.clone());
                     geometry.balls.push(ball);
@@ -127,7 +127,7 @@ pub(super) fn collision_geometry(
             return Ok(geometry);
         }
     };
-    for load in load {
+    if let Some(load) = load {
         let balls = balls(model, load, folder, spacing.min(default_spacing()))
             .map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
         capsules.extend(balls.into_iter().map(|ball| Capsule {

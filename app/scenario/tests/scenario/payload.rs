@@ -15,7 +15,7 @@ fn carrying(payload: Value, keys: Value) -> Result<Scenario, String> {
     all = with(all, payload);
     let scenario = json!({
         "robot": "kinova_gen3", "horizon_s": 2.0, "payload": all,
-        "q_start": Q, "v_start": [0.0; 7], "q_goal": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_goal": [0.0; 7],
+        "q_start": Q, "v_start": vec![0.0; 7], "q_goal": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_goal": vec![0.0; 7],
     });
     load("carrying", &with(scenario, keys))
 }
