@@ -19,7 +19,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "robots/kinova_gen3"
-SCENARIOS = ["kinova_free_01", "kinova_free_02", "kinova_free_03", "kinova_free_04", "kinova_free_05", "kinova_table_01"]
+SCENARIOS = [*(f"kinova_free_0{i}" for i in range(1, 6)), "kinova_table_01"]
 ARMATURE, WIDTH, STEP = 0.1, 0.02, 1e-3
 LOSSES = {"none": False, "URDF": True, "armature": {"armature": ARMATURE, "friction_velocity": WIDTH}}
 

@@ -9,9 +9,9 @@ use crate::scalar::{AlgebraOver, Scalar};
 /// a revolute joint; a prismatic one has N for N m and m for rad.
 ///
 /// Friction is smooth, $s(x) = x / \sqrt{1 + x^2}$, so that motions through rest have derivatives: it is within 1 % of
-/// $F_c$ beyond $7.1 v_0$, and at rest it holds nothing. No odd rational function saturates (it goes to zero or grows
-/// without bound), and a root is the one function that every [`Scalar`] has and that does, with derivatives that are
-/// again products of $s$ and the root.
+/// $F_c$ beyond $7.1 v_0$, and at rest it holds nothing. An odd rational function cannot saturate: it goes to zero or
+/// grows without bound. A square root, which every [`Scalar`] has, makes one that does, and its derivatives are again
+/// products of $s$ and that root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<C: Scalar = f64> {
     /// Viscous damping $D$, N m s/rad.
