@@ -38,8 +38,8 @@
 //!
 //! # Limits
 //!
-//! The base is fixed, joints have one degree of freedom, and links are rigid. Contact, friction, damping and closed
-//! loops are not modelled.
+//! The base is fixed, joints have one degree of freedom, and links are rigid. Contact and closed loops are not
+//! modelled. [Drives](model::Drive) of the joints have viscous damping, smooth dry friction and rotor inertia.
 
 #[cfg(feature = "solvers")]
 pub mod constraint;

@@ -53,7 +53,13 @@ impl PyModel {
     #[staticmethod]
     fn load_file(path: &str, mimic: &str) -> PyResult<Self> {
         let mimic: Mimic = mimic.parse().map_err(raised)?;
-        let read = load_urdf_with(Path::new(path), UrdfOptions { mimic });
+        let read = load_urdf_with(
+            Path::new(path),
+            UrdfOptions {
+                mimic,
+                ..UrdfOptions::default()
+            },
+        );
         let (model, notes) = read.map_err(raised)?;
         Ok(Self::new(model, &notes))
     }
@@ -62,7 +68,15 @@ impl PyModel {
     #[staticmethod]
     fn parse(text: &str, name: &str, mimic: &str) -> PyResult<Self> {
         let mimic: Mimic = mimic.parse().map_err(raised)?;
-        let (model, notes) = parse_urdf_with(text, name, UrdfOptions { mimic }).map_err(raised)?;
+        let (model, notes) = parse_urdf_with(
+            text,
+            name,
+            UrdfOptions {
+                mimic,
+                ..UrdfOptions::default()
+            },
+        )
+        .map_err(raised)?;
         Ok(Self::new(model, &notes))
     }
 

@@ -52,12 +52,16 @@ impl<S: Scalar> Data<S> {
             self.articulated[i] = ArticulatedInertia::new(inertia);
             self.forces[i] = velocity.cross_force(&inertia.apply(velocity));
         }
-        // (7.19) to (7.24): U = I^A S, D = S^T U, u = tau - S^T p^A.
+        // (7.19) to (7.24): U = I^A S, D = S^T U + I_a, u = tau - S^T p^A, less the losses of the drive.
         for (i, joint) in model.joints().iter().enumerate().rev() {
             let (axis, articulated, force) = (&self.axes[i], &self.articulated[i], self.forces[i]);
             let u_vector = articulated.apply(axis);
-            let d = axis.dot(&u_vector);
-            let u = tau[i] - axis.dot(&force);
+            let (mut d, mut u) = (axis.dot(&u_vector), tau[i] - axis.dot(&force));
+            if let Some(drive) = model.drives().get(i) {
+                let [losses, ..] = drive.losses(v[i]);
+                d += S::lift(drive.armature);
+                u -= losses;
+            }
             if let Some(parent) = joint.parent() {
                 let ratio = S::one() / d;
                 let apparent = articulated.without(&u_vector, ratio);

@@ -82,6 +82,7 @@ pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     // Placements, velocities and accelerations are already those of inverse dynamics at `a`.
     data.differentiate_bodies(model);
     data.fill_derivatives(model, id);
+    id.add_drive_derivatives(model, v);
     data.minus_h_inverse_times(model, [&id.dq, &id.dv], [&mut out.dq, &mut out.dv]);
     Ok(())
 }

@@ -38,5 +38,13 @@ pub fn crba<C: Scalar, S: AlgebraOver<C>>(
             data.inertias[parent] += composite;
         }
     }
+    add_armature(model, h);
     Ok(())
+}
+
+/// Adds the rotor inertia of the joints to the diagonal of the mass matrix.
+pub(super) fn add_armature<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, h: &mut DMatrix<S>) {
+    for (i, drive) in model.drives().iter().enumerate() {
+        h[(i, i)] += S::lift(drive.armature);
+    }
 }

@@ -1,5 +1,6 @@
 //! The mass matrix, its rate and its first and second derivatives as tensors (CRBA_2D in the supplement).
 
+use super::crba::add_armature;
 use super::{Data, check_square, clear_square, path_to_base};
 use crate::error::Result;
 use crate::linalg::{Tensor3, Tensor4};
@@ -101,6 +102,7 @@ pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
             data.inertias[parent] += composite;
         }
     }
+    add_armature(model, &mut out.h);
     out.hdot = out
         .dq
         .times_third(&DVectorView::from_slice(v, n).into_owned());

@@ -42,7 +42,8 @@ pub struct Data<S: Scalar = f64> {
     pub(super) articulated: Vec<ArticulatedInertia<S>>,
     /// $U_i = I^A_i S_i$, articulated-body inertias times axes.
     pub(super) articulated_axes: Vec<Force<S>>,
-    /// One number per joint; after [`aba`](super::aba()) $D_i = S_i^T U_i$.
+    /// One number per joint; after [`aba`](super::aba()) $D_i = S_i^T U_i$, plus the armature of the
+    /// drive.
     pub(super) scalar_scratch: Vec<S>,
     /// The inverse of the mass matrix.
     pub(super) h_inverse: Tiled<S>,

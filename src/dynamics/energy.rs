@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// Computes the kinetic energy $\tfrac12 v^T H v$ of the moving bodies, in J.
+/// Computes the kinetic energy $\tfrac12 v^T H v$ of the moving bodies and the rotors of the drives, in J.
 ///
 /// * `q`, `v`: `N` entries; rad or m, per s
 ///
@@ -22,8 +22,11 @@ pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<S> {
     data.place(model, q)?;
     data.add_velocities(model, v)?;
-    let twice = (data.inertias.iter().zip(&data.velocities))
+    let bodies = (data.inertias.iter().zip(&data.velocities))
         .fold(S::zero(), |sum, (i, v)| sum + v.dot(&i.apply(v)));
+    let twice = (model.drives().iter().zip(v)).fold(bodies, |sum, (drive, v)| {
+        sum + (*v * *v).scale(drive.armature)
+    });
     Ok(twice * S::from_f64(0.5))
 }
 

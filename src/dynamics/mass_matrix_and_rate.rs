@@ -1,5 +1,6 @@
 //! The mass matrix and its rate (CRBA_D in the supplement).
 
+use super::crba::add_armature;
 use super::{Data, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
@@ -57,5 +58,6 @@ pub fn mass_matrix_and_rate<C: Scalar, S: AlgebraOver<C>>(
             data.coriolis[parent] += coriolis;
         }
     }
+    add_armature(model, h);
     Ok(())
 }

@@ -6,7 +6,8 @@ use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
 /// Computes inverse dynamics $\tau = H(q)\\, a + C(q, v)$, equation (1) of the paper: the forces that make the joints
-/// accelerate by `a`. `C` holds Coriolis, centrifugal and gravity forces.
+/// accelerate by `a`. `C` holds Coriolis, centrifugal and gravity forces and the losses of the
+/// [drives](crate::model::Drive), and `H` the inertia of their rotors.
 ///
 /// * `q`, `v`, `a`: `N` entries; rad or m, per s, per s^2
 /// * `tau`: `N` entries, overwritten; N m or N
@@ -43,7 +44,21 @@ pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
             data.forces[parent] += force;
         }
     }
+    add_drives(model, v, a, tau);
     Ok(())
+}
+
+/// Adds the forces for the drives of the joints to `tau`.
+pub(super) fn add_drives<C: Scalar, S: AlgebraOver<C>>(
+    model: &Model<C>,
+    v: &[S],
+    a: &[S],
+    tau: &mut [S],
+) {
+    for (i, drive) in model.drives().iter().enumerate() {
+        let [losses, ..] = drive.losses(v[i]);
+        tau[i] += losses + a[i].scale(drive.armature);
+    }
 }
 
 /// Computes the bias force $C(q, v)$, inverse dynamics at zero acceleration; line 2 of Algorithm B1.

@@ -4,7 +4,8 @@
 //! spatial vector algebra" (IEEE RA-L 2022). Joints have one degree of freedom here, so $S_j \times S_j = 0$ and the
 //! paper's $\dot\Psi_j = v_{\lambda(j)} \times S_j$ and $\dot S_j = v_j \times S_j$ are the same.
 
-use super::{Data, clear_square, kinematics, path_to_base};
+use super::crba::add_armature;
+use super::{Data, clear_square, kinematics, path_to_base, rnea};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -48,6 +49,18 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
         }
         Ok(())
     }
+
+    /// Adds the derivatives of the forces for the drives of the joints, which are diagonal, to those of rigid bodies.
+    pub(super) fn add_drive_derivatives<C: Scalar>(&mut self, model: &Model<C>, v: &[S])
+    where
+        S: AlgebraOver<C>,
+    {
+        for (i, drive) in model.drives().iter().enumerate() {
+            let [_, slope, _] = drive.losses(v[i]);
+            self.dv[(i, i)] += slope;
+        }
+        add_armature(model, &mut self.h);
+    }
 }
 
 /// Computes inverse dynamics and its derivatives in all three arguments.
@@ -75,6 +88,8 @@ pub fn rnea_derivatives<C: Scalar, S: AlgebraOver<C>>(
     out.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
     data.fill_derivatives(model, out);
+    rnea::add_drives(model, v, a, out.tau.as_mut_slice());
+    out.add_drive_derivatives(model, v);
     Ok(())
 }
 
@@ -153,7 +168,7 @@ impl<S: Scalar> Data<S> {
     }
 
     /// Inverse dynamics and its derivatives, after [`prepare_derivatives`](Self::prepare_derivatives), into matrices
-    /// that are zero.
+    /// that are zero; without the drives.
     pub(super) fn fill_derivatives<C: Scalar>(
         &mut self,
         model: &Model<C>,

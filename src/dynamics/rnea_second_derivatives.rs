@@ -153,6 +153,10 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
             data.add_to_subtree(k, parent);
         }
     }
+    for (i, drive) in model.drives().iter().enumerate() {
+        let [_, _, curvature] = drive.losses(v[i]);
+        out.dvdv[(i, i, i)] += curvature;
+    }
     Ok(())
 }
 

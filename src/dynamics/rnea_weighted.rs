@@ -28,6 +28,7 @@
 //!
 //! and the other half of each block follows from the symmetry of second derivatives.
 
+use super::rnea::add_drives;
 use super::{Data, InverseDynamicsDerivatives, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
@@ -97,6 +98,17 @@ impl<S: Scalar> RneaWeightedHessian<S> {
         }
         Ok(())
     }
+
+    /// Adds the curvature of the losses of the drives.
+    fn add_drives<C: Scalar>(&mut self, model: &Model<C>, v: &[S], w: &[S])
+    where
+        S: AlgebraOver<C>,
+    {
+        for (i, drive) in model.drives().iter().enumerate() {
+            let [_, _, curvature] = drive.losses(v[i]);
+            self.vv[(i, i)] += curvature * w[i];
+        }
+    }
 }
 
 /// Computes the gradient of $w^T ID(q, v, a)$ for a constant `w`, by the adjoint of [`rnea`](super::rnea()).
@@ -142,6 +154,11 @@ pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
             data.virtual_couples[parent] += p;
         }
     }
+    for (i, drive) in model.drives().iter().enumerate() {
+        let [_, slope, _] = drive.losses(v[i]);
+        out.v[i] += slope * w[i];
+        out.a[i] += w[i].scale(drive.armature);
+    }
     Ok(())
 }
 
@@ -169,6 +186,7 @@ pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
     data.contract(model, w)?;
     data.sum_forces(model);
     data.sweep(model, None, out);
+    out.add_drives(model, v, w);
     Ok(())
 }
 
@@ -197,13 +215,17 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
     data.prepare_derivatives(model, q, v, a)?;
     data.sum_forces(model);
     data.read_torques(&mut first.tau);
+    add_drives(model, v, a, first.tau.as_mut_slice());
     let mut w = std::mem::take(&mut data.scalar_scratch);
     weigh(&first.tau, &mut w);
     let contracted = data.contract(model, &w);
+    if contracted.is_ok() {
+        data.sweep(model, Some(first), second);
+        first.add_drive_derivatives(model, v);
+        second.add_drives(model, v, &w);
+    }
     data.scalar_scratch = w;
-    contracted?;
-    data.sweep(model, Some(first), second);
-    Ok(())
+    contracted
 }
 
 impl<S: Scalar> Data<S> {

@@ -45,6 +45,7 @@ impl<C: Scalar> Model<C> {
             inertias: Vec::with_capacity(specs.len()),
             frames: Vec::with_capacity(specs.len()),
             collisions: Vec::new(),
+            drives: Vec::new(),
             gravity: Vector3::new(C::zero(), C::zero(), C::from_f64(-STANDARD_GRAVITY)),
         };
         if specs.is_empty() {

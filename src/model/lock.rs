@@ -16,7 +16,7 @@ pub struct Reduced {
 impl Model<f64> {
     /// Locks some joints, given by their indices, at the given positions, in rad or m, like Pinocchio's
     /// `buildReducedModel`. A body whose joint is locked becomes part of its parent body, or of the base, whose mass is
-    /// ignored; the other joints keep their order, and all frames are kept. Cost O(N).
+    /// ignored; the other joints keep their order and their drives, and all frames are kept. Cost O(N).
     ///
     /// # Errors
     /// A joint does not exist, is locked twice or cannot be at that position, or no joint remains. See also
@@ -54,6 +54,10 @@ impl Model<f64> {
 
         let mut specs: Vec<JointSpec<f64>> = Vec::new();
         let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
+        let free = positions.iter().map(Option::is_none);
+        let drives = (self.drives.iter().zip(free))
+            .filter_map(|(drive, free)| free.then_some(*drive))
+            .collect();
         for ((joint, inertia), q) in self.joints.iter().zip(&self.inertias).zip(positions) {
             let (parent, within) = match joint.parent() {
                 Some(parent) => bodies[parent],
@@ -106,7 +110,8 @@ impl Model<f64> {
         let model = Model::from_joints(&self.name, specs)?
             .with_gravity(self.gravity)
             .with_frames(frames)
-            .with_collisions(collisions)?;
+            .with_collisions(collisions)?
+            .with_drives(drives)?;
         Ok(Reduced { model, bodies })
     }
 }

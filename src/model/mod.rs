@@ -20,17 +20,20 @@
 //! | a [`Frame`], one per link, in the order of the visit | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
 //! | the mass fixed to the base: ignored | `inertias[0]` |
+//! | `armature` of a [`Drive`]; damping and friction of a [`Drive`] | `armature[i]`; none: the algorithms do not read `damping` and `friction` |
 //! | infinite limits if the file has none, only zeros, or a zero for velocity or effort | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
 //! | angular part first in spatial vectors, at the origin of the base | linear part first, at the requested frame |
 
 mod build;
 mod collision;
+mod drive;
 mod joint;
 mod lock;
 mod random;
 
 pub use build::{JointSpec, LARGEST_DOF, pendulum};
 pub use collision::{Collision, CollisionShape};
+pub use drive::Drive;
 pub use joint::{Joint, JointKind, Limits};
 pub use lock::Reduced;
 pub use random::{random_chain, random_tree};
@@ -83,6 +86,7 @@ pub struct Model<C: Scalar = f64> {
     inertias: Vec<Inertia<C>>,
     frames: Vec<Frame<C>>,
     collisions: Vec<Collision<C>>,
+    drives: Vec<Drive<C>>,
     gravity: Vector3<C>,
 }
 
@@ -169,6 +173,7 @@ impl Model<f64> {
                 })
                 .collect(),
             collisions: self.collisions.iter().map(Collision::cast).collect(),
+            drives: self.drives.iter().map(Drive::cast).collect(),
             gravity: vector(&self.gravity),
         }
     }

@@ -1,6 +1,6 @@
 //! Random robots for tests and benches.
 
-use super::{Joint, JointKind, JointSpec, Limits, Model};
+use super::{Drive, Joint, JointKind, JointSpec, Limits, Model};
 use crate::error::Result;
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -27,6 +27,22 @@ impl Model {
             lower + (upper - lower) * rng.random::<f64>()
         };
         self.joints.iter().map(draw).collect()
+    }
+
+    /// The same robot with random drives: damping, friction and rotor inertia at every joint, of the order of the
+    /// forces and inertias of a [`random_tree`]. The same seed gives the same drives.
+    #[must_use]
+    pub fn with_random_drives(mut self, seed: u64) -> Self {
+        let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+        self.drives = (0..self.dof())
+            .map(|_| Drive {
+                damping: rng.random_range(0.0..2.0),
+                friction: rng.random_range(0.0..2.0),
+                friction_velocity: rng.random_range(0.2..2.0),
+                armature: rng.random_range(0.0..0.5),
+            })
+            .collect();
+        self
     }
 }
 

@@ -1,11 +1,11 @@
 //! The number types of the library.
 //!
 //! Rigid-body dynamics are polynomials in `sin q`, `cos q`, `v`, `a` and the constants of the model, and rational
-//! functions once a mass matrix is inverted: [`Scalar`] requires field operations and `sin_cos`. Distances from shapes
-//! also need a square root and a choice between two numbers by a sign, but no comparison on which a program could
-//! branch. The hyperbolic tangent of penalties is in [`Tanh`]. `f32`, `f64`, every `Copy` type of `num-dual` and their
-//! nestings implement it; so do SIMD lanes, which choose independently, and a prime field, where the root and the sign
-//! are formal.
+//! functions once a mass matrix is inverted: [`Scalar`] requires field operations and `sin_cos`. The friction of joints
+//! and distances from shapes also need a square root, and the latter a choice between two numbers by a sign, but no
+//! comparison on which a program could branch. The hyperbolic tangent of penalties is in [`Tanh`]. `f32`, `f64`, every
+//! `Copy` type of `num-dual` and their nestings implement it; so do SIMD lanes, which choose independently, and a prime
+//! field, where the root and the sign are formal.
 //!
 //! The constants of a model have a separate type. [`AlgebraOver<C>`] means that a scalar can be multiplied by a
 //! constant of type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to

@@ -7,7 +7,7 @@ use crate::error::{Error, Result, plain};
 use crate::model::{Carrier, Collision, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use urdf_rs::{Joint, JointLimit, JointType, Link, Pose, Robot};
+use urdf_rs::{Dynamics, Joint, JointLimit, JointType, Link, Pose, Robot};
 
 impl TryFrom<&Robot> for Model {
     type Error = Error;
@@ -24,8 +24,9 @@ impl TryFrom<&Robot> for Model {
 ///
 /// Lengths are in m, angles in rad, masses in kg, inertias in kg m^2, forces in N and torques in N m. Links, joints,
 /// inertias, limits of position, velocity and effort, and collision elements are kept as
-/// [`parse_urdf`](super::parse_urdf) keeps them. Visual elements, materials, damping, friction, safety controllers and
-/// limits of acceleration and jerk are left out, the factor and offset of a mimic joint too.
+/// [`parse_urdf`](super::parse_urdf) keeps them, damping and friction if [`UrdfOptions::losses`] asks for them. Visual
+/// elements, materials, safety controllers and limits of acceleration and jerk are left out, the factor and offset of a
+/// mimic joint too.
 ///
 /// Cost O(L log L) for L links and joints, and O(N^3) for the check that the mass matrix is regular.
 ///
@@ -37,12 +38,17 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
         options,
         report: LoadReport::new(),
         specs: Vec::new(),
+        dynamics: Vec::new(),
         frames: Vec::new(),
         collisions: Vec::new(),
     };
     for visit in walk(robot, file)? {
         builder.visit(&visit)?;
     }
+    let drives = match &builder.options.losses {
+        Some(losses) => losses.drives(&builder.specs, &builder.dynamics, file)?,
+        None => Vec::new(),
+    };
     let model = Model::from_joints(&robot.name, builder.specs)
         .map_err(|e| match e {
             Error::Input {
@@ -51,7 +57,8 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
             other => other,
         })?
         .with_frames(builder.frames)
-        .with_collisions(builder.collisions)?;
+        .with_collisions(builder.collisions)?
+        .with_drives(drives)?;
     model.check_regular(file)?;
     Ok((model, builder.report))
 }
@@ -62,6 +69,8 @@ struct Builder<'a> {
     options: UrdfOptions,
     report: LoadReport,
     specs: Vec<JointSpec<f64>>,
+    /// The `dynamics` elements of the joints.
+    dynamics: Vec<Dynamics>,
     frames: Vec<Frame<f64>>,
     collisions: Vec<Collision>,
 }
@@ -101,7 +110,7 @@ impl Builder<'_> {
                             inertia: Inertia::zero(),
                             limits: self.limits(joint, kind)?,
                         };
-                        self.note_losses(joint);
+                        self.add_dynamics(joint);
                         self.specs.push(spec);
                         (Some(self.specs.len() - 1), Placement::identity())
                     }
@@ -150,22 +159,24 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Notes the damping and friction of a joint.
-    fn note_losses(&mut self, joint: &Joint) {
-        let Some(dynamics) = &joint.dynamics else {
-            return;
-        };
+    /// Adds the damping and friction of a joint, with a note if they are not counted.
+    fn add_dynamics(&mut self, joint: &Joint) {
+        let dynamics = joint.dynamics.clone().unwrap_or(Dynamics {
+            damping: 0.0,
+            friction: 0.0,
+        });
         for (attribute, value) in [
             ("damping", dynamics.damping),
             ("friction", dynamics.friction),
         ] {
-            if value != 0.0 {
+            if value != 0.0 && self.options.losses.is_none() {
                 self.report.push(LoadNote::LeftOut {
                     joint: joint.name.clone(),
                     attribute,
                 });
             }
         }
+        self.dynamics.push(dynamics);
     }
 
     /// The inertia of a link in its own frame.
@@ -192,7 +203,7 @@ impl Builder<'_> {
         let name = || link.name.clone();
         if numbers.iter().all(|x| *x == 0.0) {
             self.report.push(LoadNote::Massless { link: name() });
-        } else if let Some(condition) = impossible(mass, &rotational) {
+        } else if let Some(condition) = impossible_inertia(mass, &rotational) {
             self.report.push(LoadNote::ImpossibleInertia {
                 link: name(),
                 condition,
@@ -359,7 +370,9 @@ fn is_finite(inertia: &Inertia<f64>) -> bool {
 const POINT: f64 = 1e-16;
 
 /// The reason why an inertia about the centre of mass is physically impossible, if it is.
-fn impossible(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
+#[doc(hidden)]
+#[must_use]
+pub fn impossible_inertia(mass: f64, rotational: &Matrix3<f64>) -> Option<String> {
     if mass == 0.0 {
         return Some("it has rotational inertia but no mass".to_owned());
     }

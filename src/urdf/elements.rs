@@ -177,7 +177,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
         });
     }
     if let Some(dynamics) = child(joint, "dynamics")? {
-        // No computation uses them, so they need not be numbers; NaN differs from zero and is noted.
+        // They need not be numbers where losses do not count; NaN differs from zero and is noted, otherwise refused.
         let loss = |name| match dynamics.attribute(name) {
             Some(text) => text.trim().parse().unwrap_or(f64::NAN),
             None => 0.0,

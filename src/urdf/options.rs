@@ -1,5 +1,6 @@
 //! Options and notes of reading a robot.
 
+use super::Losses;
 use std::fmt;
 
 /// The number of elements named in a summary of notes.
@@ -19,10 +20,12 @@ pub enum Mimic("mimic") {
 }
 
 /// The options of reading a URDF.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct UrdfOptions {
     /// The treatment of mimic joints.
     pub mimic: Mimic,
+    /// The losses and the rotor inertia of the joints; `None` for rigid bodies alone.
+    pub losses: Option<Losses>,
 }
 
 /// A note on something that was accepted during loading but may matter.
@@ -62,7 +65,7 @@ pub enum LoadNote {
         /// The attribute of the limit element, `velocity` or `effort`.
         attribute: &'static str,
     },
-    /// The joint has damping or friction, which the dynamics do not model.
+    /// The joint has damping or friction, which the dynamics do not count without [`UrdfOptions::losses`].
     LeftOut {
         /// The joint.
         joint: String,
@@ -111,7 +114,7 @@ impl LoadNote {
                 format!("{attribute} limit of 0 counts as unknown, no limit")
             }
             Self::LeftOut { attribute, .. } => {
-                format!("{attribute} is left out, these dynamics have none")
+                format!("{attribute} is not counted, as losses are not asked for")
             }
         }
     }

@@ -8,8 +8,8 @@ use crate::spatial::Placement;
 use nalgebra::DMatrix;
 
 impl Model<f64> {
-    /// Checks that the mass matrix is regular: that every joint moves a subtree with inertia about it, and that no two
-    /// joints move the same bodies in the same way.
+    /// Checks that the mass matrix is regular: that every joint has rotor inertia or moves a subtree with inertia about
+    /// it, and otherwise than the joints before it do.
     ///
     /// The mass matrix is tested in one generic configuration: if it is singular there, it is singular everywhere, or
     /// nearly so. `file` names the model in the error. Cost O(N^3).
@@ -23,8 +23,8 @@ impl Model<f64> {
         crba(self, &mut Data::new(self), &q, &mut h)?;
         // Relative to the total inertia, so that rounding errors do not count as inertia.
         let totals = self.subtree_inertias(&q)?;
-        let condition =
-            "nothing that it moves has inertia about it, so the mass matrix is singular";
+        let condition = "nothing that it moves has inertia about it, so the mass matrix is singular; rotor inertia \
+            (in a scenario: \"losses\": {\"armature\": ...}) would make it regular";
         for i in (0..n).rev() {
             self.check_pivot(i, h[(i, i)], totals[i], file, condition)?;
         }

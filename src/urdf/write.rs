@@ -39,8 +39,8 @@ impl Model<f64> {
     /// # Errors
     /// The model has a property that a URDF cannot express: another gravity than $(0, 0, -9.81)$, limits on the
     /// position of a continuous joint, limits of velocity or effort of zero (which mean none), a joint held at zero by
-    /// its position limits alone, a first moment without mass, or an invalid rotation; or [`parse_urdf`] refuses it.
-    /// The text is read back as a check.
+    /// its position limits alone, a first moment without mass, drives, or an invalid rotation; or [`parse_urdf`]
+    /// refuses it. The text is read back as a check.
     pub fn to_urdf(&self) -> Result<String> {
         let fail = |what: String| Error::input(self.name(), "robot", what);
         let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -111,6 +111,9 @@ impl Model<f64> {
         let carrier = |model: &Self, joint: &Joint<f64>| {
             joint.parent().map(|p| model.joints()[p].name().to_owned())
         };
+        if !self.drives().is_empty() {
+            return Some(("robot".to_owned(), "the drives of its joints"));
+        }
         for (joint, inertia) in self.joints().iter().zip(self.inertias()) {
             let differs = |what| Some((format!("joint '{}'", joint.name()), what));
             let Some(i) = read.joints().iter().position(|j| j.name() == joint.name()) else {

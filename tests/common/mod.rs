@@ -80,11 +80,21 @@ pub fn robots() -> Vec<Model> {
     builtin_robots().map(robot).collect()
 }
 
+/// A random tree, every second one with drives.
+pub fn tree(n: usize, seed: u64) -> Model {
+    let tree = random_tree(n, seed).expect("n > 0");
+    if seed & 1 == 1 {
+        tree.with_random_drives(seed)
+    } else {
+        tree
+    }
+}
+
 /// A built-in robot or, more often, a random tree.
 pub fn any_model() -> impl Strategy<Value = Model> {
     prop_oneof![
         1 => (0..robots().len()).prop_map(|i| robots().swap_remove(i)),
-        2 => (1..9_usize, 0..u64::MAX).prop_map(|(n, seed)| random_tree(n, seed).expect("n > 0")),
+        2 => (1..9_usize, 0..u64::MAX).prop_map(|(n, seed)| tree(n, seed)),
     ]
 }
 

@@ -1,12 +1,12 @@
 //! The right-hand side of the flow by four methods, and its Jacobian.
 
-use crate::common::{any_model, config, model_and_node, node, robot, robots, solve_bound};
+use crate::common::{any_model, config, model_and_node, node, robot, robots, solve_bound, tree};
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
 use aghf::flow::{
     AlgorithmB1, ControlForm, Node, RightHandSide, lagrangian, lagrangian_of_control,
 };
-use aghf::model::{Model, random_tree};
+use aghf::model::Model;
 use aghf::motion::control_at;
 use aghf::scalar::{AlgebraOver, Tanh};
 use aghf::verify::reference::{self, At};
@@ -154,10 +154,7 @@ fn omega_on_digit_equals_the_definition_at_a_thousand_states() {
 /// The Jacobian by dual numbers of Algorithm B1 is that of the control form.
 #[test]
 fn the_jacobian_does_not_depend_on_the_form() {
-    for model in robots()
-        .into_iter()
-        .chain([random_tree(6, 3).expect("six joints")])
-    {
+    for model in robots().into_iter().chain([tree(6, 3)]) {
         let n = model.dof();
         let parts = [0.7, 1.3, 2.1].map(|f| crate::common::wave(2 * n, f));
         for k in PENALTIES {

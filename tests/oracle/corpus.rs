@@ -128,7 +128,16 @@ fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
 fn outcome(path: &Path) -> Outcome {
     let file = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("it can be read");
-    let read = |mimic| parse_urdf_with(&text, &file, UrdfOptions { mimic });
+    let read = |mimic| {
+        parse_urdf_with(
+            &text,
+            &file,
+            UrdfOptions {
+                mimic,
+                ..UrdfOptions::default()
+            },
+        )
+    };
     let strict = read(Mimic::Refuse);
     let mimic = strict
         .as_ref()

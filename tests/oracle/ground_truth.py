@@ -55,6 +55,23 @@ class Robot:
         self.index = np.array([joint.idx_q for joint in joints], dtype=int)
         self.turns = np.array([not joint.shortname().startswith("JointModelP") for joint in joints])
         self.links = [i for i, frame in enumerate(self.model.frames) if frame.type == pin.BODY]
+        self.damping, self.friction, self.width = np.zeros(self.n), np.zeros(self.n), np.ones(self.n)
+
+    def set_drives(self, damping, friction, width, armature):
+        """Sets the rotor inertia, which Pinocchio has, and the losses, which its algorithms lack."""
+        self.model.armature = armature
+        self.damping, self.friction, self.width = damping, friction, width
+        return {}
+
+    def losses(self, v):
+        """D v + F_c x / sqrt(1 + x^2) with x = v / v_0, and its first and second derivative in v."""
+        x, steepness = v / self.width, self.friction / self.width
+        root = np.hypot(1, x)
+        return (
+            self.damping * v + self.friction * x / root,
+            self.damping + steepness / root**3,
+            -3 * steepness / self.width * x / root**5,
+        )
 
     def names(self):
         """The names of the joints and of the links, and the joints' parents."""
@@ -76,12 +93,18 @@ class Robot:
         p[self.index[self.on_circle] + 1] = np.sin(q[self.on_circle])
         return p
 
-    def inverse_dynamics(self, q, v, a):
-        """ID and its derivatives in q, v and a, the last of which is H."""
+    def without_losses(self, q, v, a):
+        """ID without damping and friction, and its derivatives in q, v and a."""
         p = self.configuration(q)
         dq, dv, mass = pin.computeRNEADerivatives(self.model, self.data, p, v, a)
         square = (np.array(matrix).reshape(self.n, self.n) for matrix in (dq, dv, mass))
         return np.array(self.data.tau), *square
+
+    def inverse_dynamics(self, q, v, a):
+        """ID and its derivatives in q, v and a, the last of which is H."""
+        tau, dq, dv, mass = self.without_losses(q, v, a)
+        force, slope, _ = self.losses(v)
+        return tau + force, dq, dv + np.diag(slope), mass
 
     def mass_rate(self, q, qdot):
         """The rate of H along qdot: C + C^T, since H' - 2 C is skew."""
@@ -92,6 +115,7 @@ class Robot:
     def dynamics(self, q, v, a, tau):
         """All quantities for which Pinocchio has a function."""
         model, data, p = self.model, self.data, self.configuration(q)
+        losses, slope, _ = self.losses(v)
         axes = pin.computeJointJacobians(model, data, p)
         pin.framesForwardKinematics(model, data, p)
         at_link = [pin.getFrameJacobian(model, data, i, pin.LOCAL_WORLD_ALIGNED) for i in self.links]
@@ -105,14 +129,17 @@ class Robot:
             "gravity": pin.computeGeneralizedGravity(model, data, p),
             "H": pin.crba(model, data, p),
             "Hdot": self.mass_rate(q, v),
-            "FD": pin.aba(model, data, p, v, tau),
+            "FD": pin.aba(model, data, p, v, tau - losses),
             "kinetic energy": [pin.computeKineticEnergy(model, data, p, v)],
             "potential energy": [pin.computePotentialEnergy(model, data, p)],
         }
         everything = {name: np.array(value) for name, value in everything.items()}
+        everything["ID"] += losses
+        everything["C"] += losses
         _, everything["dID/dq"], everything["dID/dv"], everything["dID/da"] = self.inverse_dynamics(q, v, a)
-        fd = pin.computeABADerivatives(model, data, p, v, tau)
+        fd = pin.computeABADerivatives(model, data, p, v, tau - losses)
         everything |= zip(["dFD/dq", "dFD/dv", "dFD/dtau"], map(np.array, fd))
+        everything["dFD/dv"] = everything["dFD/dv"] - everything["dFD/dtau"] * slope
         return everything
 
     def second_derivatives(self, q, v, a):
@@ -120,13 +147,15 @@ class Robot:
 
         As a function of q_k, the kinetic energy is quadratic in velocities that contain one rotation or translation by
         q_k, and the potential energy is linear in it. So ID is of degree 2 in the sine and cosine of q_k, or in q_k
-        of a prismatic joint, and so are its derivatives at most. In v it is of degree 2, too.
+        of a prismatic joint, and so are its derivatives at most. In v it is of degree 2, too, without the losses.
         """
 
-        first = lambda q, v: np.array(self.inverse_dynamics(q, v, a)[1:])
+        first = lambda q, v: np.array(self.without_losses(q, v, a)[1:])
         by_q = [derivative(lambda q: first(q, v), q, i, self.turns[i], 2) for i in range(self.n)]
         by_v = [derivative(lambda v: first(q, v), v, i, False, 2) for i in range(self.n)]
         (dqdq, _, dadq), (dqdv, dvdv, _) = np.stack(by_q, axis=-1), np.stack(by_v, axis=-1)
+        every = np.arange(self.n)
+        dvdv[every, every, every] += self.losses(v)[2]
         tensors = {"d2ID/dqdq": dqdq, "d2ID/dadq": dadq, "d2ID/dqdv": dqdv, "d2ID/dvdv": dvdv}
         return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}
 

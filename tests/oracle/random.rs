@@ -5,7 +5,7 @@ use crate::compare::{
     Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
 };
 use crate::python::Oracle;
-use aghf::model::{Model, pendulum, random_chain, random_tree};
+use aghf::model::{Drive, Model, pendulum, random_chain, random_tree};
 use aghf::urdf::parse_urdf;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -34,13 +34,41 @@ impl Robot {
         Self { model, urdf }
     }
 
-    /// The robot in Pinocchio.
+    /// The robot with random drives if `seed` is odd.
+    fn driven(mut self, seed: u64) -> Self {
+        if seed & 1 == 1 {
+            self.model = self.model.with_random_drives(seed);
+        }
+        self
+    }
+
+    /// The robot without dry friction, so that derivatives in velocities are polynomials.
+    pub fn without_friction(mut self) -> Self {
+        let mut drives = self.model.drives().to_vec();
+        drives.iter_mut().for_each(|drive| drive.friction = 0.0);
+        self.model = self.model.with_drives(drives).expect("as many as before");
+        self
+    }
+
+    /// The robot in Pinocchio, its drives too.
     pub fn oracle(&self) -> Oracle {
-        Oracle::load(&self.urdf).expect("Pinocchio reads it")
+        let oracle = Oracle::load(&self.urdf).expect("Pinocchio reads it");
+        let drives = self.model.drives();
+        if !drives.is_empty() {
+            let all = |constant: fn(&Drive) -> f64| drives.iter().map(constant).collect::<Vec<_>>();
+            let constants: [Vec<f64>; 4] = [
+                all(|drive| drive.damping),
+                all(|drive| drive.friction),
+                all(|drive| drive.friction_velocity),
+                all(|drive| drive.armature),
+            ];
+            oracle.call("set_drives", &constants.each_ref().map(Vec::as_slice));
+        }
+        oracle
     }
 }
 
-/// A robot of up to eight joints, or Digit.
+/// A robot of up to eight joints, or Digit; every second one with drives.
 pub fn any_robot() -> impl Strategy<Value = Robot> {
     let random = |make: fn(usize, u64) -> aghf::Result<Model>| {
         (1..9_usize, 0..u64::MAX).prop_map(move |(n, seed)| make(n, seed).expect("n > 0"))
@@ -52,7 +80,7 @@ pub fn any_robot() -> impl Strategy<Value = Robot> {
         1 => Just(()).prop_map(|()| robot("kinova_gen3")),
         1 => Just(()).prop_map(|()| robot("digit_v3_pinned")),
     ];
-    model.prop_map(|model| Robot::new(&model))
+    (model, 0..u64::MAX).prop_map(|(model, seed)| Robot::new(&model).driven(seed))
 }
 
 #[test]

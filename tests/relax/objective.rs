@@ -1,6 +1,6 @@
 //! The objective of the relaxation: its derivatives, and the matrices they are kept in.
 
-use crate::common::slider;
+use crate::common::{slider, tree};
 use aghf::curve::{Basis, Continuity};
 use aghf::error::Result;
 use aghf::linalg::BlockTridiagonal;
@@ -58,7 +58,7 @@ fn derivatives_are_those_of_duals() {
         (2, 5, 3, 6, ends(true, false)),
         (2, 5, 2, 7, ends(true, true)),
     ] {
-        let model = random_tree(n, seed).expect("n > 0");
+        let model = tree(n, seed);
         let basis = Basis::new(segments, degree, continuity);
         let grid = Grid::new(&basis, 7, 1.3);
         let coefficients = random(&mut rng, n, basis.count());

@@ -2,10 +2,10 @@
 
 use crate::common::relax::{degree, solved as of_least_effort, solved_within};
 use crate::common::scenario::Scenario;
-use crate::common::slider;
+use crate::common::{slider, tree};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::dynamics::{Data, rnea};
-use aghf::model::{Model, random_tree};
+use aghf::model::Model;
 use aghf::motion::Problem;
 use aghf::relax::{
     ControlEffort, CostThroughDynamics, CostWithControl, HyperDual64, Point, PointCost,
@@ -42,7 +42,7 @@ fn point(z: &[f64]) -> Point<'_, f64> {
 fn anywhere(n: usize, seed: u64) -> (Model, Vec<f64>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let z = (0..3 * n).map(|_| rng.random_range(-1.0..1.0)).collect();
-    (random_tree(n, seed).expect("n > 0"), z)
+    (tree(n, seed), z)
 }
 
 fn derivatives<P: PointCost<f64>>(cost: &mut P, z: &[f64]) -> (f64, PointDerivatives<f64>) {

@@ -84,6 +84,7 @@ fn mimic_joints_are_as_the_options_say_and_of_no_matter_if_fixed() {
     assert!(error.contains("joint 'panda_joint1': it mimics"), "{error}");
     let options = UrdfOptions {
         mimic: Mimic::Independent,
+        ..UrdfOptions::default()
     };
     let (_, notes) = build_model(&robot, "panda", options).expect("as asked for");
     let note = LoadNote::Independent {

@@ -10,6 +10,7 @@ mod elements;
 mod limits;
 #[cfg(unix)]
 mod load;
+mod losses;
 mod options;
 mod read;
 mod refused;
@@ -28,6 +29,7 @@ mod geometry {
 #[path = "../model"]
 mod model {
     mod build;
+    mod drive;
     mod lock;
     mod random;
 }

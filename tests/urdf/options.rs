@@ -34,7 +34,7 @@ fn damping_and_friction_that_are_left_out_are_told() {
             "{dynamics}"
         );
     }
-    let words = "joint 'body_joint': damping is left out, these dynamics have none";
+    let words = "joint 'body_joint': damping is not counted, as losses are not asked for";
     assert_eq!(left_out("damping").to_string(), words);
 }
 

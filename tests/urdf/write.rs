@@ -48,6 +48,7 @@ const FOUND: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 fn independent(text: &str) -> aghf::Result<(Model, Vec<LoadNote>)> {
     let options = UrdfOptions {
         mimic: Mimic::Independent,
+        ..UrdfOptions::default()
     };
     parse_urdf_with(text, "found.urdf", options)
 }

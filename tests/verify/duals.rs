@@ -2,7 +2,7 @@
 
 mod general_flow;
 
-use crate::common::{robot, robots};
+use crate::common::{robot, robots, tree};
 use aghf::flow::jacobian::{
     ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
 };
@@ -25,7 +25,7 @@ fn options(samples: usize, seed: u64) -> CheckOptions {
 
 #[test]
 fn everything_passes_on_every_robot() {
-    let trees = (0..4).map(|seed| random_tree(6, seed).expect("six joints"));
+    let trees = (0..4).map(|seed| tree(6, seed));
     for model in robots().into_iter().chain(trees) {
         let findings = check_all(&model, &options(3, 5)).expect("a loaded model");
         let off: Vec<&Finding> = findings.iter().filter(|f| !f.passes()).collect();
@@ -59,7 +59,7 @@ fn everything_passes_on_every_robot() {
 /// The gradient of the effort is the flow in the weak form, for any penalty.
 #[test]
 fn the_relaxation_goes_where_the_flow_goes() {
-    let trees = (0..4).map(|seed| random_tree(6, seed).expect("six joints"));
+    let trees = (0..4).map(|seed| tree(6, seed));
     for model in robots().into_iter().chain(trees) {
         let findings = check_relaxation(&model, &options(2, 5)).expect("a loaded model");
         assert_eq!(findings.len(), 3);

@@ -3,10 +3,12 @@
 use super::builtin::builtin_scenario;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
+use super::losses::Losses;
 use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
+use super::payload::Payload;
 use super::provenance::is_summary;
 use super::scene::scene;
 use super::schema::{FeedbackKeys, one_of};
@@ -78,6 +80,12 @@ pub struct ScenarioFile {
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub locked_joints: BTreeMap<String, f64>,
+    /// Losses and rotor inertia of the joints; none by default.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub losses: Losses,
+    /// A body that the robot carries; none by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload: Option<Payload>,
     /// The names of the joints without a motor: their torque is zero.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub passive: Vec<String>,
@@ -140,8 +148,8 @@ pub enum Continuous("continuity") {
 }
 }
 
-fn is_default(mimic: &Mimic) -> bool {
-    *mimic == Mimic::default()
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn kinova_gains() -> Feedback {
@@ -245,10 +253,13 @@ impl Scenario {
     /// As [`load`](Self::load).
     pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
-        let options = UrdfOptions { mimic: file.mimic };
+        let options = UrdfOptions {
+            mimic: file.mimic,
+            losses: file.losses.options(),
+        };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
         let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;
-        let (robot, load_notes) = source.parse(options).map_err(of_robot)?;
+        let (mut robot, load_notes) = source.parse(options).map_err(of_robot)?;
         let robot_place = source.absolute().map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
         if let Some(given) = file.self_collision.take() {
@@ -256,9 +267,19 @@ impl Scenario {
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
             file.self_collision = Some(read);
         }
+        let load = match &file.payload {
+            Some(payload) => payload.attach(&mut robot, path)?,
+            None => None,
+        };
         let locked = lock(&robot, &file.locked_joints, path)?;
         let bodies = locked.as_ref().map(|reduced| reduced.bodies.as_slice());
-        let scene = scene(&robot, bodies, &file, source.folder(), path)?;
+        let scene = scene(
+            (&robot, load.as_ref()),
+            bodies,
+            &file,
+            source.folder(),
+            path,
+        )?;
         let model = locked.map_or(robot, |reduced| reduced.model);
         let states = [
             ("q_start", &file.q_start),

@@ -59,7 +59,7 @@ pub enum ObstacleShape {
     HalfSpace {},
 }
 
-/// A position and an orientation in the base frame.
+/// A position and an orientation in the base frame, or in that of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
@@ -93,7 +93,7 @@ pub enum RobotShape {
     },
 }
 
-fn default_spacing() -> f64 {
+pub(super) fn default_spacing() -> f64 {
     0.05
 }
 
@@ -149,7 +149,7 @@ impl Obstacle {
 
 impl ObstacleShape {
     /// The shape, the lengths of which must be positive.
-    fn checked(&self) -> Checked<Shape> {
+    pub(super) fn checked(&self) -> Checked<Shape> {
         let round = |radius: f64, length: f64| {
             check_lengths("radius_m", &[radius])?;
             check_lengths("length_m", &[length])?;
@@ -186,7 +186,7 @@ impl ObstacleShape {
 }
 
 impl Pose {
-    fn placement(&self) -> Checked<Placement<f64>> {
+    pub(super) fn placement(&self) -> Checked<Placement<f64>> {
         if !bounded(&self.position_m) {
             return Err(format!(
                 "position_m needs finite numbers, none above {LARGEST_LENGTH} m"

@@ -1,9 +1,9 @@
 //! The balls that represent a robot.
 
 use super::RobotShape;
-use super::obstacles::LARGEST_LENGTH;
+use super::obstacles::{LARGEST_LENGTH, default_spacing};
 use aghf::error::{Error, Result, plain};
-use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, cover_triangles};
+use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, Sphere, cover_triangles};
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::load_mesh;
@@ -26,24 +26,36 @@ pub fn cover_links(model: &Model, folder: &Path, spacing: f64) -> Result<Collisi
     }
     let mut geometry = CollisionGeometry::default();
     for collision in model.collisions() {
-        let Collision {
-            link,
-            body,
-            placement,
-            ..
-        } = collision;
-        let named =
-            |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
-        for ball in cover(collision, folder, spacing).map_err(named)?.balls {
-            geometry.links.push(link.clone());
-            geometry.balls.push(CollisionSphere {
-                body: *body,
-                centre: placement.rotation * ball.centre + placement.translation,
-                radius: ball.radius,
-            });
+        for ball in balls(model, collision, folder, spacing)? {
+            geometry.links.push(collision.link.clone());
+            geometry.balls.push(ball);
         }
     }
     Ok(geometry)
+}
+
+/// The balls that cover a shape of a link.
+fn balls(
+    model: &Model,
+    collision: &Collision,
+    folder: &Path,
+    spacing: f64,
+) -> Result<Vec<CollisionSphere>> {
+    let Collision {
+        link,
+        body,
+        placement,
+        ..
+    } = collision;
+    let named =
+        |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
+    let placed = |ball: Sphere| CollisionSphere {
+        body: *body,
+        centre: placement.rotation * ball.centre + placement.translation,
+        radius: ball.radius,
+    };
+    let cover = cover(collision, folder, spacing).map_err(named)?;
+    Ok(cover.balls.into_iter().map(placed).collect())
 }
 
 /// The cover of a shape in its own frame.
@@ -56,10 +68,10 @@ fn cover(collision: &Collision, folder: &Path, spacing: f64) -> Result<Cover> {
     }
 }
 
-/// Builds the collision geometry of a scenario's robot; `path` names the scenario in errors. Meshes are looked for from
-/// `folder`. `bodies` is as in [`scene`](super::scene::scene).
+/// Builds the collision geometry of a scenario's robot and of the load that it carries; `path` names the scenario in
+/// errors. Meshes are looked for from `folder`. `bodies` is as in [`scene`](super::scene::scene).
 pub(super) fn collision_geometry(
-    model: &Model,
+    (model, load): (&Model, Option<&Collision>),
     bodies: Option<&[(Option<usize>, Placement<f64>)]>,
     shape: RobotShape,
     folder: &Path,
@@ -76,7 +88,7 @@ pub(super) fn collision_geometry(
                 radius: ball.radius,
             };
             // Any spacing will do for points.
-            (points.into_iter().map(point).collect(), 1.0)
+            (points.into_iter().map(point).collect::<Vec<_>>(), 1.0)
         }
         RobotShape::SweptLinks {
             radius_m,
@@ -100,8 +112,14 @@ pub(super) fn collision_geometry(
                 ));
             }
             let geometry = cover_links(model, folder, spacing_m);
-            let mut geometry =
-                geometry.map_err(|e| Error::input(path, "robot_shape", e.to_string()))?;
+            let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
+            let mut geometry = geometry.map_err(refused)?;
+            if let Some(load) = load {
+                for ball in balls(model, load, folder, spacing_m).map_err(refused)? {
+                    geometry.links.push(load.link.clone());
+                    geometry.balls.push(ball);
+                }
+            }
             check_count("collision", spacing_m, geometry.balls.len() as f64, path)?;
             for CollisionSphere { body, centre, .. } in &mut geometry.balls {
                 reduce(bodies, body, &mut [centre]);
@@ -109,6 +127,15 @@ pub(super) fn collision_geometry(
             return Ok(geometry);
         }
     };
+    if let Some(load) = load {
+        let balls = balls(model, load, folder, spacing.min(default_spacing()))
+            .map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
+        capsules.extend(balls.into_iter().map(|ball| Capsule {
+            body: ball.body,
+            ends: [ball.centre; 2],
+            radius: ball.radius,
+        }));
+    }
     for Capsule { body, ends, .. } in &mut capsules {
         reduce(bodies, body, &mut ends.each_mut());
     }

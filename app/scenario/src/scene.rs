@@ -8,7 +8,7 @@ use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
 use aghf::geometry::{ClosestPair, Collider, Part, Scene};
-use aghf::model::Model;
+use aghf::model::{Collision, Model};
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -20,18 +20,18 @@ const MOST_DISTANCES: usize = 50_000;
 /// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
 const FAR: f64 = 100.0;
 
-/// Builds the scene of a scenario; `path` names the scenario in errors. Meshes are looked for from `folder`. If joints
-/// of the robot are locked, `bodies` has per body of `robot` the one of the reduced robot that contains it, and its
-/// placement there.
+/// Builds the scene of a scenario, in which the robot may carry a load; `path` names the scenario in errors. Meshes are
+/// looked for from `folder`. If joints of the robot are locked, `bodies` has per body of `robot` the one of the reduced
+/// robot that contains it, and its placement there.
 pub(super) fn scene(
-    robot: &Model,
+    (robot, load): (&Model, Option<&Collision>),
     bodies: Option<&[(Option<usize>, Placement<f64>)]>,
     file: &ScenarioFile,
     folder: &Path,
     path: &str,
 ) -> Result<Scene> {
     let obstacles = placed(&file.obstacles, path)?;
-    let geometry = collision_geometry(robot, bodies, file.robot_shape, folder, path)?;
+    let geometry = collision_geometry((robot, load), bodies, file.robot_shape, folder, path)?;
     let refuse = |key: &str, condition: String| Err(Error::input(path, key, condition));
     let ignored_pairs = match &file.self_collision {
         None => None,

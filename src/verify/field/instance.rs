@@ -3,7 +3,7 @@
 use super::Gf;
 use crate::error::Result;
 use crate::flow::Node;
-use crate::model::{JointKind, JointSpec, Limits, Model};
+use crate::model::{Drive, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use crate::verify::reference::At;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -16,8 +16,8 @@ const SMALLEST: usize = 5;
 /// The largest robot. Trees of this size contain every case of branching.
 const LARGEST: usize = 8;
 
-/// A random instance: a robot of five to eight joints with arbitrary branching, axes, placements, inertias and gravity,
-/// the input of the flow at a node, and a penalty, all of them random elements of the field.
+/// A random instance: a robot of five to eight joints with arbitrary branching, axes, placements, inertias, drives and
+/// gravity, the input of the flow at a node, and a penalty, all of them random elements of the field.
 pub struct RandomInstance {
     /// The robot.
     pub model: Model<Gf>,
@@ -156,5 +156,13 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
             limits: Limits::NONE,
         });
     }
-    Ok(Model::from_joints("random robot over the field", specs)?.with_gravity(vector(rng)))
+    let drives = (0..n).map(|_| Drive {
+        damping: number(rng),
+        friction: number(rng),
+        friction_velocity: number(rng),
+        armature: number(rng),
+    });
+    let drives = drives.collect();
+    let model = Model::from_joints("random robot over the field", specs)?;
+    Ok(model.with_gravity(vector(rng)).with_drives(drives)?)
 }

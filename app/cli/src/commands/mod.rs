@@ -26,7 +26,7 @@ use aghf::error::Error;
 use aghf::input::is_standard_input;
 use aghf::model::Model;
 use aghf::urdf::{
-    LoadNote, LoadReport, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised,
+    LoadNote, LoadReport, Losses, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised,
 };
 use aghf_scenario::{Scenario, SolveOptions};
 use choice::choice;
@@ -81,6 +81,9 @@ struct UrdfArgs {
     /// Treatment of mimic joints in a URDF file: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
+    /// Count the damping and the friction in the URDF, which are left out otherwise.
+    #[arg(long)]
+    losses: bool,
 }
 
 impl UrdfArgs {
@@ -98,7 +101,10 @@ impl UrdfArgs {
 
     /// The options of reading a robot.
     fn options(&self) -> UrdfOptions {
-        UrdfOptions { mimic: self.mimic }
+        UrdfOptions {
+            mimic: self.mimic,
+            losses: self.losses.then(Losses::default),
+        }
     }
 }
 

@@ -157,8 +157,8 @@ fn notes_on_a_robot_are_told_wherever_it_is_loaded() {
             ("state.json", state),
         ],
     );
-    let notes = "note: r.urdf: joint 'j1': damping is left out, these dynamics have none
-note: r.urdf: joints 'j1', 'j2', 'j3': friction is left out, these dynamics have none
+    let notes = "note: r.urdf: joint 'j1': damping is not counted, as losses are not asked for
+note: r.urdf: joints 'j1', 'j2', 'j3': friction is not counted, as losses are not asked for
 note: r.urdf: joints 'j1', 'j2', 'j3': effort limit of 0 counts as unknown, no limit
 note: r.urdf: link 'l3': its principal moment of inertia -1e0 is negative
 ";
@@ -183,6 +183,14 @@ note: r.urdf: link 'l3': its principal moment of inertia -1e0 is negative
             run.stdout
         );
     }
+    // Losses that count are no note.
+    let of_losses = |flags: &[&str]| {
+        let command = [&["eval", "r.urdf", "state.json"], flags].concat();
+        let run = aghf(&folder, &command);
+        assert_eq!(run.code, Some(0), "{flags:?}: {}", run.stderr);
+        run.stderr.contains("not counted")
+    };
+    assert!(of_losses(&[]) && !of_losses(&["--losses"]));
     // All is in the list that is asked for, and of what is built in nothing is told.
     let run = aghf(&folder, &["robots", "r.urdf"]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));

@@ -56,7 +56,13 @@ fn unexpected(what: &str) -> impl Fn(aghf::Error) -> String {
 pub fn urdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let mimic = Mimic::Independent;
-    let (model, notes) = match load_urdf_with(path, UrdfOptions { mimic }) {
+    let (model, notes) = match load_urdf_with(
+        path,
+        UrdfOptions {
+            mimic,
+            ..UrdfOptions::default()
+        },
+    ) {
         Ok(read) => read,
         Err(error) => return refused(file, &error),
     };

@@ -12,7 +12,7 @@ mod paths;
 mod witness;
 
 use super::{
-    Continuous, EnforcedLimits, FlowParameters, Obstacle, ObstacleShape, PerJoint, Pose,
+    Continuous, EnforcedLimits, FlowParameters, Losses, Obstacle, ObstacleShape, PerJoint, Pose,
     RobotShape, RunningCostWeights, ScenarioFile,
 };
 use aghf::error::{Error, Result};
@@ -261,8 +261,15 @@ impl Family {
             return Err(Error::input(name, "robot", condition));
         }
         let robot = robot.unwrap_or(self.robot);
-        let (model, _) = load_robot_with(robot, Path::new(""), UrdfOptions { mimic })
-            .map_err(|e| Error::input(name, "robot", e.to_string()))?;
+        let (model, _) = load_robot_with(
+            robot,
+            Path::new(""),
+            UrdfOptions {
+                mimic,
+                ..UrdfOptions::default()
+            },
+        )
+        .map_err(|e| Error::input(name, "robot", e.to_string()))?;
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..ATTEMPTS {
             if let Some(made) = (self.attempt)(&model, rng)? {
@@ -284,6 +291,8 @@ impl Family {
             robot: robot.to_owned(),
             mimic,
             locked_joints: BTreeMap::new(),
+            losses: Losses::default(),
+            payload: None,
             passive: Vec::new(),
             horizon_s: made.horizon,
             q_start,

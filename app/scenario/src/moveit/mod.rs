@@ -6,7 +6,7 @@ mod obstacles;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, RobotShape, Scenario,
+    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, RobotShape, Scenario,
     ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
@@ -72,7 +72,10 @@ impl MoveIt {
         let scene: Scene = read_yaml(&read_text(&self.scene)?, &scene_name, "scene")?;
         let request: Request = read_yaml(&read_text(&self.request)?, &request_name, "request")?;
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
-        let (model, _) = source.parse(UrdfOptions { mimic: self.mimic })?;
+        let (model, _) = source.parse(UrdfOptions {
+            mimic: self.mimic,
+            ..UrdfOptions::default()
+        })?;
         let scene_state = Positions::of(&scene.robot_state, &model, &scene_name, "robot_state")?;
         let start = Positions::of(&request.start_state, &model, &request_name, "start_state")?;
         let goal = goal_of(&request, &model, &request_name)?;
@@ -119,6 +122,8 @@ impl MoveIt {
             robot: source.absolute()?,
             mimic: self.mimic,
             locked_joints: locked,
+            losses: Losses::default(),
+            payload: None,
             passive: Vec::new(),
             horizon_s,
             q_start,

@@ -1,0 +1,114 @@
+//! Scenarios whose robots have losses and rotor inertia.
+
+use crate::written::{load, with};
+use aghf::dynamics::{Data, rnea};
+use aghf::model::Model;
+use aghf_scenario::{FlowOptions, RelaxOptions, RestOptions, Scenario, Solve, SolveOptions};
+use serde_json::{Value, json};
+
+/// A motion of Kinova, each joint by a third of a radian in 2 s.
+fn arm() -> Value {
+    json!({
+        "robot": "kinova_gen3", "horizon_s": 2.0,
+        "q_start": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_start": vec![0.0; 7],
+        "q_goal": [0.3, 0.8, 0.3, 1.3, 0.3, 0.8, 0.3], "v_goal": vec![0.0; 7],
+        "losses": true, "enforced_limits": { "velocity": false, "torque": false },
+    })
+}
+
+fn torques(model: &Model, v: f64, a: f64) -> Vec<f64> {
+    let mut tau = vec![0.0; 7];
+    let [q, v, a] = [0.4, v, a].map(|x| [x; 7]);
+    rnea(model, &mut Data::new(model), &q, &v, &a, &mut tau).expect("lengths agree");
+    tau
+}
+
+/// True if a note on loading tells of losses that are not counted.
+fn told(scenario: &Scenario) -> bool {
+    let mut notes = scenario.load_notes.iter();
+    notes.any(|note| note.to_string().contains("damping is not counted"))
+}
+
+#[test]
+fn losses_count_where_they_are_asked_for() {
+    let without = load("rigid", &with(arm(), json!({ "losses": false }))).expect("it is good");
+    let counted = load("counted", &arm()).expect("it is good");
+    assert!(without.model.drives().is_empty() && told(&without) && !told(&counted));
+    let given = json!({ "damping": { "joint_1": 2.0 }, "friction": 0.0, "armature": 0.5 });
+    let given = load("given", &with(arm(), json!({ "losses": given }))).expect("it is good");
+    let rigid = torques(&without.model, 1.0, -1.0);
+    let added = |scenario: &Scenario| -> Vec<f64> {
+        let with = torques(&scenario.model, 1.0, -1.0);
+        with.iter()
+            .zip(&rigid)
+            .map(|(with, rigid)| with - rigid)
+            .collect()
+    };
+    // The damping of the file, and nearly all of its friction.
+    assert!(
+        (added(&counted)[0] - 10.5 - 0.5217).abs() < 1e-3,
+        "{:?}",
+        added(&counted)
+    );
+    assert_close!(&added(&given)[..2], &[1.5, 7.406484581723072 - 0.5], 1e-12);
+}
+
+/// A motion of least effort is found by the relaxation, its effort is that of the motor, and its summary says it again.
+#[test]
+fn motions_count_losses() {
+    let effort = |keys: Value| {
+        let scenario = load("moved", &with(arm(), keys)).expect("it is good");
+        let options = RelaxOptions {
+            starts: Some(1),
+            ..RelaxOptions::default()
+        };
+        let report = Solve::new(&scenario)
+            .options(options)
+            .run()
+            .expect("it is good");
+        assert!(report.summary.success, "{:?}", report.summary);
+        let kept = &report.summary.provenance.scenario.losses;
+        assert_eq!(*kept, scenario.file.losses);
+        let (model, data, n) = (&scenario.model, &mut Data::new(&scenario.model), 7);
+        let (steps, mut sum, mut tau) = (2000, 0.0, vec![0.0; n]);
+        for i in 0..=steps {
+            let (x, xdot) = report.curve.at(2.0 * f64::from(i) / f64::from(steps));
+            let (x, xdot) = (x.as_slice(), xdot.as_slice());
+            rnea(model, data, &x[..n], &x[n..], &xdot[n..], &mut tau).expect("lengths agree");
+            let end = if i % steps == 0 { 0.5 } else { 1.0 };
+            sum += end * tau.iter().map(|tau| tau * tau).sum::<f64>() * 2.0 / f64::from(steps);
+        }
+        let told = report.summary.control_effort;
+        assert!((told - sum).abs() < 1e-3 * sum, "{told} {sum}");
+        told
+    };
+    let [rigid, lossy, heavy] = [
+        json!({ "losses": false }),
+        json!({ "losses": true }),
+        json!({ "losses": { "armature": 1.0 } }),
+    ]
+    .map(effort);
+    assert!(
+        lossy > rigid + 1.0 && heavy > lossy,
+        "{rigid} {lossy} {heavy}"
+    );
+}
+
+/// The published flow and the flow to rest run with losses too.
+#[test]
+fn the_flow_counts_losses() {
+    let keys = json!({ "losses": { "friction_velocity": 0.2, "armature": 0.1 } });
+    let scenario = load("flowing", &with(arm(), keys)).expect("it is good");
+    let flows = [
+        SolveOptions::Flow(FlowOptions::default()),
+        SolveOptions::Duals(RestOptions::default()),
+    ];
+    for options in flows {
+        let method = options.method();
+        let report = Solve::new(&scenario)
+            .options(options)
+            .run()
+            .expect("it is good");
+        assert!(report.summary.success, "{method}: {:?}", report.summary);
+    }
+}
