@@ -26,7 +26,7 @@ pub struct Drive<C: Scalar = f64> {
 
 impl<C: Scalar> Drive<C> {
     /// Computes $D v + F(v)$ and its first and second derivative in `v`: with $r = \sqrt{1 + x^2}$ and $s = x / r$,
-    /// $s' = (1 - s^2) / r$ and $s^{\prime\prime} = -3 s s' / r$.
+    /// $s^{\prime} = (1 - s^2) / r$ and $s^{\prime\prime} = -3 s s^{\prime} / r$.
     #[inline]
     #[must_use]
     pub fn losses<S: AlgebraOver<C>>(&self, v: S) -> [S; 3] {

@@ -112,6 +112,14 @@ class Robot:
         coriolis = coriolis.reshape(self.n, self.n)
         return coriolis + coriolis.T
 
+    def kinetic_energy(self, p, v):
+        """That of the bodies and the rotors; Pinocchio leaves the rotors of joints with an oblique axis out."""
+        armature = np.array(self.model.armature)
+        self.model.armature = np.zeros(self.n)
+        bodies = pin.computeKineticEnergy(self.model, self.data, p, v)
+        self.model.armature = armature
+        return bodies + armature @ v**2 / 2
+
     def dynamics(self, q, v, a, tau):
         """All quantities for which Pinocchio has a function."""
         model, data, p = self.model, self.data, self.configuration(q)
@@ -130,7 +138,7 @@ class Robot:
             "H": pin.crba(model, data, p),
             "Hdot": self.mass_rate(q, v),
             "FD": pin.aba(model, data, p, v, tau - losses),
-            "kinetic energy": [pin.computeKineticEnergy(model, data, p, v)],
+            "kinetic energy": [self.kinetic_energy(p, v)],
             "potential energy": [pin.computePotentialEnergy(model, data, p)],
         }
         everything = {name: np.array(value) for name, value in everything.items()}

@@ -89,7 +89,7 @@ fn motions_count_losses() {
     ]
     .map(effort);
     assert!(
-        lossy > rigid + 1.0 && heavy > lossy,
+        lossy > 2.0 * rigid && heavy > 2.0 * rigid,
         "{rigid} {lossy} {heavy}"
     );
 }
