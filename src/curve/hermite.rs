@@ -3,7 +3,7 @@
 /// The Hermite polynomial number `index` of `2 k` on `[-1, 1]`: first those with one unit derivative at -1, from the
 /// highest, `k - 1`, to the value, then those at 1. Returns the number of the unit derivative, and value and first
 /// three derivatives at `s`.
-pub(super) fn hermite(k: usize, index: usize, s: f64) -> (usize, [f64; 4]) {
+pub(crate) fn hermite(k: usize, index: usize, s: f64) -> (usize, [f64; 4]) {
     let (s2, s3, s4, s5) = (s * s, s * s * s, s * s * s * s, s * s * s * s * s);
     let derivative = k - 1 - index % k;
     let quarter = |x: [f64; 4]| x.map(|x| 0.25 * x);
@@ -47,47 +47,7 @@ pub(super) fn hermite(k: usize, index: usize, s: f64) -> (usize, [f64; 4]) {
 
 /// The slope of the Legendre polynomial $P_j$ from the values `p` of those before it:
 /// $P_j' = (2 j - 1) P_{j-1} + (2 j - 5) P_{j-3} + \ldots$
-pub(super) fn legendre_slope(p: &[f64], j: usize) -> f64 {
+pub(crate) fn legendre_slope(p: &[f64], j: usize) -> f64 {
     let below = (0..j).rev().step_by(2);
     below.map(|i| (2 * i + 1) as f64 * p[i]).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::curve::legendre;
-
-    /// Each polynomial has one unit derivative at one end, and the next derivatives are the slopes of those before.
-    #[test]
-    fn one_unit_derivative_each() {
-        for k in [2, 3] {
-            for index in 0..2 * k {
-                let ends = [-1.0, 1.0].map(|s| hermite(k, index, s));
-                for (end, (derivative, values)) in ends.into_iter().enumerate() {
-                    for (d, value) in values.into_iter().enumerate().take(k) {
-                        let own = end == index / k && d == derivative;
-                        assert!((value - f64::from(u8::from(own))).abs() < 1e-15);
-                    }
-                }
-                let slopes = |s: f64| {
-                    let [(_, before), (_, after)] = [-1e-4, 1e-4].map(|h| hermite(k, index, s + h));
-                    [0, 1, 2].map(|d| (after[d] - before[d]) / 2e-4)
-                };
-                let (_, values) = hermite(k, index, 0.3);
-                for (slope, next) in slopes(0.3).into_iter().zip(&values[1..]) {
-                    assert!((slope - next).abs() < 1e-6, "{k} {index}: {slope} {next}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn slopes_of_legendre_polynomials() {
-        let (mut p, s) = ([0.0; 6], 0.4_f64);
-        legendre(s, &mut p);
-        let exact = [0.0, 1.0, 3.0 * s, 1.5 * (5.0 * s * s - 1.0)];
-        for (j, exact) in exact.into_iter().enumerate() {
-            assert!((legendre_slope(&p, j) - exact).abs() < 1e-15);
-        }
-    }
 }

@@ -21,12 +21,14 @@ mod weak;
 #[path = "../curve"]
 mod curve {
     mod chebyshev;
+    mod hermite;
     mod legendre;
     mod piecewise;
 }
 
 #[path = "../motion"]
 mod motion {
+    mod bracket;
     mod problem;
     mod simulate;
     mod violations;
