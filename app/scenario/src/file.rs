@@ -160,6 +160,18 @@ fn paper_threshold() -> f64 {
     0.05
 }
 
+impl ScenarioFile {
+    /// The highest continuous derivative of motions by the relaxation.
+    #[must_use]
+    pub fn continuity(&self) -> Continuous {
+        let default = match self.passive.is_empty() {
+            true => Continuous::Acceleration,
+            false => Continuous::Velocity,
+        };
+        self.continuity.unwrap_or(default)
+    }
+}
+
 /// A scenario with its robot, checked.
 #[derive(Clone, Debug)]
 pub struct Scenario {

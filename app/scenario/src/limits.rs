@@ -1,7 +1,7 @@
 //! The joint limits that act as constraints.
 
 use super::objective::PerJoint;
-use super::{Continuous, Limit, Scenario};
+use super::{Limit, Scenario};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
 };
@@ -262,16 +262,6 @@ impl Scenario {
             torque: self.torque_limits(),
             stage: self.stage_constraints(),
         }
-    }
-
-    /// The highest continuous derivative of motions by the relaxation.
-    #[must_use]
-    pub fn continuity(&self) -> Continuous {
-        let default = match self.file.passive.is_empty() {
-            true => Continuous::Acceleration,
-            false => Continuous::Velocity,
-        };
-        self.file.continuity.unwrap_or(default)
     }
 
     /// The enforced limits of acceleration and jerk, and user-defined rows.

@@ -1,6 +1,6 @@
 //! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
-use super::{Method, Scenario, ScenarioFile};
+use super::{Continuous, Method, Scenario, ScenarioFile};
 use aghf::error::{Error, Result};
 use aghf::relax::{FreeHorizon, WeightedSquares};
 use schemars::JsonSchema;
@@ -111,6 +111,10 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
             _ => format!("running_cost.{element}"),
         };
         weights.weighted(dof).map_err(|error| named(error, &key))?;
+    }
+    if file.enforced_limits.jerk.is_some() && file.continuity() == Continuous::Velocity {
+        let condition = "the continuity is 'velocity', with which accelerations jump";
+        return Err(Error::input(path, "enforced_limits.jerk", condition));
     }
     if let Some(bounds) = file.free_horizon {
         let key = |element: &str| match element {

@@ -1,7 +1,7 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
 use super::feasibility::three_digits;
-use super::{Continuous, HorizonBounds, Limit, Scenario};
+use super::{HorizonBounds, Limit, Scenario};
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::geometry::{Collider, Part};
@@ -61,7 +61,6 @@ impl Scenario {
         let rests = |v: &[f64]| v.iter().all(|v| *v == 0.0);
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
         let counts = |does: bool| if does { 1.0 } else { 0.0 };
-        let smooth = self.continuity() == Continuous::Acceleration;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
             let way = (file.q_goal[i] - file.q_start[i]).abs();
@@ -83,7 +82,7 @@ impl Scenario {
                     Limit::Acceleration,
                     counts(at_rest && a.is_finite()) * accelerated,
                 ),
-                (i, Limit::Jerk, counts(at_rest && smooth) * by_jerk),
+                (i, Limit::Jerk, counts(at_rest) * by_jerk),
             ]
         });
         // A joint that does not move takes no time, even at a velocity limit of zero.

@@ -8,6 +8,7 @@ use aghf::error::Result;
 const POSITION: [&str; 2] = ["rad", "m"];
 const VELOCITY: [&str; 2] = ["rad/s", "m/s"];
 const ACCELERATION: [&str; 2] = ["rad/s^2", "m/s^2"];
+const JERK: [&str; 2] = ["rad/s^3", "m/s^3"];
 const TORQUE: [&str; 2] = ["N m", "N"];
 
 /// A difference with the bound zero.
@@ -26,6 +27,7 @@ pub(super) fn by_joint(
     rows.extend(consistency(scenario, trajectory, tolerance));
     rows.extend(torques(scenario, trajectory, intervals, tolerance)?);
     rows.extend(limits(scenario, intervals, tolerance));
+    rows.extend(rates(scenario, trajectory, tolerance));
     Ok(rows)
 }
 
@@ -235,6 +237,35 @@ fn limits(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Vec<Row
     note_unlimited(&mut position);
     note_unlimited(&mut velocity);
     vec![position, velocity]
+}
+
+/// Checks the limits of accelerations at the samples, and those of jerks by the mean between two samples, which is the
+/// jerk at some time between.
+fn rates(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
+    let mut acceleration = Row::new(Check::AccelerationLimits, tolerance);
+    let mut jerk = Row::new(Check::JerkLimits, tolerance);
+    let Trajectory { times, a, .. } = trajectory;
+    for (i, joint) in scenario.model.joints().iter().enumerate() {
+        let name = || joint_name(joint);
+        if let Some(bounds) = scenario.bound(Limit::Acceleration, i) {
+            for (t, a) in times.iter().zip(a) {
+                let worst = Worst::between(a[i], bounds, unit_of(joint, ACCELERATION), *t);
+                acceleration.take(worst, name);
+            }
+        }
+        if let Some(bounds) = scenario.bound(Limit::Jerk, i) {
+            for (t, a) in times.windows(2).zip(a.windows(2)) {
+                let mean = (a[1][i] - a[0][i]) / (t[1] - t[0]);
+                jerk.take(
+                    Worst::between(mean, bounds, unit_of(joint, JERK), t[0]),
+                    name,
+                );
+            }
+        }
+    }
+    note_unlimited(&mut acceleration);
+    note_unlimited(&mut jerk);
+    vec![acceleration, jerk]
 }
 
 fn note_unlimited(row: &mut Row) {

@@ -178,6 +178,10 @@ pub enum Check {
     VelocityLimits,
     /// Limits of torques.
     TorqueLimits,
+    /// Limits of accelerations.
+    AccelerationLimits,
+    /// Limits of the rates of accelerations.
+    JerkLimits,
     /// Clearances from obstacles.
     Obstacles,
     /// Clearances between links.
@@ -198,6 +202,8 @@ impl Check {
             Self::AccelerationIsRate => "a is the rate of v",
             Self::Dynamics => "u is inverse dynamics",
             Self::PassiveJoints => "passive joints",
+            Self::AccelerationLimits => "acceleration limits",
+            Self::JerkLimits => "jerk limits",
             Self::PositionLimits => "position limits",
             Self::VelocityLimits => "velocity limits",
             Self::TorqueLimits => "torque limits",

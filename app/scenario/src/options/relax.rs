@@ -64,7 +64,7 @@ impl RelaxOptions {
             time_limit: time_limit(self.time_limit_s)?,
             threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,
-            continuous_acceleration: scenario.continuity() == Continuous::Acceleration,
+            continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
             free_horizon: scenario.file.free_horizon.map(Into::into),
             ..default
         })

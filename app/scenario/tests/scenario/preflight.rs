@@ -158,7 +158,9 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
         "horizon_s: it is 2 s, but joint 'joint_5' needs at least 2.62 s at its jerk limit of 10.0 rad/s^3",
     );
     let jumping = json!({ "continuity": "velocity", "enforced_limits": jerk });
-    assert_eq!(refusal(&far(jumping)), None);
+    let jumping = load("jumping", &far(jumping)).expect_err("a jump has no jerk");
+    let words = "enforced_limits.jerk: the continuity is 'velocity'";
+    assert!(jumping.to_string().contains(words), "{jumping}");
 }
 
 #[test]
