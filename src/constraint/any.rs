@@ -5,7 +5,7 @@ use super::{
     SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
-use crate::geometry::{Obstacle, Scene, Shape, Sphere};
+use crate::geometry::{CollisionSphere, Margins, Obstacle, Scene, Shape, Sphere};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
@@ -41,11 +41,18 @@ macro_rules! each {
 impl AnyConstraint {
     /// The constraints that keep the balls of a robot clear of obstacles and of each other: spheres by the squares of
     /// (A3), then all other obstacles, then the pairs of balls. Balls fixed to the base count for the pairs alone,
-    /// because they never move.
+    /// because they never move. The balls are larger by the [margins](Scene::margins).
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Vec<Self> {
-        let all = &scene.robot().balls;
-        let balls: Vec<_> = all.iter().filter(|b| b.body.is_some()).copied().collect();
+        let Margins { obstacles, itself } = scene.margins();
+        let larger = |by: f64| {
+            let all = scene.robot().balls.iter();
+            all.map(move |ball| CollisionSphere {
+                radius: ball.radius + by,
+                ..*ball
+            })
+        };
+        let balls: Vec<_> = larger(obstacles).filter(|b| b.body.is_some()).collect();
         let (mut spheres, mut solids, mut names) = (Vec::new(), Vec::new(), Vec::new());
         for Obstacle { name, solid } in scene.obstacles() {
             if let Shape::Sphere { radius } = solid.shape {
@@ -70,7 +77,7 @@ impl AnyConstraint {
         }
         if !scene.pairs().is_empty() {
             constraints.push(Self::SelfCollision(SelfClearance {
-                balls: all.clone(),
+                balls: larger(0.5 * itself).collect(),
                 pairs: scene.pairs().to_vec(),
             }));
         }

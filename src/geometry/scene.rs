@@ -21,6 +21,16 @@ pub struct Scene {
     robot: CollisionGeometry,
     obstacles: Vec<Obstacle>,
     pairs: Vec<[usize; 2]>,
+    margins: Margins,
+}
+
+/// The distances that a robot keeps, m; zero by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margins {
+    /// From obstacles.
+    pub obstacles: f64,
+    /// Between its links.
+    pub itself: f64,
 }
 
 /// A part of the robot.
@@ -67,7 +77,20 @@ impl Scene {
             pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
             robot,
             obstacles,
+            margins: Margins::default(),
         }
+    }
+
+    /// The same with distances that the robot keeps.
+    #[must_use]
+    pub fn with_margins(self, margins: Margins) -> Self {
+        Self { margins, ..self }
+    }
+
+    /// The distances that the robot keeps.
+    #[must_use]
+    pub fn margins(&self) -> Margins {
+        self.margins
     }
 
     /// The robot.
@@ -101,10 +124,11 @@ impl Scene {
     /// # Errors
     /// `placements` has no entry for a body.
     pub fn closest_pair(&self, placements: &[Placement<f64>]) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, true)
+        self.closest(placements, None)
     }
 
-    /// Finds the [closest pair](Self::closest_pair) by the balls alone, as the constraints do.
+    /// Finds the [closest pair](Self::closest_pair) by the balls alone, with their distances less the
+    /// [margins](Self::margins), as the constraints do.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
@@ -112,7 +136,7 @@ impl Scene {
         &self,
         placements: &[Placement<f64>],
     ) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, false)
+        self.closest(placements, Some(self.margins))
     }
 
     /// The distance of the [closest pair](Self::closest_pair), m; infinite if the scene is empty.
@@ -127,13 +151,14 @@ impl Scene {
     fn closest(
         &self,
         placements: &[Placement<f64>],
-        by_capsules: bool,
+        margins: Option<Margins>,
     ) -> Result<Option<ClosestPair<'_>>> {
         let CollisionGeometry {
             balls,
             links,
             capsules,
         } = &self.robot;
+        let (by_capsules, margins) = (margins.is_none(), margins.unwrap_or_default());
         let part = |i: usize, body| Part {
             body,
             link: links.get(i).map(String::as_str),
@@ -149,7 +174,7 @@ impl Scene {
                 false => None,
             };
             for (i, ball) in nearest.as_ref().unwrap_or(&placed).iter().enumerate() {
-                let distance = solid.distance(&ball.centre) - ball.radius;
+                let distance = solid.distance(&ball.centre) - ball.radius - margins.obstacles;
                 if is_closer(distance, &closest) {
                     let body = match nearest {
                         Some(_) => capsules[i].body,
@@ -166,7 +191,7 @@ impl Scene {
             }
         }
         for [i, j] in &self.pairs {
-            let distance = placed[*i].gap(&placed[*j]);
+            let distance = placed[*i].gap(&placed[*j]) - margins.itself;
             if is_closer(distance, &closest) {
                 let between = placed[*i].centre - placed[*j].centre;
                 let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);

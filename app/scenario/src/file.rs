@@ -1,10 +1,12 @@
 //! Reading a scenario.
 
 use super::builtin::builtin_scenario;
+use super::clearance::Clearance;
+use super::flow_parameters::FlowParameters;
 use super::generate::generate_for;
 use super::json::{numbers_by_name, read_json};
 use super::losses::Losses;
-use super::objective::{HorizonBounds, RunningCostWeights, check_objective};
+use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
@@ -19,46 +21,12 @@ use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::input::{name_of, read_named};
 use aghf::model::{Model, Reduced};
-use aghf::motion::{Feedback, Guess, Problem};
+use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// The parameters of the flow for a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FlowParameters {
-    /// Degree of the polynomial.
-    pub degree: usize,
-    /// Penalty of (11).
-    pub k: f64,
-    /// The value of `s` at which the flow stops.
-    pub s_max: f64,
-    /// The initial curve.
-    #[schemars(schema_with = "one_of::<Guess>")]
-    pub guess: Guess,
-    /// Weight of the constraints in (A2).
-    pub k_cons: f64,
-    /// Sharpness of the activation of the constraints in (A3).
-    pub c_cons: f64,
-}
-
-impl Default for FlowParameters {
-    /// The paper's best values for Kinova: the constraint weights of the scenario with obstacles, the rest from the one
-    /// without.
-    fn default() -> Self {
-        Self {
-            degree: 9,
-            k: 1e9,
-            s_max: 0.1,
-            guess: Guess::default(),
-            k_cons: 1e9,
-            c_cons: 1.0,
-        }
-    }
-}
 
 /// A scenario as written in a file. Angles in rad, lengths in m, times in s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -123,6 +91,9 @@ pub struct ScenarioFile {
     /// The links that keep clear of each other; none by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_collision: Option<SelfCollision>,
+    /// The distances that the robot keeps from obstacles and between its links, m; zero by default.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub clearance_m: Clearance,
     /// The joint limits that act as constraints; all by default.
     #[serde(default)]
     pub enforced_limits: EnforcedLimits,
@@ -138,16 +109,6 @@ pub struct ScenarioFile {
     pub success_threshold: f64,
 }
 
-aghf::names::named_enum! {
-/// The highest derivative of a motion that is continuous.
-pub enum Continuous("continuity") {
-    /// The acceleration.
-    Acceleration = "acceleration",
-    /// The velocity; accelerations jump between segments, and at the ends.
-    Velocity = "velocity",
-}
-}
-
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -158,18 +119,6 @@ fn kinova_gains() -> Feedback {
 
 fn paper_threshold() -> f64 {
     0.05
-}
-
-impl ScenarioFile {
-    /// The highest continuous derivative of motions by the relaxation.
-    #[must_use]
-    pub fn continuity(&self) -> Continuous {
-        let default = match self.passive.is_empty() {
-            true => Continuous::Acceleration,
-            false => Continuous::Velocity,
-        };
-        self.continuity.unwrap_or(default)
-    }
 }
 
 /// A scenario with its robot, checked.

@@ -8,9 +8,11 @@ mod readme {}
 
 mod builtin;
 mod by_flow;
+mod clearance;
 mod curve_file;
 mod feasibility;
 mod file;
+mod flow_parameters;
 mod generate;
 pub mod guide;
 mod joint_trajectory;
@@ -37,15 +39,17 @@ mod summary;
 mod yaml;
 
 pub use builtin::builtin_scenarios;
+pub use clearance::{Clearance, Clearances};
 pub use curve_file::CurveFile;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
-pub use file::{Continuous, FlowParameters, Scenario, ScenarioFile};
+pub use file::{Scenario, ScenarioFile};
+pub use flow_parameters::FlowParameters;
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use joint_trajectory::{Header, JointTrajectory, JointTrajectoryPoint, Stamp};
 pub use limits::{Enforced, EnforcedLimits};
 pub use losses::{JointNumbers, LossNumbers, Losses};
 pub use moveit::{MoveIt, MoveItHorizon};
-pub use objective::{HorizonBounds, PerJoint, RunningCostWeights};
+pub use objective::{Continuous, HorizonBounds, PerJoint, RunningCostWeights};
 pub use obstacles::{Obstacle, ObstacleShape, Pose, RobotShape, SelfCollision};
 pub use options::{FlowOptions, Method, RelaxOptions, RestOptions, SolveOptions};
 pub use own_terms::SharedCost;

@@ -1,6 +1,6 @@
 //! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
-use super::{Continuous, Method, Scenario, ScenarioFile};
+use super::{Method, Scenario, ScenarioFile};
 use aghf::error::{Error, Result};
 use aghf::relax::{FreeHorizon, WeightedSquares};
 use schemars::JsonSchema;
@@ -69,6 +69,28 @@ impl PerJoint {
             Self::Same(number) => Some(*number),
             Self::Each(numbers) => numbers.get(joint).copied(),
         }
+    }
+}
+
+aghf::names::named_enum! {
+/// The highest derivative of a motion that is continuous.
+pub enum Continuous("continuity") {
+    /// The acceleration.
+    Acceleration = "acceleration",
+    /// The velocity; accelerations jump between segments, and at the ends.
+    Velocity = "velocity",
+}
+}
+
+impl ScenarioFile {
+    /// The highest continuous derivative of motions by the relaxation.
+    #[must_use]
+    pub fn continuity(&self) -> Continuous {
+        let default = match self.passive.is_empty() {
+            true => Continuous::Acceleration,
+            false => Continuous::Velocity,
+        };
+        self.continuity.unwrap_or(default)
     }
 }
 

@@ -199,9 +199,22 @@ impl Scenario {
             Collider::Robot(_) => "link ",
             Collider::Obstacle(_) => "",
         };
-        let mut condition = format!("{link} is {depth:.3e} m inside {what}'{other}'");
+        let margins = self.scene.margins();
+        let margin = match contact.other {
+            Collider::Robot(_) => margins.itself,
+            Collider::Obstacle(_) => margins.obstacles,
+        };
+        let mut condition = if depth < margin {
+            let distance = margin - depth;
+            format!(
+                "{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m"
+            )
+        } else {
+            let depth = depth - margin;
+            format!("{link} is {depth:.3e} m inside {what}'{other}'")
+        };
         let clear = self.scene.clearance(&placements)?;
-        if clear >= 0.0 {
+        if margin == 0.0 && clear >= 0.0 {
             condition += &format!(
                 " by the balls that cover it, though {clear:.3e} m clear itself; \
                  a smaller robot_shape.swept_links.spacing_m makes them smaller"

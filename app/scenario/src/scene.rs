@@ -48,7 +48,8 @@ pub(super) fn scene(
             return refuse("self_collision", condition.to_owned());
         }
     }
-    let scene = Scene::new(geometry, obstacles, ignored_pairs);
+    let scene = Scene::new(geometry, obstacles, ignored_pairs)
+        .with_margins(file.clearance_m.margins(path)?);
     let (balls, obstacles) = (scene.robot().balls.len(), scene.obstacles().len());
     let pairs = scene.pairs().len();
     if balls * obstacles + pairs > MOST_DISTANCES {

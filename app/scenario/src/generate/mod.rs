@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    Continuous, EnforcedLimits, FlowParameters, Losses, Obstacle, ObstacleShape, PerJoint, Pose,
-    RobotShape, RunningCostWeights, ScenarioFile,
+    Clearance, Continuous, EnforcedLimits, FlowParameters, Losses, Obstacle, ObstacleShape,
+    PerJoint, Pose, RobotShape, RunningCostWeights, ScenarioFile,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -309,6 +309,7 @@ impl Family {
             obstacles: made.obstacles,
             robot_shape: made.shape,
             self_collision: None,
+            clearance_m: Clearance::default(),
             enforced_limits: if self.within_limits {
                 EnforcedLimits::default()
             } else {

@@ -3,7 +3,7 @@
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::Scenario;
 use aghf::error::Result;
-use aghf::geometry::{CollisionGeometry, CollisionSphere, Obstacle};
+use aghf::geometry::{CollisionGeometry, CollisionSphere, Margins, Obstacle};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
@@ -32,6 +32,8 @@ struct Surroundings<'a> {
     balls: &'a [CollisionSphere],
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
+    /// The margins from obstacles and between balls.
+    margins: [f64; 2],
     intervals: &'a Intervals,
 }
 
@@ -43,7 +45,12 @@ pub(super) fn clearances(
 ) -> Result<Vec<Row>> {
     let model = &scenario.model;
     let CollisionGeometry { balls, links, .. } = scenario.scene.robot();
+    let Margins {
+        obstacles: beside,
+        itself,
+    } = scenario.scene.margins();
     let scene = Surroundings {
+        margins: [beside, itself],
         paths: balls
             .iter()
             .map(|ball| carriers(model, ball.body))
@@ -95,7 +102,11 @@ pub(super) fn clearances(
             continue;
         }
         let search = Search::new(&scene, Reach::new(model), &gaps, overlap);
-        rows.push(search.run()?.row(check, place));
+        let margin = match check {
+            Check::Obstacles => beside,
+            _ => itself,
+        };
+        rows.push(search.run()?.row(check, place).beyond(margin));
     }
     Ok(rows)
 }
@@ -216,13 +227,14 @@ impl<'a> Search<'a> {
     fn distance(&self, gap: &Gap) -> f64 {
         let ball = |i: usize| &self.scene.balls[i];
         let centre = |i: usize| self.reach.centre(ball(i));
+        let [beside, between] = self.scene.margins;
         match gap {
             Gap::Obstacle { ball: i, obstacle } => {
                 let solid = &self.scene.obstacles[*obstacle].solid;
-                solid.distance(&centre(*i)) - ball(*i).radius
+                solid.distance(&centre(*i)) - ball(*i).radius - beside
             }
             Gap::Balls { balls: [a, b], .. } => {
-                (centre(*a) - centre(*b)).norm() - ball(*a).radius - ball(*b).radius
+                (centre(*a) - centre(*b)).norm() - ball(*a).radius - ball(*b).radius - between
             }
         }
     }

@@ -214,6 +214,16 @@ impl Check {
 }
 
 impl Row {
+    /// The row of distances from which a margin was subtracted.
+    pub(super) fn beyond(mut self, margin: f64) -> Self {
+        if let Some(worst) = &mut self.worst {
+            worst.value += margin;
+            worst.at_least = worst.at_least.map(|least| least + margin);
+        }
+        self.proved_at_least = self.proved_at_least.map(|least| least + margin);
+        self
+    }
+
     /// A check without a value yet.
     pub(super) fn new(check: Check, tolerance: f64) -> Self {
         Self {

@@ -6,8 +6,8 @@ mod obstacles;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, RobotShape, Scenario,
-    ScenarioFile, SelfCollision, cover_links,
+    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, RobotShape,
+    Scenario, ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
@@ -141,6 +141,7 @@ impl MoveIt {
             self_collision: Some(SelfCollision::IgnoredPairs(
                 ignored.into_iter().map(|pair| pair.links).collect(),
             )),
+            clearance_m: Clearance::default(),
             enforced_limits: EnforcedLimits::default(),
             flow: FlowParameters::default(),
             feedback: Feedback { kp: 10.0, kv: 10.0 },

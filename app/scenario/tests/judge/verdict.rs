@@ -102,6 +102,20 @@ fn each_violation_is_found() {
             "duration",
         ),
         (
+            "too large an acceleration",
+            json!({ "enforced_limits": { "acceleration": [1e3, 1e3, 0.5] } }),
+            none,
+            &[Check::AccelerationLimits],
+            "elbow",
+        ),
+        (
+            "too large a jerk",
+            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
+            none,
+            &[Check::JerkLimits],
+            "shoulder",
+        ),
+        (
             "another start",
             json!({ "q_start": [-0.5, 0.2, 0.41] }),
             none,

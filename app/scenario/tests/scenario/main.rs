@@ -6,6 +6,7 @@ mod common;
 
 mod builtin;
 mod by_flow;
+mod clearance;
 mod feasibility;
 mod file;
 mod limits;
