@@ -1,6 +1,6 @@
 //! Distances that a robot keeps: in a solve, before it, and for the judge.
 
-use crate::written::{load, with};
+use crate::written::load;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
 use aghf_scenario::{Scenario, Solve};
 use serde_json::{Value, json};
@@ -12,8 +12,10 @@ fn swing(clearance: Value) -> Scenario {
         "q_start": [0, 0, 0], "v_start": [0, 0, 0], "q_goal": [1.0, 0.5, 0], "v_goal": [0, 0, 0],
         "robot_shape": { "swept_links": { "radius_m": 0.05 } }, "clearance_m": clearance,
         "obstacles": [
-            { "name": "ball", "shape": { "sphere": { "radius_m": 0.15 } }, "pose": { "position_m": [-1.35, 0.0, 0.3] } },
-            { "name": "block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [-1.5, 0, 0.4] } }
+            { "name": "ball", "shape": { "sphere": { "radius_m": 0.15 } },
+              "pose": { "position_m": [-1.35, 0.0, 0.3] } },
+            { "name": "block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
+              "pose": { "position_m": [-1.5, 0, 0.4] } }
         ],
     });
     load("swing", &scenario).expect("it is good")
@@ -26,6 +28,7 @@ fn motions_keep_their_clearance() {
         let report = Solve::new(&scenario).run().expect("it runs");
         let found = report
             .summary
+            .feasibility
             .smallest_clearance_m
             .expect("there are obstacles");
         assert!(
@@ -45,33 +48,27 @@ fn motions_keep_their_clearance() {
             rows.find(|row| row.check == Check::Obstacles)
                 .expect("there is one")
         };
-        let (kept, asked) = (of(clearance), of(clearance + 0.03));
+        let (kept, asked) = (of(clearance), of(clearance + 0.005));
         assert!(
             kept.outcome.is_good() && !asked.outcome.is_good(),
             "{kept:?} {asked:?}"
         );
         let worst = asked.worst.expect("it fails");
-        assert_eq!(worst.at_least, Some(clearance + 0.03));
-        assert!((worst.value - found).abs() < 1e-4, "{worst:?} {found}");
+        assert_eq!(worst.at_least, Some(clearance + 0.005));
+        // The judge looks at the balls, which stick out of the capsules.
+        assert!((worst.value - clearance).abs() < 1e-3, "{worst:?}");
     }
 }
 
 #[test]
 fn ends_without_their_clearance_are_refused() {
-    let scenario = |clearance: Value| {
-        let mut scenario = crate::surroundings::panda();
-        scenario = with(scenario, json!({ "clearance_m": clearance }));
-        load("near", &scenario)
-            .expect("it is good")
-            .check_feasible()
-    };
-    assert!(scenario(json!(0.0)).is_ok());
-    let far = scenario(json!({ "obstacles": 1.7 })).expect_err("the box is 1.7 m away at most");
-    let text = far.to_string();
+    let checked = |clearance: Value| swing(clearance).check_feasible();
+    assert!(checked(json!(0.05)).is_ok());
+    let text = checked(json!({ "obstacles": 1.0 }))
+        .expect_err("both ends are nearer")
+        .to_string();
     assert!(
-        text.contains("q_start: link") && text.contains("its clearance_m is 1.7 m"),
+        text.contains("q_start: link") && text.contains("its clearance_m is 1 m"),
         "{text}"
     );
-    let near = scenario(json!({ "itself": 0.3 })).expect_err("links are nearer");
-    assert!(near.to_string().contains("from link '"), "{near}");
 }
