@@ -297,15 +297,13 @@ impl StageConstraints {
 
     /// The other constraints, each with its first row.
     pub(crate) fn others(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
-        let firsts = self
-            .others
+        self.others
             .iter()
             .scan(self.rates().count(), |next, other| {
                 let first = *next;
                 *next += other.dim();
                 Some((first, &**other))
-            });
-        firsts
+            })
     }
 
     /// The scale of each row: limits of acceleration and jerk themselves.

@@ -164,5 +164,5 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
     });
     let drives = drives.collect();
     let model = Model::from_joints("random robot over the field", specs)?;
-    Ok(model.with_gravity(vector(rng)).with_drives(drives)?)
+    model.with_gravity(vector(rng)).with_drives(drives)
 }
