@@ -1,7 +1,7 @@
 //! The triangles of COLLADA files, the meshes of ROS.
 //!
-//! Coordinates are in the unit of the file and with the transforms of its visual scene. Its `up_axis` is not applied, as
-//! RViz, MoveIt and Pinocchio do not: in files for robots, whatever it says, coordinates are in the frame of the link.
+//! Coordinates are in the unit of the file and with the transforms of its visual scene. Its `up_axis` is not applied,
+//! as in RViz and MoveIt: in files for robots, whatever it says, coordinates are in the frame of the link.
 
 use super::elements::Read;
 use crate::geometry::Triangle;
@@ -14,8 +14,8 @@ use std::str::FromStr;
 /// show one geometry.
 const MOST_TRIANGLES: usize = 1 << 21;
 
-/// Reads the triangles of all geometries in the visual scene of a COLLADA file, in m. Polygons are divided into fans from
-/// their first corner.
+/// Reads the triangles of all geometries in the visual scene of a COLLADA file, in m. Polygons are divided into fans
+/// from their first corner.
 ///
 /// # Errors
 /// Names the element and its line.

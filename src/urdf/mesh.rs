@@ -55,8 +55,9 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
     Ok(triangles)
 }
 
-/// The bytes of an STL. One of the size of a binary file is one, whatever its header says: exporters write "solid" there,
-/// the first word of a text. No text has that size: the number of triangles would be letters, over half a billion.
+/// The bytes of an STL. One of the size of a binary file is one, whatever its header says: exporters write "solid"
+/// there, the first word of a text. No text has that size: its letters would be the number of triangles, over half a
+/// billion.
 fn stl_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = read_bytes(path)?;
     if let Some((header, rest)) = bytes.split_first_chunk_mut::<80>()
@@ -87,10 +88,10 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
     Ok(all)
 }
 
-/// Finds the file that a URDF in `folder` names. `package://NAME/PATH`, or `package:///NAME/PATH`, is `NAME/PATH` in that
-/// folder or one above it, or `PATH` in one called `NAME`; likewise in the folders of `ROS_PACKAGE_PATH` and in `share`
-/// of those of `AMENT_PREFIX_PATH`; or `PATH` in the package that `rospack` or `ros2 pkg` finds, in this order. Any other
-/// name is a path relative to `folder`.
+/// Finds the file that a URDF in `folder` names. `package://NAME/PATH`, or `package:///NAME/PATH`, is `NAME/PATH` in
+/// that folder or one above it, or `PATH` in one called `NAME`; likewise in the folders of `ROS_PACKAGE_PATH` and in
+/// `share` of those of `AMENT_PREFIX_PATH`; or `PATH` in the package that `rospack` or `ros2 pkg` finds, in this order.
+/// Any other name is a path relative to `folder`.
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     let missing = || format!("there is no such file at '{}'", folder.display());
     let Some(in_package) = file.strip_prefix("package://") else {
@@ -127,8 +128,7 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     }
     let by_ros = found.map_or_else(|e| e.to_string(), |found| format!("nor in '{found}'"));
     Err(format!(
-        "{} or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and AMENT_PREFIX_PATH {ament:?}, and {by_ros}; \
-         --package {package}=FOLDER says where the package is",
+        "{} or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and AMENT_PREFIX_PATH {ament:?}, and {by_ros}",
         missing()
     ))
 }
