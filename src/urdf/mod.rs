@@ -2,6 +2,7 @@
 
 mod build;
 mod builtin;
+mod collada;
 mod elements;
 mod load;
 mod losses;

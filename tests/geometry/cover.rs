@@ -250,10 +250,14 @@ fn meshes_are_found_and_read_in_each_format() {
         std::fs::create_dir_all(folder).expect("the folder is writable");
     }
     let meshes = root.join("hand/meshes");
+    // Exporters write the first word of a text into the header of binary files.
+    let mut solid = binary();
+    solid[..12].copy_from_slice(b"solid facet ");
     for (name, bytes) in [
         ("a.obj", OBJ.into()),
         ("a.stl", STL.into()),
         ("b.STL", binary()),
+        ("solid.stl", solid),
     ] {
         std::fs::write(meshes.join(name), bytes).expect("the folder is writable");
     }
@@ -264,6 +268,8 @@ fn meshes_are_found_and_read_in_each_format() {
     let scale = Vector3::new(2.0, -1.0, 0.5);
     for file in [
         "package://hand/meshes/a.obj",
+        "package:///hand/meshes/a.obj",
+        "../meshes/solid.stl",
         "../meshes/a.stl",
         "../meshes/b.STL",
     ] {
@@ -280,7 +286,8 @@ fn meshes_that_cannot_be_read_are_refused_by_name() {
     let one = Vector3::repeat(1.0);
     let cut = &binary()[..120];
     for (name, bytes, words) in [
-        ("a.dae", "", "only STL and OBJ;convert it"),
+        ("a.ply", "", "only STL, OBJ and COLLADA;convert it"),
+        ("a.dae", "", "a.dae: mesh: not a valid COLLADA file"),
         (
             "cut.stl",
             "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nver",

@@ -28,6 +28,8 @@ fn run_again(test: &str, folder: &Path) -> bool {
         .args(["--exact", test])
         .env("PATH", folder)
         .env("AGHF_TEST_ROS", "1")
+        .env("ROS_PACKAGE_PATH", folder.join("ros_1"))
+        .env("AMENT_PREFIX_PATH", folder.join("ros_2"))
         .output()
         .expect("it starts");
     let text = String::from_utf8_lossy(&output.stdout);
@@ -98,6 +100,9 @@ fn packages_of_ros_come_after_the_folders() {
     corner("installed/hand/both.obj", 1.0);
     corner("installed/hand/one.obj", 2.0);
     corner("hand/both.obj", 3.0);
+    corner("ros_1/hand/path.obj", 4.0);
+    corner("ros_2/share/hand/path.obj", 5.0);
+    corner("ros_2/share/hand/prefix.obj", 6.0);
     if !run_again("load::packages_of_ros_come_after_the_folders", &folder) {
         return;
     }
@@ -105,8 +110,15 @@ fn packages_of_ros_come_after_the_folders() {
     let first = |file| load(file).expect("it is there")[0][0].x;
     assert_eq!(first("package://hand/both.obj"), 3.0);
     assert_eq!(first("package://hand/one.obj"), 2.0);
+    assert_eq!(first("package://hand/path.obj"), 4.0);
+    assert_eq!(first("package://hand/prefix.obj"), 6.0);
     let error = load("package://hand/none.obj").expect_err("it is nowhere");
     let text = error.to_string();
-    let words = ["package://hand/none.obj: mesh: ", "installed/hand'"];
+    let words = [
+        "package://hand/none.obj: mesh: ",
+        "ros_1",
+        "ros_2",
+        "installed/hand'",
+    ];
     assert!(words.iter().all(|w| text.contains(w)), "{text}");
 }

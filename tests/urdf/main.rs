@@ -6,6 +6,7 @@ mod common;
 
 mod build;
 mod builtin;
+mod collada;
 mod elements;
 mod limits;
 #[cfg(unix)]
