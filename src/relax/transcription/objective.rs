@@ -1,6 +1,7 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
 use super::horizon::Moving;
+use super::packed_hessian::jerk_products;
 use super::{Grid, HorizonDerivatives, PackedHessian, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::{BlockTridiagonal, multiply};
@@ -373,31 +374,6 @@ pub(in crate::relax) fn place<S: Scalar>(
 ) {
     let own = coefficients.columns(first, table.nrows()).into_owned();
     multiply(&own, table, states);
-}
-
-/// Multiplies the first derivatives in the jerk by their weights; returns them, and the second derivatives summed over
-/// the points with the products of each pair of functions, `N` by pairs.
-fn jerk_products<S: Scalar>(
-    grid: &Grid<S>,
-    horizon: S,
-    [first, second]: &mut [DMatrix<S>; 2],
-) -> (DMatrix<S>, DMatrix<S>) {
-    let rate = S::one() / (horizon * horizon * horizon);
-    let mut by_jerk = first.clone();
-    let thirds = &grid.thirds[0];
-    for (g, weight) in grid.weights.iter().enumerate() {
-        let mut column = by_jerk.column_mut(g);
-        column *= *weight * horizon * rate;
-        let mut column = second.column_mut(g);
-        column *= *weight * horizon * rate * rate;
-    }
-    let products = DMatrix::from_fn(grid.points(), grid.pairs.len(), |g, pair| {
-        let (a, b) = grid.pairs[pair];
-        thirds[(a, g)] * thirds[(b, g)]
-    });
-    let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
-    multiply(second, &products, &mut squares);
-    (by_jerk, squares)
 }
 
 /// The input of the running cost at the points of segment `e`.

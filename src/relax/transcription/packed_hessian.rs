@@ -278,3 +278,28 @@ pub(super) fn products<S: Scalar>(
     }
     products
 }
+
+/// Multiplies the first derivatives in the jerk by their weights; returns them, and the second derivatives summed over
+/// the points with the products of each pair of functions, `N` by pairs.
+pub(super) fn jerk_products<S: Scalar>(
+    grid: &Grid<S>,
+    horizon: S,
+    [first, second]: &mut [DMatrix<S>; 2],
+) -> (DMatrix<S>, DMatrix<S>) {
+    let rate = S::one() / (horizon * horizon * horizon);
+    let mut by_jerk = first.clone();
+    let thirds = &grid.thirds[0];
+    for (g, weight) in grid.weights.iter().enumerate() {
+        let mut column = by_jerk.column_mut(g);
+        column *= *weight * horizon * rate;
+        let mut column = second.column_mut(g);
+        column *= *weight * horizon * rate * rate;
+    }
+    let products = DMatrix::from_fn(grid.points(), grid.pairs.len(), |g, pair| {
+        let (a, b) = grid.pairs[pair];
+        thirds[(a, g)] * thirds[(b, g)]
+    });
+    let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
+    multiply(second, &products, &mut squares);
+    (by_jerk, squares)
+}
