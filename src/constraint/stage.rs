@@ -60,7 +60,7 @@ pub trait StageConstraint: fmt::Debug + Send + Sync {
     fn value(&self, at: &StageInput<'_, f64>, g: &mut [f64]) -> Result<()>;
 
     /// Computes the gradient of each row in $y = [q; v; a; u]$ into the columns of `gradients`, `4 N` by
-    /// [`dim`](Self::dim), and adds $\sum_j \lambda_j\, \partial^2 g_j / \partial y^2$ to `hessian`, `4 N` by `4 N`.
+    /// [`dim`](Self::dim), and adds $\sum_j \lambda_j\\, \partial^2 g_j / \partial y^2$ to `hessian`, `4 N` by `4 N`.
     ///
     /// # Errors
     /// A slice of the input does not have `N` entries.
