@@ -83,7 +83,7 @@ def test_what_is_no_scenario():
         ({"method": "flow", "integrator": "magic"}, "magic"),
         ({"method": "flow", "segments": 2}, "unknown field `segments`"),
         ({"method": "magic"}, "magic"),
-        ({"degree": 3}, "at least 4"),
+        ({"degree": 3}, "at least 6"),
         ({"degree": 2**63}, "degree"),
         ({"degree": -1}, "options"),
         ({"starts": 0}, "at least 1"),
