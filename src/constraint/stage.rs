@@ -25,6 +25,15 @@ pub struct StageInput<'a, S> {
     pub u: &'a [S],
 }
 
+impl<'a, S> StageInput<'a, S> {
+    /// The parts of $y = [q; v; a; u]$, `4 N` entries, at a time.
+    pub(crate) fn of(t: S, y: &'a [S]) -> Self {
+        let n = y.len() / 4;
+        let [q, v, a, u] = [0, 1, 2, 3].map(|part| &y[part * n..(part + 1) * n]);
+        Self { t, q, v, a, u }
+    }
+}
+
 /// The derivatives of a function of $y = [q; v; a; u]$, with the control as an independent variable.
 #[derive(Clone, Debug)]
 pub struct StageDerivatives<S: Scalar> {
@@ -120,9 +129,7 @@ impl<F: Fn(&StageInput<'_, HyperDual64>, &mut [HyperDual64])> StageRows<F> {
 
     /// Evaluates the closure at time and $y$.
     fn at(&self, t: HyperDual64, y: &[HyperDual64], g: &mut [HyperDual64]) {
-        let n = y.len() / 4;
-        let [q, v, a, u] = [0, 1, 2, 3].map(|part| &y[part * n..(part + 1) * n]);
-        (self.value)(&StageInput { t, q, v, a, u }, g);
+        (self.value)(&StageInput::of(t, y), g);
     }
 
     fn zeros(&self) -> Vec<HyperDual64> {

@@ -4,8 +4,8 @@ use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
-/// What the drive of a joint adds to the force that rigid bodies need: $D v + F(v) + I_a a$, with viscous damping $D$,
-/// dry friction $F(v) = F_c\\, s(v / v_0)$ and the inertia $I_a$ of the rotor as seen at the joint. Units are those of
+/// The force of the drive of a joint beside that of rigid bodies: $D v + F(v) + I_a a$, with viscous damping $D$, dry
+/// friction $F(v) = F_c\\, s(v / v_0)$ and the inertia $I_a$ of the rotor as seen at the joint. Units are those of
 /// a revolute joint; a prismatic one has N for N m and m for rad.
 ///
 /// Friction is smooth, $s(x) = x / \sqrt{1 + x^2}$, so that motions through rest have derivatives: it is within 1 % of

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What the drives of the joints add to the forces that rigid bodies need: `true` for the damping and the friction in
+/// The forces of the drives of the joints beside those of rigid bodies: `true` for the damping and the friction in
 /// the URDF, `false` for nothing, or an object of numbers that stand in place of those.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(

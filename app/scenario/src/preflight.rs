@@ -41,6 +41,11 @@ pub(super) fn slowest(
     moving.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
+/// Returns true if all velocities are zero.
+fn rests(v: &[f64]) -> bool {
+    v.iter().all(|v| *v == 0.0)
+}
+
 /// One boundary state of a motion.
 struct End<'a> {
     /// The keys of its position and of its velocity.
@@ -54,13 +59,11 @@ impl Scenario {
     /// The joint that takes longest at the enforced limits of velocity, acceleration and jerk, the limit, and its
     /// duration, s: no motion is shorter. Each joint takes at least the time of its way $d$ at its velocity; from rest
     /// to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity, and
-    /// $(32 d / \bar\jmath)^{1/3}$ with continuous accelerations. `None` if no joint with such a limit moves.
+    /// $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves.
     #[must_use]
     pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
         let file = &self.file;
-        let rests = |v: &[f64]| v.iter().all(|v| *v == 0.0);
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
-        let counts = |does: bool| if does { 1.0 } else { 0.0 };
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
             let way = (file.q_goal[i] - file.q_start[i]).abs();
@@ -74,16 +77,15 @@ impl Scenario {
             } else {
                 2.0 * (way / a).sqrt()
             };
-            let by_jerk = (32.0 * way / j).cbrt();
-            [
-                (i, Limit::Velocity, way / v),
-                (
-                    i,
-                    Limit::Acceleration,
-                    counts(at_rest && a.is_finite()) * accelerated,
-                ),
-                (i, Limit::Jerk, counts(at_rest) * by_jerk),
-            ]
+            let of_rest = [
+                (Limit::Acceleration, a, accelerated),
+                (Limit::Jerk, j, (32.0 * way / j).cbrt()),
+            ];
+            let of_rest = of_rest
+                .into_iter()
+                .filter(move |(_, most, _)| at_rest && most.is_finite());
+            let of_rest = of_rest.map(move |(limit, _, time)| (i, limit, time));
+            of_rest.chain([(i, Limit::Velocity, way / v)])
         });
         // A joint that does not move takes no time, even at a velocity limit of zero.
         let moving = times.filter(|(.., time)| *time > 0.0);
@@ -122,7 +124,7 @@ impl Scenario {
             if let Some(v) = end.v {
                 self.check_own_constraints(end.keys[0], end.q, v)?;
             }
-            if end.v.is_some_and(|v| v.iter().all(|v| *v == 0.0)) {
+            if end.v.is_some_and(rests) {
                 self.check_rest(end)?;
             }
         }

@@ -4,7 +4,6 @@ use crate::constraint::{Constraint, Constraints, StageDerivatives};
 use crate::error::Result;
 use crate::model::Model;
 use crate::nlp::Term;
-use crate::relax::transcription::stage_input;
 use crate::relax::{ChainRule, Point, Points, PointsDerivatives};
 use nalgebra::{DMatrix, DVector};
 
@@ -67,7 +66,7 @@ impl<'a> StageTerms<'a> {
         }
         let (n, point) = (points.states.nrows(), points.point(g));
         let u = self.rule.linearise(point)?.to_vec();
-        let at = stage_input(points, g, &u);
+        let at = point.with_control(&u);
         self.by_y.gradient.fill(0.0);
         self.by_y.hessian.fill(0.0);
         self.weights.fill(0.0);
@@ -109,9 +108,9 @@ impl<'a> StageTerms<'a> {
         constraints: &Constraints<K>,
         terms: &[(usize, Term)],
     ) -> Result<f64> {
-        let (states, first_of_stage) = (point.states(), constraints.first_of_stage());
+        let first_of_stage = constraints.first_of_stage();
         let u = self.rule.control(point)?.to_vec();
-        let at = stage_input(point.points(&states), 0, &u);
+        let at = point.with_control(&u);
         let mut sum = 0.0;
         for (first, other) in constraints.stage.others() {
             let mut rates = vec![0.0; other.dim()];

@@ -17,14 +17,7 @@ impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> AutodiffCost<F> {
     }
 
     fn at(&self, t: HyperDual64, y: &[HyperDual64]) -> HyperDual64 {
-        let n = y.len() / 4;
-        (self.0)(&StageInput {
-            t,
-            q: &y[..n],
-            v: &y[n..2 * n],
-            a: &y[2 * n..3 * n],
-            u: &y[3 * n..],
-        })
+        (self.0)(&StageInput::of(t, y))
     }
 }
 

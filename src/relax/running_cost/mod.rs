@@ -98,7 +98,7 @@ impl<'m, R: RunningCost> CostThroughDynamics<'m, R> {
 impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
     fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let u = self.rule.control(point)?;
-        self.running.value(&moment(point, u))
+        self.running.value(&point.with_control(u))
     }
 
     fn derivatives(
@@ -111,7 +111,7 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let u = self.rule.control(point)?;
-        self.running.time_rate(&moment(point, u))
+        self.running.time_rate(&point.with_control(u))
     }
 }
 
@@ -119,7 +119,7 @@ impl<R: RunningCost + Clone + Send + Sync> CostWithControl for CostThroughDynami
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
         let control = self.rule.control(point)?;
         u.copy_from_slice(control);
-        self.running.value(&moment(point, control))
+        self.running.value(&point.with_control(control))
     }
 
     fn derivatives_with(
@@ -144,7 +144,7 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
         let by_y = &mut self.by_y;
         by_y.gradient.fill(0.0);
         by_y.hessian.fill(0.0);
-        let value = self.running.derivatives(&moment(point, u), by_y)?;
+        let value = self.running.derivatives(&point.with_control(u), by_y)?;
         let convex = positive_part(&by_y.hessian, &mut self.positive);
         self.by_term.clear();
         let stiff = term(point.index, u, &mut self.by_term);
@@ -170,18 +170,6 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
         let weights = &self.by_term.curvature_weights;
         self.rule.add_curvature(point, weights, &mut out.hessian)?;
         Ok(value)
-    }
-}
-
-/// A point with its control.
-fn moment<'a>(point: Point<'a, f64>, u: &'a [f64]) -> StageInput<'a, f64> {
-    let Point { time, q, v, a, .. } = point;
-    StageInput {
-        t: time,
-        q,
-        v,
-        a,
-        u,
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Grid<S: Scalar> {
     /// The number of segments.
     pub(in crate::relax) segments: usize,
     /// The number of functions per breakpoint.
-    shared: usize,
+    pub(super) shared: usize,
     /// The functions with unknown coefficients, ascending.
     pub(in crate::relax) free: Vec<usize>,
     /// The unknown of each function, if it has one.
@@ -39,6 +39,8 @@ pub struct Grid<S: Scalar> {
     pub(in crate::relax) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
+    /// Products of third derivatives; only those of costs in the jerk need them.
+    products_of_thirds: OnceLock<DMatrix<S>>,
 }
 
 /// Tables that several searches share.
@@ -220,6 +222,7 @@ impl<S: Scalar> Grid<S> {
             table,
             pairs,
             products: OnceLock::new(),
+            products_of_thirds: OnceLock::new(),
         }
     }
 
@@ -249,6 +252,17 @@ impl<S: Scalar> Grid<S> {
         self.products.get_or_init(new)
     }
 
+    /// Products of the third derivatives of the functions of each pair, one row per point.
+    pub(super) fn products_of_thirds(&self) -> &DMatrix<S> {
+        self.products_of_thirds.get_or_init(|| {
+            let thirds = &self.thirds[0];
+            DMatrix::from_fn(self.points(), self.pairs.len(), |g, pair| {
+                let (a, b) = self.pairs[pair];
+                thirds[(a, g)] * thirds[(b, g)]
+            })
+        })
+    }
+
     /// The number of points per segment.
     #[must_use]
     pub fn points(&self) -> usize {
@@ -264,11 +278,6 @@ impl<S: Scalar> Grid<S> {
     /// The first function of segment `e`.
     pub(in crate::relax) fn first(&self, e: usize) -> usize {
         e * (self.table.nrows() - self.shared)
-    }
-
-    /// The number of functions per breakpoint.
-    pub(in crate::relax) fn shared(&self) -> usize {
-        self.shared
     }
 
     /// The unknowns that segment `e` owns alone or shares with the next: a block of the Hessian.

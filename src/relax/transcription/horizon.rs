@@ -85,8 +85,8 @@ impl<S: Scalar> Moving<'_, S> {
         mixed
     }
 
-    /// Does the same for the part of a cost in the jerk $z = T^{-3} \phi^{(3)} c$, with the first derivatives in it and the
-    /// second ones in `at`. The cost itself is part of [`integrate`](Self::integrate).
+    /// Does the same for the part of a cost in the jerk $z = T^{-3} \phi^{(3)} c$, with the first and second derivatives
+    /// in it in `at`. The cost itself is part of [`integrate`](Self::integrate).
     pub fn integrate_jerk(
         &self,
         e: usize,

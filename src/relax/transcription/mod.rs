@@ -22,7 +22,7 @@ pub use point_cost::{
     ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
     PointsDerivatives,
 };
-pub(super) use rows::{Rows, stage_input};
+pub(super) use rows::Rows;
 pub(super) use scan::{Peak, Scan};
 
 use super::WeightedSquares;

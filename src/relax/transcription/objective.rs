@@ -63,7 +63,7 @@ impl<S: Scalar> Derivatives<S> {
         let sizes: Vec<_> = (0..grid.segments)
             .map(|e| grid.block(e).len() * dof)
             .collect();
-        let matrix = BlockTridiagonal::new(&sizes, grid.shared() * dof);
+        let matrix = BlockTridiagonal::new(&sizes, grid.shared * dof);
         Self {
             gradient: DVector::zeros(grid.free.len() * dof),
             hessian: matrix.clone(),
@@ -237,15 +237,13 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             }
             at_points
                 .hessians
-                .integrate(grid, horizon, sums, |pair, block| match &of_jerk {
-                    None => put_block(grid, block, e, pair, &mut out.hessian),
-                    Some(squares) => {
-                        let mut block = block.clone();
+                .integrate(grid, horizon, sums, |pair, block| {
+                    if let Some(squares) = &of_jerk {
                         for i in 0..dof {
                             block[(i, i)] += squares[(i, pair)];
                         }
-                        put_block(grid, &block, e, pair, &mut out.hessian);
                     }
+                    put_block(grid, block, e, pair, &mut out.hessian);
                 });
             if with_metric {
                 at_points
@@ -348,7 +346,7 @@ fn put_block<S: Scalar>(
         return;
     };
     // The first functions of a segment are the last ones of the block before.
-    let (own, shared) = (grid.block(e).start, grid.shared());
+    let (own, shared) = (grid.block(e).start, grid.shared);
     let (target, row, column) = match (e > 0 && a < shared, e > 0 && b < shared) {
         (false, false) => (&mut out.diagonal[e], row - own, column - own),
         (false, true) => (&mut out.coupling[e - 1], row - own, column + shared - own),

@@ -149,7 +149,7 @@ impl<S: Scalar> PackedHessian<S> {
         self.symmetric[(index(2, 2) * self.room + g, at)] += second;
     }
 
-    /// Adds the lower triangle of a matrix in $z$, `3 N` by `3 N`, to that of point `g`.
+    /// Adds a matrix in $z$, `3 N` by `3 N`, to that of point `g`.
     pub(in crate::relax) fn add_full(&mut self, g: usize, matrix: &DMatrix<S>) {
         let sum = self.get(g) + matrix;
         self.set(g, &sum);
@@ -193,13 +193,13 @@ impl<S: Scalar> PackedHessian<S> {
     }
 
     /// Computes the `N` by `N` block of each pair of functions of a segment of time `horizon` times that of the grid,
-    /// and passes it to `take`.
+    /// and passes it to `take`, which may change it.
     pub(super) fn integrate(
         &mut self,
         grid: &Grid<S>,
         horizon: S,
         sums: &mut [DMatrix<S>; 2],
-        mut take: impl FnMut(usize, &DMatrix<S>),
+        mut take: impl FnMut(usize, &mut DMatrix<S>),
     ) {
         let n = self.dof;
         self.scale(horizon);
@@ -224,7 +224,7 @@ impl<S: Scalar> PackedHessian<S> {
                     }
                 }
             }
-            take(pair, &block);
+            take(pair, &mut block);
         }
     }
 
@@ -288,18 +288,13 @@ pub(super) fn jerk_products<S: Scalar>(
 ) -> (DMatrix<S>, DMatrix<S>) {
     let rate = S::one() / (horizon * horizon * horizon);
     let mut by_jerk = first.clone();
-    let thirds = &grid.thirds[0];
     for (g, weight) in grid.weights.iter().enumerate() {
         let mut column = by_jerk.column_mut(g);
         column *= *weight * horizon * rate;
         let mut column = second.column_mut(g);
         column *= *weight * horizon * rate * rate;
     }
-    let products = DMatrix::from_fn(grid.points(), grid.pairs.len(), |g, pair| {
-        let (a, b) = grid.pairs[pair];
-        thirds[(a, g)] * thirds[(b, g)]
-    });
     let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
-    multiply(second, &products, &mut squares);
+    multiply(second, grid.products_of_thirds(), &mut squares);
     (by_jerk, squares)
 }

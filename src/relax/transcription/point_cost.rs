@@ -1,6 +1,7 @@
 //! The integrand along a curve.
 
 use super::PackedHessian;
+use crate::constraint::StageInput;
 use crate::error::Result;
 use crate::scalar::{Lanes, Scalar, Wide};
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +22,18 @@ pub struct Point<'a, S> {
 }
 
 impl<'a, S: Scalar> Point<'a, S> {
+    /// This point with its control.
+    pub(in crate::relax) fn with_control(self, u: &'a [S]) -> StageInput<'a, S> {
+        let Self { time, q, v, a, .. } = self;
+        StageInput {
+            t: time,
+            q,
+            v,
+            a,
+            u,
+        }
+    }
+
     /// $[q, v, a]$, `N` by 3.
     pub(in crate::relax) fn states(&self) -> DMatrix<S> {
         DMatrix::from_fn(self.q.len(), 3, |i, x| [self.q, self.v, self.a][x][i])

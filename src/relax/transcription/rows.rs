@@ -2,8 +2,7 @@
 
 use super::{CostWithControl, Points};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, RateLimit, RowKind, StageInput, WeightedDerivatives,
-    Weights,
+    Constraint, Constraints, Evaluator, RateLimit, RowKind, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::model::Model;
@@ -138,7 +137,8 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             }
             for (first, other) in stage.others() {
                 let own = rates + first..rates + first + other.dim();
-                other.value(&stage_input(points, g, u.as_slice()), &mut h[own.clone()])?;
+                let at = points.point(g).with_control(u.as_slice());
+                other.value(&at, &mut h[own.clone()])?;
                 for (h, scale) in h[own.clone()].iter_mut().zip(&scales[own]) {
                     *h *= scale;
                 }
@@ -205,22 +205,5 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let own = 2 * points.states.nrows();
         self.evaluator
             .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
-    }
-}
-
-/// A point with its control.
-pub(in crate::relax) fn stage_input<'a>(
-    points: Points<'a, f64>,
-    g: usize,
-    u: &'a [f64],
-) -> StageInput<'a, f64> {
-    let n = points.states.nrows();
-    let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
-    StageInput {
-        t: points.times[g],
-        q: &state[..n],
-        v: &state[n..2 * n],
-        a: &state[2 * n..],
-        u,
     }
 }

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 pub(super) struct Export {
     /// Folder of a solve, or its summary.json.
     run: PathBuf,
-    /// What to write.
+    /// Form of the motion.
     #[arg(long, value_enum)]
     to: Target,
     /// Format of a trajectory.

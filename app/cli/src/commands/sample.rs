@@ -36,11 +36,8 @@ impl Sample {
             summary,
         } = Solved::load(&self.summary)?;
         let (model, failure) = (&scenario.model, summary.failure.as_deref());
-        let sampling = match self.sampling.sampling() {
-            Some(sampling) => sampling,
-            None => Sampling::sufficient(&scenario, &curve)?,
-        };
-        let times = sampling.times(curve.horizon())?;
+        let chosen = self.sampling.sampling();
+        let times = Sampling::or_sufficient(chosen, &scenario, &curve)?.times(curve.horizon())?;
         match &self.out {
             Some(path) => {
                 refuse_existing(path, self.force)?;

@@ -15,8 +15,8 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// The time after which a search stops with the best motion so far unless `--time-limit-s` is given: few people wait
-/// longer without being told.
+/// The time after which a search stops with the best motion so far unless `--time-limit-s` is given: a
+/// minute, after which few people still wait.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Solve a scenario and write the trajectory.

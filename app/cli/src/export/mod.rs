@@ -16,7 +16,7 @@ use aghf::motion::samples_at;
 use aghf_scenario::{JointTrajectory, Scenario};
 use std::path::Path;
 
-/// The motion as a message, by default with [as many points](Sampling::sufficient) as the judge needs.
+/// The motion as a message, by default with [as many points](Sampling::or_sufficient) as the judge needs.
 ///
 /// # Errors
 /// The sampling is out of range, or the curve has another number of joints than the robot.
@@ -25,11 +25,7 @@ pub fn joint_trajectory(
     curve: &Curve,
     sampling: Option<Sampling>,
 ) -> Result<JointTrajectory> {
-    let sampling = match sampling {
-        Some(sampling) => sampling,
-        None => Sampling::sufficient(scenario, curve)?,
-    };
-    let times = sampling.times(curve.horizon())?;
+    let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
     let times = times.map(|t| (curve.segment_at(t), t));
     let samples = samples_at(&scenario.model, curve, times).collect::<Result<Vec<_>>>()?;
     Ok(JointTrajectory::of_samples(&scenario.model, samples))

@@ -21,12 +21,15 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// As many rows as the judge needs of a motion, by [`sufficient_samples`].
+    /// The chosen rows, or as many as the judge needs of a motion, by [`sufficient_samples`].
     ///
     /// # Errors
     /// The robot of the curve has another number of joints.
-    pub fn sufficient(scenario: &Scenario, curve: &Curve) -> Result<Self> {
-        sufficient_samples(scenario, curve).map(Self::Samples)
+    pub fn or_sufficient(chosen: Option<Self>, scenario: &Scenario, curve: &Curve) -> Result<Self> {
+        match chosen {
+            Some(chosen) => Ok(chosen),
+            None => sufficient_samples(scenario, curve).map(Self::Samples),
+        }
     }
 
     /// The largest number of rows of a table: several GB of text for an arm.
@@ -134,11 +137,11 @@ pub fn write_table(
     })
 }
 
-/// Writes `trajectory.csv`, see [`write_trajectory`], by default with [as many rows](Sampling::sufficient) as the judge
-/// needs, `summary.json`, and `report.html` if there is a `page`, into
-/// `folder` and returns their paths; a failed solve writes `trajectory.failed.csv` and so on, so that the files of an
-/// earlier success remain. If files may be replaced, a success removes those of an earlier failure, and no page of an
-/// earlier solve remains next to another motion.
+/// Writes `trajectory.csv`, see [`write_trajectory`], by default with [as many rows](Sampling::or_sufficient) as the
+/// judge needs, `summary.json`, and `report.html` if there is a `page`, into `folder` and returns their paths; a failed
+/// solve writes `trajectory.failed.csv` and so on, so that the files of an earlier success remain. If files may be
+/// replaced, a success removes those of an earlier failure, and no page of an earlier solve remains next to another
+/// motion.
 ///
 /// # Errors
 /// A file cannot be written, and then none is; or the sampling is out of range.
@@ -156,11 +159,7 @@ pub fn write_report(
         false => (failure, success),
     };
     let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
-    let sampling = match sampling {
-        Some(sampling) => sampling,
-        None => Sampling::sufficient(scenario, curve)?,
-    };
-    let times = sampling.times(curve.horizon())?;
+    let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
     let reason = summary.failure.as_deref();
     let mut parts = vec![
         Partial::write(&paths[0], |file| {

@@ -30,7 +30,7 @@ fn exported(folder: &Path, arguments: &[&str]) {
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
 }
 
-/// What is exported is the motion: the judge accepts it, in both formats, and it has the numbers of the table.
+/// The exported motion is that of the solve: the judge accepts it in both formats, with the numbers of the table.
 #[test]
 fn a_trajectory_is_judged_like_the_table() {
     let folder = empty_folder("export_trajectory");

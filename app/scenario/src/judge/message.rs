@@ -1,7 +1,6 @@
 //! A motion from a message of ROS 2.
 
 use super::Trajectory;
-use super::trajectory::rates;
 use crate::{JointTrajectory, JointTrajectoryPoint};
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -47,10 +46,9 @@ impl Trajectory {
                 condition,
             ));
         }
-        let mut tables = Vec::with_capacity(LISTS.len());
-        for (name, list) in LISTS {
+        let mut tables = [const { None }; LISTS.len()];
+        for ((name, list), table) in LISTS.into_iter().zip(&mut tables) {
             if name != LISTS[0].0 && points.iter().all(|point| list(point).is_empty()) {
-                tables.push(None);
                 continue;
             }
             let wrong = points
@@ -62,22 +60,8 @@ impl Trajectory {
                 return Err(refuse(format!("points[{k}].{name}"), condition));
             }
             let of_point = |point| joints.iter().map(|i| list(point)[*i]).collect();
-            tables.push(Some(points.iter().map(of_point).collect::<Vec<Vec<f64>>>()));
+            *table = Some(points.iter().map(of_point).collect());
         }
-        let u = tables.pop().flatten();
-        let [a, v, q] = [(); 3].map(|()| tables.pop().flatten());
-        let (has_velocities, has_accelerations) = (v.is_some(), a.is_some());
-        let q = q.unwrap_or_default();
-        let v = v.unwrap_or_else(|| rates(&times, &q));
-        let a = a.unwrap_or_else(|| rates(&times, &v));
-        Ok(Self {
-            times,
-            q,
-            v,
-            a,
-            u,
-            has_velocities,
-            has_accelerations,
-        })
+        Ok(Self::of_tables(times, tables))
     }
 }

@@ -117,12 +117,16 @@ impl Trajectory {
             let condition = format!("{} samples are given, at least 2 are needed", times.len());
             return Err(Error::input(file, "table", condition));
         }
-        let [q, v, a, u] = tables;
+        Ok(Self::of_tables(times, tables))
+    }
+
+    /// The motion with these `q, v, a, u` at the times; velocities and accelerations that are not given are derived.
+    pub(super) fn of_tables(times: Vec<f64>, [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4]) -> Self {
         let (has_velocities, has_accelerations) = (v.is_some(), a.is_some());
         let q = q.unwrap_or_default();
         let v = v.unwrap_or_else(|| rates(&times, &q));
         let a = a.unwrap_or_else(|| rates(&times, &v));
-        Ok(Self {
+        Self {
             times,
             q,
             v,
@@ -130,7 +134,7 @@ impl Trajectory {
             u,
             has_velocities,
             has_accelerations,
-        })
+        }
     }
 
     /// The motion through samples of a curve, ascending in time.
@@ -219,7 +223,7 @@ impl Columns {
 
 /// The derivatives in time at the samples, by the polynomials through [`NEIGHBOURS`] of them, or through all if there
 /// are fewer. The error is of fourth order in the spacing if the fifth derivative is bounded.
-pub(super) fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = NEIGHBOURS.min(times.len());
     let rate = |k: usize| {
         let first = k.saturating_sub(count / 2).min(times.len() - count);

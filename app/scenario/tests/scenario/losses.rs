@@ -1,9 +1,9 @@
 //! Scenarios whose robots have losses and rotor inertia.
 
-use crate::written::{load, with};
+use crate::written::{load, solved_once, with};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::Model;
-use aghf_scenario::{FlowOptions, RelaxOptions, RestOptions, Scenario, Solve, SolveOptions};
+use aghf_scenario::{FlowOptions, RestOptions, Scenario, Solve, SolveOptions};
 use serde_json::{Value, json};
 
 /// A motion of Kinova, each joint by a third of a radian in 2 s.
@@ -58,15 +58,7 @@ fn losses_count_where_they_are_asked_for() {
 fn motions_count_losses() {
     let effort = |keys: Value| {
         let scenario = load("moved", &with(arm(), keys)).expect("it is good");
-        let options = RelaxOptions {
-            starts: Some(1),
-            ..RelaxOptions::default()
-        };
-        let report = Solve::new(&scenario)
-            .options(options)
-            .run()
-            .expect("it is good");
-        assert!(report.summary.success, "{:?}", report.summary);
+        let report = solved_once(&scenario);
         let kept = &report.summary.provenance.scenario.losses;
         assert_eq!(*kept, scenario.file.losses);
         let (model, data, n) = (&scenario.model, &mut Data::new(&scenario.model), 7);

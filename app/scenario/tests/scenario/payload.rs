@@ -1,9 +1,9 @@
 //! Scenarios whose robots carry a body.
 
-use crate::written::{load, with};
+use crate::written::{load, solved_once, with};
 use aghf::dynamics::{Data, forward_kinematics, frame_placement, rnea};
 use aghf::spatial::Placement;
-use aghf_scenario::{RelaxOptions, Scenario, Solve};
+use aghf_scenario::Scenario;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -110,15 +110,7 @@ fn motions_carry_it() {
     let effort = |mass: f64| {
         let keys = json!({ "enforced_limits": { "velocity": false, "torque": false } });
         let scenario = carrying(json!({ "mass_kg": mass }), keys).expect("it is good");
-        let options = RelaxOptions {
-            starts: Some(1),
-            ..RelaxOptions::default()
-        };
-        let report = Solve::new(&scenario)
-            .options(options)
-            .run()
-            .expect("it is good");
-        assert!(report.summary.success, "{:?}", report.summary);
+        let report = solved_once(&scenario);
         assert_eq!(
             report.summary.provenance.scenario.payload,
             scenario.file.payload

@@ -1,6 +1,6 @@
 //! Scenario files written by a test.
 
-use aghf_scenario::Scenario;
+use aghf_scenario::{RelaxOptions, Scenario, Solve, SolveReport};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +20,18 @@ pub fn folder() -> PathBuf {
     let folder = folder.join(test);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     folder
+}
+
+/// A motion of a scenario from the straight line alone.
+pub fn solved_once(scenario: &Scenario) -> SolveReport {
+    let options = RelaxOptions {
+        starts: Some(1),
+        ..RelaxOptions::default()
+    };
+    let report = Solve::new(scenario).options(options).run();
+    let report = report.expect("it is good");
+    assert!(report.summary.success, "{:?}", report.summary);
+    report
 }
 
 /// Writes a scenario file and loads it; the error is without the path of the file, which is there.
