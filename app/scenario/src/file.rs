@@ -11,7 +11,7 @@ use super::provenance::is_summary;
 use super::scene::scene;
 use super::schema::{FeedbackKeys, one_of};
 use super::self_collision::in_full;
-use super::{EnforcedLimits, SolveOptions, Solved};
+use super::{EnforcedLimits, IgnoredPair, SolveOptions, Solved};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
@@ -150,6 +150,8 @@ pub struct Scenario {
     pub load_notes: LoadReport,
     /// The shape of the robot and the obstacles.
     pub scene: Scene,
+    /// The pairs of links that always overlap and are therefore not kept clear of each other, though nothing says so.
+    pub overlapping: Vec<IgnoredPair>,
     /// The name of the robot if it is built in, otherwise its absolute path.
     pub robot_place: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
@@ -242,8 +244,7 @@ impl Scenario {
             file.self_collision = Some(read);
         }
         let locked = lock(&robot, &file.locked_joints, path)?;
-        let bodies = locked.as_ref().map(|reduced| reduced.bodies.as_slice());
-        let scene = scene(&robot, bodies, &file, source.folder(), path)?;
+        let (scene, overlapping) = scene(&robot, locked.as_ref(), &file, source.folder(), path)?;
         let model = locked.map_or(robot, |reduced| reduced.model);
         let states = [
             ("q_start", &file.q_start),
@@ -303,6 +304,7 @@ impl Scenario {
             model,
             load_notes,
             scene,
+            overlapping,
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,

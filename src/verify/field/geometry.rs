@@ -2,9 +2,9 @@
 
 use super::constraint_kinds::{centre, contractions, rows};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
-use crate::constraint::{CollisionSphere, SelfClearance, SolidClearance};
+use crate::constraint::{BallSet, CollisionSphere, CoverClearance, SelfClearance, SolidClearance};
 use crate::error::Result;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{Shape, Solid, Sphere};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -24,6 +24,7 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("distance", "gradient, Hessian and placement", distance),
         identity("solids", "value and contractions", solids),
         identity("self-collision", "value and contractions", self_collision),
+        identity("covers", "contractions", covers),
     ]
 }
 
@@ -161,4 +162,30 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let ours = rows(p, &constraint, p.x.as_slice())?;
     claims.push(Equality::vectors("value", &ours, &values.into()));
     Ok(claims)
+}
+
+/// Tests sets of two balls on two bodies and on the base, from two solids and from each other.
+fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let balls = balls(p);
+    let sphere = |i: usize| Sphere {
+        centre: balls[i % balls.len()].centre,
+        radius: balls[i % balls.len()].radius,
+    };
+    let set = |(i, body)| BallSet {
+        body,
+        balls: vec![sphere(i), sphere(i + 1)],
+        bound: sphere(i + 2),
+    };
+    let bodies = [Some(p.dof() - 1), Some(1), None];
+    contractions(
+        p,
+        &CoverClearance {
+            sets: bodies.into_iter().enumerate().map(set).collect(),
+            solids: placed(p)[..2].to_vec(),
+            names: Vec::new(),
+            solid_pairs: vec![[0, 0], [0, 1], [1, 1]],
+            pairs: vec![[0, 1], [0, 2], [1, 2]],
+            far: p.w[0],
+        },
+    )
 }
