@@ -157,37 +157,39 @@ impl Cells {
 
     /// Marks the cells within that a ball contains as covered.
     pub fn cover(&mut self, ball: &Sphere) {
-        let place = |p: f64, axis: usize| ((p - self.lower[axis]) / self.width) as usize;
+        let inner = ball.radius - 0.5 * 3.0_f64.sqrt() * self.width;
+        for index in self.about(&ball.centre, inner) {
+            let covered = |middle: Vector3<f64>| (middle - ball.centre).norm() <= inner;
+            if self.within(index).is_some_and(covered) {
+                self.kinds[index] = Kind::Surface;
+            }
+        }
+    }
+
+    /// The cells that are not further than `reach` from a point along any axis.
+    pub fn about(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = usize> + use<> {
         let range = |axis: usize| {
-            let [first, last] = [-1.0, 1.0].map(|side| {
-                place(ball.centre[axis] + side * ball.radius, axis).min(self.counts[axis] - 1)
+            let [first, last] = [-reach, reach].map(|side| {
+                let place = (point[axis] + side - self.lower[axis]) / self.width;
+                (place as usize).min(self.counts[axis] - 1)
             });
             first..last + 1
         };
-        let inner = ball.radius - 0.5 * 3.0_f64.sqrt() * self.width;
-        for x in range(0) {
-            for y in range(1) {
-                for z in range(2) {
-                    let index = self.index([x, y, z]);
-                    let off = self.middle([x, y, z]) - ball.centre;
-                    if self.kinds[index] == Kind::Within && off.norm_squared() <= inner * inner {
-                        self.kinds[index] = Kind::Surface;
-                    }
-                }
-            }
-        }
+        let ([xs, ys, zs], [_, y, z]) = ([0, 1, 2].map(range), self.counts);
+        xs.flat_map(move |i| {
+            let zs = zs.clone();
+            (ys.clone()).flat_map(move |j| zs.clone().map(move |k| (i * y + j) * z + k))
+        })
     }
 
     fn middle(&self, place: [usize; 3]) -> Vector3<f64> {
         self.lower + Vector3::from(place).map(|k| (k as f64 + 0.5) * self.width)
     }
 
-    /// The middles of the cells within beside the surface.
-    pub fn seeds(&self) -> impl Iterator<Item = Vector3<f64>> {
+    /// Returns true if a cell has a common face with one that the surface passes through.
+    pub fn is_beside(&self, index: usize) -> bool {
         let is_surface = |index: usize| self.kinds[index] == Kind::Surface;
-        let all = (0..self.count()).filter_map(|i| self.within(i).map(|middle| (i, middle)));
-        let seeds = all.filter(move |(i, _)| self.neighbours(*i).any(is_surface));
-        seeds.map(|(_, middle)| middle)
+        self.neighbours(index).any(is_surface)
     }
 
     /// The number of cells.

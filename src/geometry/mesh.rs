@@ -20,6 +20,10 @@ const WIDTH: f64 = 0.5;
 /// balls is the same.
 const ALIKE: f64 = 0.3;
 
+/// The distance within which a cell needs no ball of its own, relative to the radius of that of another: it takes a
+/// third of the time, for up to a tenth more balls.
+const NEARBY: f64 = 0.1;
+
 /// The number of points of a surface by which a ball is shrunk before all triangles near it are looked at.
 const SOME: usize = 500;
 
@@ -58,8 +62,18 @@ pub fn cover_triangles(triangles: &[Triangle], excess: f64) -> Result<Cover> {
     let mut cells = Cells::new(triangles, WIDTH * excess)?;
     let surface = Surface::new(triangles, cells.outer_patches());
     let mut candidates = BTreeMap::new();
-    for seed in cells.seeds() {
+    let mut seen = vec![false; cells.count()];
+    for cell in 0..cells.count() {
+        let Some(seed) = cells
+            .within(cell)
+            .filter(|_| !seen[cell] && cells.is_beside(cell))
+        else {
+            continue;
+        };
         let ball = surface.largest_ball(&seed, excess);
+        for near in cells.about(&seed, NEARBY * ball.radius) {
+            seen[near] = true;
+        }
         let level = (ball.radius / excess).log2().floor();
         let near = WIDTH.max(ALIKE * level.exp2()) * excess;
         let place = (ball.centre / near).map(|x| x.round() as i64);
