@@ -1,7 +1,7 @@
 //! The cells of a grid about a mesh: those that its surface passes through, those outside, and those within.
 
+use super::Triangle;
 use super::cover::refused;
-use super::{Sphere, Triangle};
 use crate::error::{Result, plain};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -155,17 +155,6 @@ impl Cells {
         outer.map(|(_, patch)| patch.clone()).collect()
     }
 
-    /// Marks the cells within that a ball contains as covered.
-    pub fn cover(&mut self, ball: &Sphere) {
-        let inner = ball.radius - 0.5 * 3.0_f64.sqrt() * self.width;
-        for index in self.about(&ball.centre, inner) {
-            let covered = |middle: Vector3<f64>| (middle - ball.centre).norm() <= inner;
-            if self.within(index).is_some_and(covered) {
-                self.kinds[index] = Kind::Surface;
-            }
-        }
-    }
-
     /// The cells that are not further than `reach` from a point along any axis.
     pub fn about(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = usize> + use<> {
         let range = |axis: usize| {
@@ -197,7 +186,7 @@ impl Cells {
         self.kinds.len()
     }
 
-    /// The middle of a cell within that is not covered.
+    /// The middle of a cell within.
     pub fn within(&self, index: usize) -> Option<Vector3<f64>> {
         (self.kinds[index] == Kind::Within).then(|| self.middle(self.place(index)))
     }

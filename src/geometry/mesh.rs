@@ -59,7 +59,7 @@ pub fn cover_triangles(triangles: &[Triangle], excess: f64) -> Result<Cover> {
             "a coordinate is not a finite number".to_owned(),
         );
     }
-    let mut cells = Cells::new(triangles, WIDTH * excess)?;
+    let cells = Cells::new(triangles, WIDTH * excess)?;
     let surface = Surface::new(triangles, cells.outer_patches());
     let mut candidates = BTreeMap::new();
     let mut seen = vec![false; cells.count()];
@@ -85,14 +85,17 @@ pub fn cover_triangles(triangles: &[Triangle], excess: f64) -> Result<Cover> {
     }
     let candidates: Vec<Sphere> = candidates.into_values().collect();
     let mut balls = surface.chosen(&candidates, excess);
-    for ball in &balls {
-        cells.cover(ball);
-    }
-    for cell in 0..cells.count() {
-        if let Some(middle) = cells.within(cell) {
-            let ball = surface.largest_ball(&middle, excess);
-            cells.cover(&ball);
-            balls.push(ball);
+    // A cell is most often in the same ball as the one before, or else in a large one.
+    balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+    let reach = 0.5 * 3.0_f64.sqrt() * WIDTH * excess;
+    let mut last = 0;
+    for middle in (0..cells.count()).filter_map(|cell| cells.within(cell)) {
+        let contains = |ball: &Sphere| (middle - ball.centre).norm() + reach <= ball.radius;
+        if !balls.get(last).is_some_and(contains) {
+            last = balls.iter().position(contains).unwrap_or(balls.len());
+            if last == balls.len() {
+                balls.push(surface.largest_ball(&middle, excess));
+            }
         }
     }
     Ok(Cover { balls, excess })
