@@ -164,7 +164,8 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
-/// Tests sets of two balls on two bodies and on the base, from two solids and from each other.
+/// Tests sets of two balls on five bodies and on the base, from a solid of each shape and from all others. A formal
+/// sign makes about two rows of three constant, so there are many.
 fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
     let balls = balls(p);
     let sphere = |i: usize| Sphere {
@@ -176,15 +177,17 @@ fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
         balls: vec![sphere(i), sphere(i + 1)],
         bound: sphere(i + 2),
     };
-    let bodies = [Some(p.dof() - 1), Some(1), None];
+    let bodies = [Some(p.dof() - 1), Some(3), Some(2), Some(1), Some(0), None];
+    let (sets, solids) = (bodies.len(), placed(p));
+    let of = |count: usize, i: usize| (0..count).map(move |j| [i, j]);
     contractions(
         p,
         &CoverClearance {
             sets: bodies.into_iter().enumerate().map(set).collect(),
-            solids: placed(p)[..2].to_vec(),
+            solid_pairs: (0..sets).flat_map(|i| of(solids.len(), i)).collect(),
+            pairs: (0..sets).flat_map(|i| of(i, i)).collect(),
+            solids,
             names: Vec::new(),
-            solid_pairs: vec![[0, 0], [0, 1], [1, 1]],
-            pairs: vec![[0, 1], [0, 2], [1, 2]],
             far: p.w[0],
         },
     )
