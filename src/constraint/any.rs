@@ -1,13 +1,17 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, DynConstraint, PlacedState, RowLabel, SelfClearance, SolidClearance,
-    SphereClearance, WeightedDerivatives, Weights,
+    BallSet, Bounds, Constraint, CoverClearance, DynConstraint, PlacedState, RowLabel,
+    SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Margins, Obstacle, Scene, Shape, Sphere};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
+
+/// The distance from which on sets of balls no longer act, relative to the radius of the largest: some times that up to
+/// which the search looks at a row, so that a step seldom ends beyond it.
+const FAR: f64 = 0.5;
 
 /// One of the built-in constraints, or any other, so that a list can mix types. The built-in ones need no pointer and
 /// can be evaluated over every scalar.
@@ -19,6 +23,8 @@ pub enum AnyConstraint<C: Scalar = f64> {
     Solids(SolidClearance<C>),
     /// Balls of the robot outside each other.
     SelfCollision(SelfClearance<C>),
+    /// Sets of balls outside solids and each other.
+    Cover(CoverClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
     /// Any other constraint, evaluated over fewer scalars: see [`DynConstraint`].
@@ -32,6 +38,7 @@ macro_rules! each {
             AnyConstraint::Spheres($it) => $what,
             AnyConstraint::Solids($it) => $what,
             AnyConstraint::SelfCollision($it) => $what,
+            AnyConstraint::Cover($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Other($it) => $what,
         }
@@ -40,10 +47,17 @@ macro_rules! each {
 
 impl AnyConstraint {
     /// The constraints that keep the balls of a robot clear of obstacles and of each other: spheres by the squares of
-    /// (A3), then all other obstacles, then the pairs of balls. Balls fixed to the base count for the pairs alone,
-    /// because they never move. The balls are larger by the [margins](Scene::margins).
+    /// (A3), then all other obstacles, then the pairs of balls; or, if the balls are in sets, all by these. Balls fixed
+    /// to the base count for the pairs alone, because they never move. The balls are larger by the
+    /// [margins](Scene::margins).
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Vec<Self> {
+        if scene.is_empty() {
+            return Vec::new();
+        }
+        if !scene.robot().sets.is_empty() {
+            return vec![Self::Cover(CoverClearance::of_scene(scene))];
+        }
         let Margins { obstacles, itself } = scene.margins();
         let larger = |by: f64| {
             let all = scene.robot().balls.iter();
@@ -82,6 +96,32 @@ impl AnyConstraint {
             }));
         }
         constraints
+    }
+}
+
+impl CoverClearance {
+    /// The rows of a scene whose balls are in sets.
+    fn of_scene(scene: &Scene) -> Self {
+        let all = &scene.robot().balls;
+        let ball = |i: &usize| Sphere {
+            centre: all[*i].centre,
+            radius: all[*i].radius,
+        };
+        let set = |set: &Vec<usize>| BallSet::new(all[set[0]].body, set.iter().map(ball).collect());
+        let sets: Vec<_> = scene.robot().sets.iter().map(set).collect();
+        let moving = (0..sets.len()).filter(|i| sets[*i].body.is_some());
+        let solids = scene.obstacles().len();
+        let largest = sets.iter().map(|set| set.bound.radius).fold(0.0, f64::max);
+        Self {
+            solid_pairs: moving
+                .flat_map(|i| (0..solids).map(move |j| [i, j]))
+                .collect(),
+            solids: scene.obstacles().iter().map(|o| o.solid).collect(),
+            names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
+            pairs: scene.set_pairs().to_vec(),
+            far: FAR * largest,
+            sets,
+        }
     }
 }
 

@@ -25,14 +25,15 @@ pub struct SolidClearance<C: Scalar = f64> {
     pub names: Vec<String>,
 }
 
-impl<C: Scalar> SolidClearance<C> {
-    /// The name of a solid.
-    fn name(&self, solid: usize) -> String {
-        if let Some(name) = self.names.get(solid) {
-            return format!("'{name}'");
-        }
-        let shape = self.solids[solid].shape.name();
-        format!("{shape} {solid}")
+/// The name of a solid with this index.
+pub(super) fn name_of_solid<C: Scalar>(
+    names: &[String],
+    solids: &[Solid<C>],
+    solid: usize,
+) -> String {
+    match names.get(solid) {
+        Some(name) => format!("'{name}'"),
+        None => format!("{} {solid}", solids[solid].shape.name()),
     }
 }
 
@@ -60,7 +61,8 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         let Some(ball) = self.balls.get(row / solids) else {
             return RowLabel::numbered(row);
         };
-        let (body, solid) = (name_of(ball.body, model), self.name(row % solids));
+        let body = name_of(ball.body, model);
+        let solid = name_of_solid(&self.names, &self.solids, row % solids);
         clearance(format!("distance of {body} from {solid}"))
     }
 

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+use std::collections::HashSet;
 
 /// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +112,23 @@ fn in_base(
     Ok(placement.rotation * point + placement.translation)
 }
 
+/// Balls in the base frame, with the bodies at `placements`.
+///
+/// # Errors
+/// `placements` has no entry for a body.
+pub fn placed_balls(
+    balls: &[CollisionSphere],
+    placements: &[Placement<f64>],
+) -> Result<Vec<Sphere>> {
+    let placed = |ball: &CollisionSphere| {
+        Ok(Sphere {
+            centre: in_base(ball.body, &ball.centre, placements)?,
+            radius: ball.radius,
+        })
+    };
+    balls.iter().map(placed).collect()
+}
+
 /// The collision geometry of a robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollisionGeometry {
@@ -120,6 +138,8 @@ pub struct CollisionGeometry {
     pub links: Vec<String>,
     /// The capsules that the balls cover; empty if the robot consists of the balls.
     pub capsules: Vec<Capsule>,
+    /// The indices of the balls of each [set](Self::with_sets), none of which is empty; none without sets.
+    pub sets: Vec<Vec<usize>>,
 }
 
 impl CollisionGeometry {
@@ -142,23 +162,17 @@ impl CollisionGeometry {
         }
         Ok(Self {
             balls,
-            links: Vec::new(),
             capsules,
+            ..Self::default()
         })
     }
 
-    /// The balls in the base frame, with the bodies at `placements`.
+    /// The balls in the base frame, as [`placed_balls`] computes them.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
     pub fn placed(&self, placements: &[Placement<f64>]) -> Result<Vec<Sphere>> {
-        let placed = |ball: &CollisionSphere| {
-            Ok(Sphere {
-                centre: in_base(ball.body, &ball.centre, placements)?,
-                radius: ball.radius,
-            })
-        };
-        self.balls.iter().map(placed).collect()
+        placed_balls(&self.balls, placements)
     }
 
     /// The [nearest ball](Capsule::nearest_ball) of each capsule; `None` without capsules, and for a shape without a
@@ -176,19 +190,85 @@ impl CollisionGeometry {
         nearest.collect::<Option<Result<_>>>().transpose()
     }
 
+    /// Divides the balls of each link into sets, about as many as each has balls, those of a set far from each other: a
+    /// constraint then needs one row per pair of sets. The next ball, from the largest on, goes to the set whose
+    /// nearest ball is furthest. Cost O(the square of the number of balls of a link).
+    #[must_use]
+    pub fn with_sets(mut self) -> Self {
+        let ids = self.link_ids();
+        let mut of_links: Vec<Vec<usize>> = Vec::new();
+        for (i, id) in ids.into_iter().enumerate() {
+            of_links.resize(of_links.len().max(id + 1), Vec::new());
+            of_links[id].push(i);
+        }
+        let sphere = |i: usize| Sphere {
+            centre: self.balls[i].centre,
+            radius: self.balls[i].radius,
+        };
+        let mut all = Vec::new();
+        for mut own in of_links {
+            own.sort_by(|i, j| self.balls[*j].radius.total_cmp(&self.balls[*i].radius));
+            let mut sets = vec![Vec::new(); (own.len() as f64).sqrt().ceil() as usize];
+            for i in own {
+                let nearest = |set: &Vec<usize>| {
+                    let gaps = set.iter().map(|j| sphere(i).gap(&sphere(*j)));
+                    gaps.fold(f64::INFINITY, f64::min)
+                };
+                // The first of equals.
+                let best = sets.iter().rev().enumerate();
+                let best = best.max_by(|(_, a), (_, b)| nearest(a).total_cmp(&nearest(b)));
+                let last = sets.len() - 1;
+                if let Some(best) = best.map(|(back, _)| last - back) {
+                    sets[best].push(i);
+                }
+            }
+            all.extend(sets);
+        }
+        self.sets = all;
+        self
+    }
+
+    /// A number for the link of each ball, the same for the same link.
+    fn link_ids(&self) -> Vec<usize> {
+        let mut known: Vec<&String> = Vec::new();
+        let mut id = |link| match known.iter().rposition(|k| *k == link) {
+            Some(id) => id,
+            None => {
+                known.push(link);
+                known.len() - 1
+            }
+        };
+        self.links.iter().map(&mut id).collect()
+    }
+
     /// The pairs of balls on different bodies and links, without those of `ignored` pairs of links, sorted by pairs of
     /// bodies; none if the balls belong to no links. Cost O(number of balls squared).
     #[must_use]
     pub fn pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
-        let links = &self.links;
-        let ignore = |a: &String, b: &String| {
-            let same = |[c, d]: &[String; 2]| (c == a && d == b) || (c == b && d == a);
-            a == b || ignored.iter().any(same)
-        };
-        let body = |i: usize| self.balls[i].body;
-        let of_links = (0..links.len()).flat_map(|i| (i + 1..links.len()).map(move |j| [i, j]));
-        let mut pairs: Vec<_> = of_links
-            .filter(|[i, j]| body(*i) != body(*j) && !ignore(&links[*i], &links[*j]))
+        let all: Vec<usize> = (0..self.links.len()).collect();
+        self.pairs_among(&all, ignored)
+    }
+
+    /// The pairs of sets, as [`pairs`](Self::pairs) lists those of balls.
+    #[must_use]
+    pub fn set_pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
+        let first: Vec<usize> = self.sets.iter().map(|set| set[0]).collect();
+        self.pairs_among(&first, ignored)
+    }
+
+    /// The pairs of the given balls, as indices in the list of these.
+    fn pairs_among(&self, of: &[usize], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
+        let ids = self.link_ids();
+        let id = |link: &String| self.links.iter().position(|l| l == link).map(|i| ids[i]);
+        let named = ignored.iter().flat_map(|[c, d]| [[c, d], [d, c]]);
+        let ignored: HashSet<_> = named.map(|pair| pair.map(id)).collect();
+        let body = |i: usize| self.balls[of[i]].body;
+        let all = (0..of.len()).flat_map(|i| (i + 1..of.len()).map(move |j| [i, j]));
+        let mut pairs: Vec<_> = all
+            .filter(|[i, j]| {
+                let [a, b] = [i, j].map(|i| ids[of[*i]]);
+                body(*i) != body(*j) && a != b && !ignored.contains(&[Some(a), Some(b)])
+            })
             .collect();
         pairs.sort_by_key(|pair| pair.map(body));
         pairs

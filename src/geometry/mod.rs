@@ -17,19 +17,22 @@
 //! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other,
 //! and answers questions about their distances.
 //!
-//! [`Shape::cover`] and [`cover_triangles`] cover shapes and surfaces by balls, and give the largest excess.
+//! [`Shape::cover`] and [`cover_triangles`] cover shapes and meshes by balls that stick out by a given excess at most.
 //!
 //! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
+mod cells;
 mod collision;
 mod corner;
 mod cover;
+mod greedy;
 mod mesh;
 mod scene;
 mod shape;
+mod tree;
 
-pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use collision::{Capsule, CollisionGeometry, CollisionSphere, placed_balls};
 pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};

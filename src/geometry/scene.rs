@@ -21,6 +21,7 @@ pub struct Scene {
     robot: CollisionGeometry,
     obstacles: Vec<Obstacle>,
     pairs: Vec<[usize; 2]>,
+    set_pairs: Vec<[usize; 2]>,
     margins: Margins,
 }
 
@@ -75,6 +76,7 @@ impl Scene {
     ) -> Self {
         Self {
             pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
+            set_pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.set_pairs(ignored)),
             robot,
             obstacles,
             margins: Margins::default(),
@@ -109,6 +111,12 @@ impl Scene {
     #[must_use]
     pub fn pairs(&self) -> &[[usize; 2]] {
         &self.pairs
+    }
+
+    /// The pairs of sets of balls that keep clear of each other.
+    #[must_use]
+    pub fn set_pairs(&self) -> &[[usize; 2]] {
+        &self.set_pairs
     }
 
     /// Returns true if the robot has no obstacle and no other link to keep clear of.
@@ -157,6 +165,7 @@ impl Scene {
             balls,
             links,
             capsules,
+            ..
         } = &self.robot;
         let (by_capsules, margins) = (margins.is_none(), margins.unwrap_or_default());
         let part = |i: usize, body| Part {

@@ -5,6 +5,7 @@
 mod common;
 
 mod composition;
+mod cover_clearance;
 mod derivatives;
 mod dynamic;
 mod self_clearance;

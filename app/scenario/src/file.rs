@@ -15,7 +15,7 @@ use super::provenance::is_summary;
 use super::scene::scene;
 use super::schema::{FeedbackKeys, one_of};
 use super::self_collision::in_full;
-use super::{EnforcedLimits, SolveOptions, Solved};
+use super::{EnforcedLimits, IgnoredPair, SolveOptions, Solved};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
@@ -134,6 +134,8 @@ pub struct Scenario {
     pub load_notes: LoadReport,
     /// The shape of the robot and the obstacles.
     pub scene: Scene,
+    /// The pairs of links that always overlap and are therefore not kept clear of each other, though nothing says so.
+    pub overlapping: Vec<IgnoredPair>,
     /// The name of the robot if it is built in, otherwise its absolute path.
     pub robot_place: String,
     /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
@@ -233,14 +235,15 @@ impl Scenario {
             None => None,
         };
         let locked = lock(&robot, &file.locked_joints, path)?;
-        let bodies = locked.as_ref().map(|reduced| reduced.bodies.as_slice());
-        let scene = scene(
-            (&robot, load.as_ref()),
-            bodies,
+        let load = load.as_ref();
+        let found = scene(
+            (&robot, load),
+            locked.as_ref(),
             &file,
             source.folder(),
             path,
         )?;
+        let (scene, overlapping) = found;
         let model = locked.map_or(robot, |reduced| reduced.model);
         let states = [
             ("q_start", &file.q_start),
@@ -300,6 +303,7 @@ impl Scenario {
             model,
             load_notes,
             scene,
+            overlapping,
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,

@@ -60,5 +60,5 @@ pub use provenance::{Provenance, Solved};
 pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::cover_links;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
-pub use self_collision::{IgnoredPair, IgnoredPairs};
+pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
 pub use summary::{Details, FlowDetails, RelaxDetails, RestDetails, Summary, Verdict};

@@ -1,6 +1,6 @@
 //! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
-use super::{Method, Scenario, ScenarioFile};
+use super::{IgnoredPair, Method, Scenario, ScenarioFile};
 use aghf::error::{Error, Result};
 use aghf::relax::{FreeHorizon, WeightedSquares};
 use schemars::JsonSchema;
@@ -150,9 +150,18 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// The keys of this scenario that the method ignores, in words.
+    /// The keys of this scenario that the method ignores, and the pairs of links that are ignored without being named,
+    /// in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
-        let mut notes = Vec::new();
+        let unnamed = |IgnoredPair {
+                           links: [a, b],
+                           reason,
+                       }: &IgnoredPair| {
+            format!(
+                "self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other"
+            )
+        };
+        let mut notes: Vec<_> = self.overlapping.iter().map(unnamed).collect();
         if method == Method::Flow && self.file.running_cost.is_some() {
             let note = "running_cost: the published flow minimises the control effort alone";
             notes.push(note.to_owned());

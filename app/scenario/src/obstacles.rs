@@ -87,14 +87,18 @@ pub enum RobotShape {
     },
     /// The collision shapes of the URDF: spheres as they are, others covered by balls.
     Collision {
-        /// The spacing of the balls, m: the largest distance between neighbours along a shape.
-        #[serde(default = "default_spacing")]
-        spacing_m: f64,
+        /// The largest distance by which the balls may stick out, m.
+        #[serde(default = "default_excess")]
+        excess_m: f64,
     },
 }
 
 pub(super) fn default_spacing() -> f64 {
     0.05
+}
+
+fn default_excess() -> f64 {
+    0.005
 }
 
 /// The pairs of links that may overlap; all others keep clear of each other.

@@ -3,7 +3,9 @@
 use super::RobotShape;
 use super::obstacles::{LARGEST_LENGTH, default_spacing};
 use aghf::error::{Error, Result, plain};
-use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, Sphere, cover_triangles};
+use aghf::geometry::{
+    Capsule, CollisionGeometry, CollisionSphere, Cover, Shape, Sphere, cover_triangles,
+};
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::load_mesh;
@@ -13,25 +15,42 @@ use std::path::Path;
 /// The largest number of balls that cover a robot: with one sphere obstacle the search then takes 130 MB at degree 16.
 const MOST_BALLS: f64 = 1e4;
 
-/// Covers the shapes of the links of a robot by balls: spheres as they are, others
-/// [covered](aghf::geometry::Shape::cover) with this spacing, m. Meshes are looked for from `folder`, that of the URDF,
-/// and covered by [`cover_triangles`].
+/// Covers the shapes of the links of a robot by balls, in [sets](CollisionGeometry::with_sets) unless all shapes are
+/// spheres: these as they are, others [covered](aghf::geometry::Shape::cover) by balls that stick out by `excess` at most, m. Meshes are looked for from
+/// `folder`, that of the URDF, and covered by [`cover_triangles`].
 ///
 /// # Errors
 /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
-pub fn cover_links(model: &Model, folder: &Path, spacing: f64) -> Result<CollisionGeometry> {
+pub fn cover_links(model: &Model, folder: &Path, excess: f64) -> Result<CollisionGeometry> {
+    cover_with(model, None, folder, excess)
+}
+
+/// Covers the shapes of a robot, and of a load that it carries.
+fn cover_with(
+    model: &Model,
+    load: Option<&Collision>,
+    folder: &Path,
+    excess: f64,
+) -> Result<CollisionGeometry> {
     if model.collisions().is_empty() {
         let condition = "none of its links has a collision element";
         return Err(Error::input(model.name(), "robot", condition));
     }
     let mut geometry = CollisionGeometry::default();
-    for collision in model.collisions() {
-        for ball in balls(model, collision, folder, spacing)? {
+    let all = || model.collisions().iter().chain(load);
+    for collision in all() {
+        for ball in balls(model, collision, folder, excess)? {
             geometry.links.push(collision.link.clone());
             geometry.balls.push(ball);
         }
     }
-    Ok(geometry)
+    let is_sphere = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));
+    let are_spheres = all().all(is_sphere);
+    Ok(if are_spheres {
+        geometry
+    } else {
+        geometry.with_sets()
+    })
 }
 
 /// The balls that cover a shape of a link.
@@ -39,7 +58,7 @@ fn balls(
     model: &Model,
     collision: &Collision,
     folder: &Path,
-    spacing: f64,
+    excess: f64,
 ) -> Result<Vec<CollisionSphere>> {
     let Collision {
         link,
@@ -54,22 +73,23 @@ fn balls(
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    let cover = cover(collision, folder, spacing).map_err(named)?;
+    let cover = cover(collision, folder, excess).map_err(named)?;
     Ok(cover.balls.into_iter().map(placed).collect())
 }
 
 /// The cover of a shape in its own frame.
-fn cover(collision: &Collision, folder: &Path, spacing: f64) -> Result<Cover> {
+fn cover(collision: &Collision, folder: &Path, excess: f64) -> Result<Cover> {
     match &collision.shape {
-        CollisionShape::Solid(shape) => shape.cover(spacing),
+        CollisionShape::Solid(shape) => shape.cover(excess),
         CollisionShape::Mesh { file, scale } => {
-            cover_triangles(&load_mesh(file, folder, scale)?, spacing)
+            cover_triangles(&load_mesh(file, folder, scale)?, excess)
         }
     }
 }
 
 /// Builds the collision geometry of a scenario's robot and of the load that it carries; `path` names the scenario in
-/// errors. Meshes are looked for from `folder`. `bodies` is as in [`scene`](super::scene::scene).
+/// errors. Meshes are looked for from `folder`. If joints of the robot are locked, `bodies` has per body of `model` the
+/// one of the reduced robot that contains it, and its placement there.
 pub(super) fn collision_geometry(
     (model, load): (&Model, Option<&Collision>),
     bodies: Option<&[(Option<usize>, Placement<f64>)]>,
@@ -102,25 +122,19 @@ pub(super) fn collision_geometry(
             }
             let capsules = Capsule::along_links(model, radius_m);
             let count = capsules.iter().map(|c| c.pieces(spacing_m) + 1.0).sum();
-            check_count("swept_links", spacing_m, count, path)?;
+            check_count("swept_links.spacing_m", spacing_m, count, path)?;
             (capsules, spacing_m)
         }
-        RobotShape::Collision { spacing_m } => {
-            if !(bounded(&[spacing_m]) && spacing_m > 0.0) {
+        RobotShape::Collision { excess_m } => {
+            if !(bounded(&[excess_m]) && excess_m > 0.0) {
                 return refuse(format!(
-                    "a positive spacing of at most {LARGEST_LENGTH} m is needed"
+                    "a positive excess of at most {LARGEST_LENGTH} m is needed"
                 ));
             }
-            let geometry = cover_links(model, folder, spacing_m);
             let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
-            let mut geometry = geometry.map_err(refused)?;
-            if let Some(load) = load {
-                for ball in balls(model, load, folder, spacing_m).map_err(refused)? {
-                    geometry.links.push(load.link.clone());
-                    geometry.balls.push(ball);
-                }
-            }
-            check_count("collision", spacing_m, geometry.balls.len() as f64, path)?;
+            let mut geometry = cover_with(model, load, folder, excess_m).map_err(refused)?;
+            let count = geometry.balls.len() as f64;
+            check_count("collision.excess_m", excess_m, count, path)?;
             for CollisionSphere { body, centre, .. } in &mut geometry.balls {
                 reduce(bodies, body, &mut [centre]);
             }
@@ -143,14 +157,14 @@ pub(super) fn collision_geometry(
 }
 
 /// Refuses too many balls.
-fn check_count(key: &str, spacing: f64, count: f64, path: &str) -> Result<()> {
+fn check_count(key: &str, given: f64, count: f64, path: &str) -> Result<()> {
     if count <= MOST_BALLS {
         return Ok(());
     }
-    let [spacing, count] = [spacing, count].map(plain);
-    let key = format!("robot_shape.{key}.spacing_m");
+    let [given, count] = [given, count].map(plain);
+    let key = format!("robot_shape.{key}");
     let condition = format!(
-        "it is {spacing}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
+        "it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
     );
     Err(Error::input(path, key, condition))
 }

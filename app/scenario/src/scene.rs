@@ -3,71 +3,78 @@
 use super::feasibility::three_digits;
 use super::obstacles::placed;
 use super::robot_shape::collision_geometry;
-use super::self_collision::check_links;
+use super::self_collision::{IgnoredPair, always_overlapping, check_links};
 use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
+use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
 use aghf::geometry::{ClosestPair, Collider, Part, Scene};
-use aghf::model::{Collision, Model};
+use aghf::model::{Collision, Model, Reduced};
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// The largest number of distances between a ball and an obstacle: each is a row of the constraints, which takes about
-/// 10 kB at degree 16.
-const MOST_DISTANCES: usize = 50_000;
+/// The largest number of rows of the constraints: each takes about 10 kB at degree 16.
+const MOST_ROWS: usize = 50_000;
 
 /// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
 const FAR: f64 = 100.0;
 
-/// Builds the scene of a scenario, in which the robot may carry a load; `path` names the scenario in errors. Meshes are
-/// looked for from `folder`. If joints of the robot are locked, `bodies` has per body of `robot` the one of the reduced
-/// robot that contains it, and its placement there.
+/// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not ignored
+/// but [always overlap](always_overlapping), which are ignored too; `path` names the scenario in errors. Meshes are
+/// looked for from `folder`. If joints of the robot are locked, `reduced` is the robot without them.
 pub(super) fn scene(
     (robot, load): (&Model, Option<&Collision>),
-    bodies: Option<&[(Option<usize>, Placement<f64>)]>,
+    reduced: Option<&Reduced>,
     file: &ScenarioFile,
     folder: &Path,
     path: &str,
-) -> Result<Scene> {
+) -> Result<(Scene, Vec<IgnoredPair>)> {
     let obstacles = placed(&file.obstacles, path)?;
+    let bodies = reduced.map(|reduced| reduced.bodies.as_slice());
     let geometry = collision_geometry((robot, load), bodies, file.robot_shape, folder, path)?;
     let refuse = |key: &str, condition: String| Err(Error::input(path, key, condition));
     let ignored_pairs = match &file.self_collision {
         None => None,
-        Some(SelfCollision::IgnoredPairs(pairs)) => Some(pairs.as_slice()),
+        Some(SelfCollision::IgnoredPairs(pairs)) => Some(pairs),
         Some(SelfCollision::IgnoredPairsFile(_)) => {
             let condition = "a file is read when a scenario is, and not here";
             return refuse("self_collision", condition.to_owned());
         }
     };
+    let mut overlapping = Vec::new();
     if let Some(pairs) = ignored_pairs {
         check_links(pairs, robot, path)?;
         if !matches!(file.robot_shape, RobotShape::Collision { .. }) {
             let condition = "links are told apart with the robot_shape 'collision' only";
             return refuse("self_collision", condition.to_owned());
         }
+        let moving = reduced.map_or(robot, |reduced| &reduced.model);
+        overlapping = always_overlapping(moving, &geometry, pairs)?;
     }
-    let scene = Scene::new(geometry, obstacles, ignored_pairs)
+    let ignored_pairs = ignored_pairs.map(|pairs| {
+        let also = overlapping.iter().map(|pair| pair.links.clone());
+        pairs.iter().cloned().chain(also).collect::<Vec<_>>()
+    });
+    let scene = Scene::new(geometry, obstacles, ignored_pairs.as_deref())
         .with_margins(file.clearance_m.margins(path)?);
-    let (balls, obstacles) = (scene.robot().balls.len(), scene.obstacles().len());
-    let pairs = scene.pairs().len();
-    if balls * obstacles + pairs > MOST_DISTANCES {
+    let rows: usize = AnyConstraint::of_scene(&scene)
+        .iter()
+        .map(Constraint::dim)
+        .sum();
+    if rows > MOST_ROWS {
+        let (obstacles, balls) = (scene.obstacles().len(), scene.robot().balls.len());
         let key = match obstacles {
             0 => "robot_shape",
             _ => "obstacles",
         };
-        let own = match pairs {
-            0 => String::new(),
-            pairs => format!(", {pairs} pairs of these included"),
-        };
         let condition = format!(
-            "{obstacles} obstacles and {balls} balls of the robot have more than {MOST_DISTANCES} distances between \
-            them{own}"
+            "{obstacles} obstacles and {balls} balls of the robot take {rows} rows of the constraints, at most \
+             {MOST_ROWS} are allowed"
         );
         return refuse(key, condition);
     }
-    Ok(scene)
+    Ok((scene, overlapping))
 }
 
 impl Scenario {

@@ -4,7 +4,7 @@ use super::SelfCollision;
 use super::json::read_json;
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
-use aghf::geometry::CollisionGeometry;
+use aghf::geometry::{CollisionGeometry, CollisionSphere, placed_balls};
 use aghf::input::read_text;
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -12,7 +12,7 @@ use aghf::urdf::{DisabledPair, Srdf};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 /// The number of random configurations at which links are tested.
@@ -58,56 +58,46 @@ impl IgnoredPairs {
         }
     }
 
-    /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that overlap at
-    /// each of 10 000 random configurations within the joint limits, the same in every run. Pairs on one body are not
-    /// listed, because they never move against each other.
+    /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that
+    /// [always overlap](always_overlapping). Pairs on one body are not listed, because they never move against each
+    /// other.
     ///
     /// # Errors
     /// A ball belongs to a body that the robot does not have.
     pub fn by_sampling(model: &Model, robot: &CollisionGeometry) -> Result<Self> {
-        let mut pairs: BTreeMap<[&str; 2], Vec<[usize; 2]>> = BTreeMap::new();
-        for [i, j] in robot.pairs(&[]) {
-            let mut links = [i, j].map(|i| robot.links[i].as_str());
-            links.sort_unstable();
-            pairs.entry(links).or_default().push([i, j]);
-        }
-        let mut ignored = Vec::new();
-        let mut ignore = |links: [&str; 2], reason: String| {
-            ignored.push(IgnoredPair {
-                links: links.map(str::to_owned),
-                reason,
-            });
-        };
+        let links = Links::of(robot);
         let parent = |body: usize| model.joints()[body].parent();
-        pairs.retain(|links, of_balls| {
-            let [a, b] = of_balls[0].map(|i| robot.balls[i].body);
-            let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
-            let neighbours = follows(a, b) || follows(b, a);
-            if neighbours {
-                ignore(*links, "neighbours".to_owned());
+        let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
+        let mut ignored = Vec::new();
+        let mut others = Vec::new();
+        for pair in links.pairs(&[]) {
+            let [a, b] = pair.map(|i| links.0[i].body);
+            if follows(a, b) || follows(b, a) {
+                ignored.push(IgnoredPair {
+                    links: links.names(pair),
+                    reason: "neighbours".to_owned(),
+                });
+            } else {
+                others.push(pair);
             }
-            !neighbours
-        });
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        let mut placements = vec![Placement::identity(); model.dof()];
-        for _ in 0..CONFIGURATIONS {
-            let q = model.random_configuration(&mut rng);
-            forward_kinematics(model, &q, &mut placements)?;
-            let balls = robot.placed(&placements)?;
-            pairs.retain(|_, of_balls| {
-                let mut pairs = of_balls.iter();
-                pairs.any(|[i, j]| balls[*i].gap(&balls[*j]) <= 0.0)
-            });
         }
-        for links in pairs.into_keys() {
-            let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
-            ignore(links, reason);
-        }
+        ignored.extend(links.always_overlapping(model, others)?);
         ignored.sort_by(|a, b| a.links.cmp(&b.links));
         Ok(Self {
             robot: model.name().to_owned(),
             ignored_pairs: ignored,
         })
+    }
+
+    /// Adds the pairs of links that [always overlap](always_overlapping) and are not listed yet.
+    ///
+    /// # Errors
+    /// Those of [`always_overlapping`].
+    pub fn joined(mut self, model: &Model, robot: &CollisionGeometry) -> Result<Self> {
+        let listed: Vec<_> = self.ignored_pairs.iter().map(|p| p.links.clone()).collect();
+        let always = always_overlapping(model, robot, &listed)?;
+        self.ignored_pairs.extend(always);
+        Ok(self)
     }
 
     /// Writes the file that [`parse`](Self::parse) reads: readable JSON with one line per pair.
@@ -131,6 +121,95 @@ impl IgnoredPairs {
     /// Names the file, the key and the fault. The link names are checked when the pairs are used.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         read_json(text, file)
+    }
+}
+
+/// The pairs of links on different bodies, without those of `ignored`, that overlap at each of 10 000 random
+/// configurations within the joint limits, the same in every run. Cost: that of the pairs which overlap at all
+/// configurations before.
+///
+/// # Errors
+/// A ball belongs to a body that the robot does not have.
+pub fn always_overlapping(
+    model: &Model,
+    robot: &CollisionGeometry,
+    ignored: &[[String; 2]],
+) -> Result<Vec<IgnoredPair>> {
+    let links = Links::of(robot);
+    links.always_overlapping(model, links.pairs(ignored))
+}
+
+/// A link with its balls.
+struct Link<'a> {
+    name: &'a str,
+    body: Option<usize>,
+    balls: Vec<CollisionSphere>,
+}
+
+/// The links with balls, by name.
+struct Links<'a>(Vec<Link<'a>>);
+
+impl<'a> Links<'a> {
+    fn of(robot: &'a CollisionGeometry) -> Self {
+        let mut by_name: BTreeMap<&str, Vec<CollisionSphere>> = BTreeMap::new();
+        for (link, ball) in robot.links.iter().zip(&robot.balls) {
+            by_name.entry(link).or_default().push(*ball);
+        }
+        let link = |(name, balls): (&'a str, Vec<CollisionSphere>)| Link {
+            name,
+            body: balls[0].body,
+            balls,
+        };
+        Self(by_name.into_iter().map(link).collect())
+    }
+
+    fn names(&self, pair: [usize; 2]) -> [String; 2] {
+        pair.map(|i| self.0[i].name.to_owned())
+    }
+
+    /// The pairs on different bodies, without those of `ignored`.
+    fn pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
+        let both = ignored.iter().flat_map(|[a, b]| [[a, b], [b, a]]);
+        let ignored: HashSet<[&str; 2]> = both.map(|pair| pair.map(String::as_str)).collect();
+        let count = self.0.len();
+        let all = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
+        let is_pair = |pair: &[usize; 2]| {
+            let [a, b] = pair.map(|i| &self.0[i]);
+            a.body != b.body && !ignored.contains(&[a.name, b.name])
+        };
+        all.filter(is_pair).collect()
+    }
+
+    fn always_overlapping(
+        &self,
+        model: &Model,
+        mut pairs: Vec<[usize; 2]>,
+    ) -> Result<Vec<IgnoredPair>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut placements = vec![Placement::identity(); model.dof()];
+        for _ in 0..CONFIGURATIONS {
+            if pairs.is_empty() {
+                break;
+            }
+            let q = model.random_configuration(&mut rng);
+            forward_kinematics(model, &q, &mut placements)?;
+            let mut placed = vec![Vec::new(); self.0.len()];
+            for i in pairs.iter().flatten() {
+                if placed[*i].is_empty() {
+                    placed[*i] = placed_balls(&self.0[*i].balls, &placements)?;
+                }
+            }
+            pairs.retain(|[i, j]| {
+                let mut of_first = placed[*i].iter();
+                of_first.any(|a| placed[*j].iter().any(|b| a.gap(b) <= 0.0))
+            });
+        }
+        let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
+        let ignored = pairs.into_iter().map(|pair| IgnoredPair {
+            links: self.names(pair),
+            reason: reason.clone(),
+        });
+        Ok(ignored.collect())
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::constraint_kinds::{centre, contractions, rows};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
-use crate::constraint::{CollisionSphere, SelfClearance, SolidClearance};
+use crate::constraint::{BallSet, CollisionSphere, CoverClearance, SelfClearance, SolidClearance};
 use crate::error::Result;
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{Shape, Solid, Sphere};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -24,6 +24,7 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("distance", "gradient, Hessian and placement", distance),
         identity("solids", "value and contractions", solids),
         identity("self-collision", "value and contractions", self_collision),
+        identity("covers", "contractions", covers),
     ]
 }
 
@@ -161,4 +162,33 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let ours = rows(p, &constraint, p.x.as_slice())?;
     claims.push(Equality::vectors("value", &ours, &values.into()));
     Ok(claims)
+}
+
+/// Tests sets of two balls on five bodies and on the base, from a solid of each shape and from all others. A formal
+/// sign makes about two rows of three constant, so there are many.
+fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let balls = balls(p);
+    let sphere = |i: usize| Sphere {
+        centre: balls[i % balls.len()].centre,
+        radius: balls[i % balls.len()].radius,
+    };
+    let set = |(i, body)| BallSet {
+        body,
+        balls: vec![sphere(i), sphere(i + 1)],
+        bound: sphere(i + 2),
+    };
+    let bodies = [Some(p.dof() - 1), Some(3), Some(2), Some(1), Some(0), None];
+    let (sets, solids) = (bodies.len(), placed(p));
+    let of = |count: usize, i: usize| (0..count).map(move |j| [i, j]);
+    contractions(
+        p,
+        &CoverClearance {
+            sets: bodies.into_iter().enumerate().map(set).collect(),
+            solid_pairs: (0..sets).flat_map(|i| of(solids.len(), i)).collect(),
+            pairs: (0..sets).flat_map(|i| of(i, i)).collect(),
+            solids,
+            names: Vec::new(),
+            far: p.w[0],
+        },
+    )
 }

@@ -6,8 +6,8 @@ use aghf::urdf::Mimic;
 use aghf_scenario::{MoveIt, MoveItHorizon, Scenario};
 use std::path::{Path, PathBuf};
 
-/// The spacing of the balls that cover shapes other than spheres, m.
-const SPACING: f64 = 0.05;
+/// The largest distance by which balls may stick out that cover shapes other than spheres, m.
+const EXCESS: f64 = 0.005;
 
 /// A problem of a benchmark.
 #[derive(Clone, Debug)]
@@ -116,7 +116,7 @@ fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
             urdf: robot.to_owned(),
             mimic: Mimic::default(),
             srdf: srdf.is_file().then(|| srdf.to_owned()),
-            spacing: SPACING,
+            excess: EXCESS,
             horizon: MoveItHorizon::Free,
         };
         found.push(Problem {

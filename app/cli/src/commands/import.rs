@@ -36,15 +36,16 @@ struct FromMoveIt {
     /// A built-in robot, or the path of a URDF file.
     #[arg(long)]
     urdf: String,
-    /// The SRDF, which lists the links that may overlap [default: found by sampling, as in `aghf pairs`].
+    /// The SRDF, which lists links that may overlap [default: neighbours]; those that always do are added, as in
+    /// `aghf pairs`.
     #[arg(long)]
     srdf: Option<PathBuf>,
     /// Treatment of mimic joints: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
-    /// Spacing of the balls that cover shapes other than spheres, m.
-    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
-    spacing: f64,
+    /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
+    #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
+    excess: f64,
     /// Horizon, s [default: free].
     #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
     horizon: Option<f64>,
@@ -80,7 +81,7 @@ impl FromMoveIt {
             urdf: self.urdf,
             mimic: self.mimic,
             srdf: self.srdf,
-            spacing: self.spacing,
+            excess: self.excess,
             horizon,
         };
         let scenario = problem.scenario(&self.out.display().to_string())?;

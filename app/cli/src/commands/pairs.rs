@@ -11,8 +11,8 @@ use std::process::ExitCode;
 
 /// List the pairs of links of a robot that may overlap, with the reasons.
 ///
-/// The pairs are those that an SRDF disables. Without one they are neighbours, and pairs that overlap at each of 10000
-/// random configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
+/// The pairs are those that an SRDF disables, otherwise neighbours, and pairs that overlap at each of 10000 random
+/// configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
 /// PATH}.
 #[derive(Debug, Args)]
 pub(super) struct Pairs {
@@ -23,9 +23,9 @@ pub(super) struct Pairs {
     /// SRDF of the robot.
     #[arg(long)]
     srdf: Option<PathBuf>,
-    /// Without an SRDF: spacing of the balls that cover shapes other than spheres, m.
-    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
-    spacing: f64,
+    /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
+    #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
+    excess: f64,
     /// File for the pairs [default: printed].
     #[arg(long, short)]
     out: Option<PathBuf>,
@@ -42,12 +42,17 @@ impl Pairs {
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
         let (model, notes) = source.parse(self.reading.options())?;
         tell_notes(&self.urdf, &notes);
+        let links = || cover_links(&model, source.folder(), self.excess);
         let pairs = match &self.srdf {
-            Some(path) => IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?),
-            None => {
-                let links = cover_links(&model, source.folder(), self.spacing)?;
-                IgnoredPairs::by_sampling(&model, &links)?
+            Some(path) => {
+                let pairs = IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?);
+                // Without shapes nothing overlaps.
+                match model.collisions() {
+                    [] => pairs,
+                    _ => pairs.joined(&model, &links()?)?,
+                }
             }
+            None => IgnoredPairs::by_sampling(&model, &links()?)?,
         };
         match &self.out {
             None => print(pairs.to_json().trim_end())?,

@@ -200,7 +200,7 @@ fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
         urdf: urdf.display().to_string(),
         mimic: Mimic::Refuse,
         srdf: None,
-        spacing: 0.05,
+        excess: 0.005,
         horizon: MoveItHorizon::Free,
     };
     let made = folder.join("scenario.json");

@@ -37,11 +37,11 @@ pub struct MoveIt {
     pub urdf: String,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
-    /// The SRDF, whose disabled pairs of links are not checked; without one the pairs are found by
-    /// [sampling](IgnoredPairs::by_sampling).
+    /// The SRDF, whose disabled pairs of links are not checked, as are those that [always
+    /// overlap](super::always_overlapping); without one the pairs are found by [sampling](IgnoredPairs::by_sampling).
     pub srdf: Option<PathBuf>,
-    /// The spacing of the balls that cover shapes other than spheres, m.
-    pub spacing: f64,
+    /// The largest distance by which the balls may stick out that cover shapes other than spheres, m.
+    pub excess: f64,
     /// The horizon.
     pub horizon: MoveItHorizon,
 }
@@ -136,7 +136,7 @@ impl MoveIt {
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,
             robot_shape: RobotShape::Collision {
-                spacing_m: self.spacing,
+                excess_m: self.excess,
             },
             self_collision: Some(SelfCollision::IgnoredPairs(
                 ignored.into_iter().map(|pair| pair.links).collect(),
@@ -152,11 +152,13 @@ impl MoveIt {
 
     /// The pairs of links that may overlap.
     fn ignored_pairs(&self, model: &Model, source: &RobotSource) -> Result<IgnoredPairs> {
-        if let Some(path) = &self.srdf {
-            return Ok(IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?));
+        let links = cover_links(model, source.folder(), self.excess)?;
+        match &self.srdf {
+            Some(path) => {
+                IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)
+            }
+            None => IgnoredPairs::by_sampling(model, &links),
         }
-        let links = cover_links(model, source.folder(), self.spacing)?;
-        IgnoredPairs::by_sampling(model, &links)
     }
 
     /// The initial horizon, and its bounds if it is free.

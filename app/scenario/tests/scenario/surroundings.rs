@@ -222,8 +222,8 @@ fn bad_surroundings_are_refused_by_key() {
             "self_collision: ;'collision' only",
         ),
         (
-            shape(json!({ "collision": { "spacing_m": 0 } })),
-            "robot_shape: ;positive spacing",
+            shape(json!({ "collision": { "excess_m": 0 } })),
+            "robot_shape: ;positive excess",
         ),
         (
             with(
