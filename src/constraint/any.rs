@@ -1,17 +1,13 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    BallSet, Bounds, Constraint, CoverClearance, DynConstraint, PlacedState, RowLabel,
-    SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, PlacedState, RowLabel, SelfClearance,
+    SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Margins, Obstacle, Scene, Shape, Sphere};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-
-/// The distance from which on sets of balls no longer act, relative to the radius of the largest: some times that up to
-/// which the search looks at a row, so that a step seldom ends beyond it.
-const FAR: f64 = 0.5;
 
 /// One of the built-in constraints, or any other, so that a list can mix types. The built-in ones need no pointer and
 /// can be evaluated over every scalar.
@@ -99,32 +95,6 @@ impl AnyConstraint {
     }
 }
 
-impl CoverClearance {
-    /// The rows of a scene whose balls are in sets.
-    fn of_scene(scene: &Scene) -> Self {
-        let all = &scene.robot().balls;
-        let ball = |i: &usize| Sphere {
-            centre: all[*i].centre,
-            radius: all[*i].radius,
-        };
-        let set = |set: &Vec<usize>| BallSet::new(all[set[0]].body, set.iter().map(ball).collect());
-        let sets: Vec<_> = scene.robot().sets.iter().map(set).collect();
-        let moving = (0..sets.len()).filter(|i| sets[*i].body.is_some());
-        let solids = scene.obstacles().len();
-        let largest = sets.iter().map(|set| set.bound.radius).fold(0.0, f64::max);
-        Self {
-            solid_pairs: moving
-                .flat_map(|i| (0..solids).map(move |j| [i, j]))
-                .collect(),
-            solids: scene.obstacles().iter().map(|o| o.solid).collect(),
-            names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
-            pairs: scene.set_pairs().to_vec(),
-            far: FAR * largest,
-            sets,
-        }
-    }
-}
-
 impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
     fn dim(&self) -> usize {
         each!(self, it => it.dim())
@@ -144,6 +114,10 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
 
     fn is_equality(&self, row: usize) -> bool {
         each!(self, it => it.is_equality(row))
+    }
+
+    fn cutoff(&self, row: usize) -> Option<C> {
+        each!(self, it => it.cutoff(row))
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -48,6 +48,13 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
+    fn cutoff(&self, row: usize) -> Option<C> {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.cutoff(row),
+            Some(row) => self.1.cutoff(row),
+        }
+    }
+
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -92,6 +99,10 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
 
     fn is_equality(&self, row: usize) -> bool {
         owner(self, row).is_some_and(|(constraint, own)| constraint.is_equality(own))
+    }
+
+    fn cutoff(&self, row: usize) -> Option<C> {
+        owner(self, row).and_then(|(constraint, own)| constraint.cutoff(own))
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
@@ -148,6 +159,11 @@ macro_rules! delegate {
             fn is_equality(&self, row: usize) -> bool {
                 let $it = self;
                 $inner.is_equality(row)
+            }
+
+            fn cutoff(&self, row: usize) -> Option<C> {
+                let $it = self;
+                $inner.cutoff(row)
             }
 
             fn add_weighted_derivatives<S: AlgebraOver<C>>(

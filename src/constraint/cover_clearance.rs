@@ -4,74 +4,47 @@ use super::clearance::clearance;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
-use crate::error::Result;
-use crate::geometry::{FLAT, Solid, Sphere};
+use crate::error::{Error, Result};
+use crate::geometry::{BallTree, FLAT, Margins, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{dot, outer};
+use crate::spatial::{Placement, apply_to_constant, dot, outer};
 use nalgebra::Vector3;
 
-/// Balls on one body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BallSet<C: Scalar = f64> {
-    /// The body; `None` is the base.
-    pub body: Option<usize>,
-    /// The balls in the body.
-    pub balls: Vec<Sphere<C>>,
-    /// A ball that contains them all.
-    pub bound: Sphere<C>,
-}
+/// The distance from which on balls no longer act, relative to the radius of the largest link.
+const FAR: f64 = 0.35;
 
-impl BallSet {
-    /// A set with the ball about the middle of its bounding box as bound.
-    #[must_use]
-    pub fn new(body: Option<usize>, balls: Vec<Sphere>) -> Self {
-        let ends = |side: f64| {
-            balls
-                .iter()
-                .map(move |b| b.centre.add_scalar(side * b.radius))
-        };
-        let none = Vector3::repeat(f64::INFINITY);
-        let lower = ends(-1.0).fold(none, |m, p| m.inf(&p));
-        let upper = ends(1.0).fold(-none, |m, p| m.sup(&p));
-        let centre = (lower + upper) * 0.5;
-        let reaches = balls.iter().map(|b| (b.centre - centre).norm() + b.radius);
-        let radius = reaches.fold(0.0, f64::max);
-        let bound = Sphere { centre, radius };
-        Self { body, balls, bound }
-    }
-}
-
-/// Sets of balls stay clear of solids and of each other: $g = -\min(d, f)$ in m with `d` the least distance of a ball
-/// of the set from the solid, or of balls of two sets, and `f` for [`far`](Self::far). One row per pair of a set and a
-/// solid, then one per pair of sets.
+/// Links that are covered by balls stay clear of solids and of each other. The balls of a link are in sets: per pair of
+/// a link and a solid there is one row per set, then per pair of links one per pair of sets, $g = m - \min(d, f)$ in m
+/// with `d` the least distance of their balls, `m` the margin, and `f` for [`far`](Self::far).
 ///
-/// The rows of sets that are further than `f` from each other by their bounds cost one distance, and a row does not
-/// move there. Within, the row has a kink where two distances are the least; balls of a set that are far from each
-/// other rarely are equally near.
+/// The nearest balls are found by branch and bound in the trees of links, so links further than `f` from each other
+/// cost one distance. Their rows are constant. Within, a row has a kink where two distances are the least. Balls of a
+/// set are far from each other and so rarely equally near, while the nearest of all sets are neighbours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverClearance<C: Scalar = f64> {
-    /// The sets.
-    pub sets: Vec<BallSet<C>>,
+    /// The balls of each link.
+    pub links: Vec<BallTree<C>>,
+    /// The number of sets of each link, one at least.
+    pub counts: Vec<usize>,
+    /// The set of each ball among those of its link.
+    pub sets: Vec<usize>,
     /// The solid obstacles, placed in the base frame.
     pub solids: Vec<Solid<C>>,
     /// The names of the solids for reports; a solid without one is called by its shape and number.
     pub names: Vec<String>,
-    /// The indices of the set and of the solid of each pair that keeps clear.
+    /// The indices of the link and of the solid of each pair that keeps clear.
     pub solid_pairs: Vec<[usize; 2]>,
-    /// The indices of the two sets of each pair that keeps clear.
+    /// The indices of the two links of each pair that keeps clear.
     pub pairs: Vec<[usize; 2]>,
+    /// The distances kept from solids and between links, m.
+    pub margins: [C; 2],
     /// The distance from which on distances count as this, m.
     pub far: C,
 }
 
-/// The sets at a state.
-struct Places<S: Scalar> {
-    bound: Vector3<S>,
-    centres: Vec<Vector3<S>>,
-}
-
 /// The nearest of several distances.
+#[derive(Clone, Copy)]
 struct Nearest<S: Scalar> {
     /// The row.
     g: S,
@@ -82,9 +55,9 @@ struct Nearest<S: Scalar> {
 }
 
 impl<S: Scalar> Nearest<S> {
-    fn none(far: S) -> Self {
+    fn none(least: S) -> Self {
         Self {
-            g: -far,
+            g: least,
             points: [Vector3::zeros(); 2],
             is_near: -S::one(),
         }
@@ -117,126 +90,245 @@ fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
     [length, S::one() / length].map(|x| short.if_negative(S::zero(), x))
 }
 
+/// The position of a point of a body with this placement; `None` is the base.
+#[inline]
+fn place<C: Scalar, S: AlgebraOver<C>>(
+    placement: Option<&Placement<S>>,
+    point: &Vector3<C>,
+) -> Vector3<S> {
+    match placement {
+        None => point.map(S::lift),
+        Some(p) => apply_to_constant(&p.rotation, point) + p.translation,
+    }
+}
+
+/// The rows of a pair.
+struct Rows<S: Scalar> {
+    all: Vec<Nearest<S>>,
+    /// The least of the rows: balls further than this need no look.
+    least: S,
+}
+
+impl<S: Scalar> Rows<S> {
+    /// Takes the distance of two balls for a row.
+    fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2]) {
+        self.all[row].take(g, points);
+        let smaller = |a: S, b: S| (a - b).if_negative(a, b);
+        let rows = self.all.iter().map(|row| row.g);
+        self.least = rows.reduce(smaller).unwrap_or(self.least);
+    }
+}
+
+impl CoverClearance {
+    /// The rows of a scene whose balls are in [sets](crate::geometry::CollisionGeometry::with_sets).
+    pub(super) fn of_scene(scene: &Scene) -> Self {
+        let (links, sets) = (scene.trees(), &scene.robot().sets);
+        let count = |tree: &BallTree| {
+            let leaves = tree.nodes.iter().filter_map(|node| node.leaf);
+            leaves.map(|ball| sets[ball] + 1).max().unwrap_or(1)
+        };
+        let moving = (0..links.len()).filter(|i| links[*i].body.is_some());
+        let solids = scene.obstacles().len();
+        let Margins { obstacles, itself } = scene.margins();
+        let roots = links.iter().filter_map(|tree| tree.nodes.first());
+        let radii = roots.map(|root| root.bound.radius);
+        Self {
+            solid_pairs: moving
+                .flat_map(|i| (0..solids).map(move |j| [i, j]))
+                .collect(),
+            solids: scene.obstacles().iter().map(|o| o.solid).collect(),
+            names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
+            pairs: scene.tree_pairs().to_vec(),
+            margins: [obstacles, itself],
+            far: FAR * radii.fold(0.0, f64::max),
+            counts: links.iter().map(count).collect(),
+            sets: sets.clone(),
+            links: links.to_vec(),
+        }
+    }
+}
+
 impl<C: Scalar> CoverClearance<C> {
-    fn places<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>) -> Result<Vec<Places<S>>> {
-        let places = |set: &BallSet<C>| {
-            let centres = set.balls.iter().map(|b| at.point(set.body, &b.centre));
-            Ok(Places {
-                bound: at.point(set.body, &set.bound.centre)?,
-                centres: centres.collect::<Result<_>>()?,
+    /// The number of rows per pair of a link and a solid, then per pair of links.
+    fn counts(&self) -> impl Iterator<Item = usize> {
+        let count = |i: usize| self.counts[i];
+        let of_solids = self.solid_pairs.iter().map(move |[i, _]| count(*i));
+        let of_pairs = self.pairs.iter();
+        of_solids.chain(of_pairs.map(move |[i, j]| count(*i) * count(*j)))
+    }
+
+    /// The placements of the links; `None` for those on the base.
+    fn places<'a, S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'a, C, S>,
+    ) -> Result<Vec<Option<&'a Placement<S>>>> {
+        let placement = |tree: &BallTree<C>| {
+            let Some(body) = tree.body else {
+                return Ok(None);
+            };
+            at.placements.get(body).map(Some).ok_or(Error::Length {
+                what: "bodies of the robot of a constraint",
+                expected: body + 1,
+                found: at.placements.len(),
             })
         };
-        self.sets.iter().map(places).collect()
+        self.links.iter().map(placement).collect()
     }
 
-    /// The row of a set and a solid.
-    #[inline]
-    fn of_solid<S: AlgebraOver<C>>(&self, places: &[Places<S>], [i, j]: [usize; 2]) -> Nearest<S> {
-        let (set, solid, at) = (&self.sets[i], &self.solids[j], &places[i]);
-        let mut nearest = Nearest::none(S::lift(self.far));
-        let reach = S::lift(set.bound.radius + self.far);
-        if is_negative(reach - solid.distance(&at.bound)) {
-            return nearest;
-        }
-        for (ball, p) in set.balls.iter().zip(&at.centres) {
-            nearest.take(S::lift(ball.radius) - solid.distance(p), [p, p]);
-        }
-        nearest
-    }
-
-    /// The row of two sets.
-    #[inline]
-    fn of_sets<S: AlgebraOver<C>>(&self, places: &[Places<S>], [i, j]: [usize; 2]) -> Nearest<S> {
-        let ([a, b], [at_a, at_b]) = ([i, j].map(|i| &self.sets[i]), [i, j].map(|i| &places[i]));
-        let mut nearest = Nearest::none(S::lift(self.far));
-        let is_far = |p: &Vector3<S>, radius: C| {
-            let reach = S::lift(radius + b.bound.radius + self.far);
-            let d = p - at_b.bound;
-            is_negative(reach * reach - dot(&d, &d))
+    /// Computes the rows of a link and a solid.
+    fn of_solid<S: AlgebraOver<C>>(
+        &self,
+        places: &[Option<&Placement<S>>],
+        [i, j]: [usize; 2],
+        rows: &mut Rows<S>,
+    ) {
+        let (tree, solid, margin) = (&self.links[i], &self.solids[j], self.margins[0]);
+        let bound = |at: usize| {
+            let ball = &tree.nodes[at].bound;
+            let p = place(places[i], &ball.centre);
+            (S::lift(ball.radius + margin) - solid.distance(&p), p)
         };
-        if is_far(&at_a.bound, a.bound.radius) {
-            return nearest;
-        }
-        for (ball, p) in a.balls.iter().zip(&at_a.centres) {
-            if is_far(p, ball.radius) {
-                continue;
+        let is_nearer = |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
+        tree.search(bound, is_nearer, |at, (g, p)| {
+            let is_near = !is_negative(*g - rows.least);
+            if let Some(ball) = tree.nodes[at].leaf.filter(|_| is_near) {
+                rows.take(self.sets[ball], *g, [p, p]);
             }
-            for (other, q) in b.balls.iter().zip(&at_b.centres) {
-                let [length, _] = length_and_inverse(&(p - q));
-                nearest.take(S::lift(ball.radius + other.radius) - length, [p, q]);
+            is_near
+        });
+    }
+
+    /// Computes the rows of two links.
+    fn of_pair<S: AlgebraOver<C>>(
+        &self,
+        places: &[Option<&Placement<S>>],
+        [i, j]: [usize; 2],
+        rows: &mut Rows<S>,
+    ) {
+        let (tree, other, margin) = (&self.links[i], &self.links[j], self.margins[1]);
+        let columns = self.counts[j];
+        let bound = |[k, l]: [usize; 2]| {
+            let (a, b) = (&tree.nodes[k].bound, &other.nodes[l].bound);
+            let (p, q) = (place(places[i], &a.centre), place(places[j], &b.centre));
+            let [length, _] = length_and_inverse(&(p - q));
+            (S::lift(a.radius + b.radius + margin) - length, [p, q])
+        };
+        let is_nearer =
+            |(a, _): &(S, [Vector3<S>; 2]), (b, _): &(S, [Vector3<S>; 2])| is_negative(*b - *a);
+        tree.search_pairs(other, bound, is_nearer, |[k, l], (g, [p, q])| {
+            let is_near = !is_negative(*g - rows.least);
+            let leaves = (tree.nodes[k].leaf, other.nodes[l].leaf);
+            if let (true, (Some(a), Some(b))) = (is_near, leaves) {
+                rows.take(self.sets[a] * columns + self.sets[b], *g, [p, q]);
             }
+            is_near
+        });
+    }
+
+    /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with its
+    /// first row and its rows.
+    fn visit<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        is_needed: impl Fn(usize) -> bool,
+        mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
+    ) -> Result<()> {
+        let places = self.places(at)?;
+        let mut rows = Rows {
+            all: Vec::new(),
+            least: S::zero(),
+        };
+        let mut first = 0;
+        for (k, count) in self.counts().enumerate() {
+            if (first..first + count).any(&is_needed) {
+                let solid = self.solid_pairs.get(k);
+                let margin = self.margins[usize::from(solid.is_none())];
+                rows.least = S::lift(margin - self.far);
+                rows.all.clear();
+                rows.all.resize(count, Nearest::none(rows.least));
+                match solid {
+                    Some(pair) => self.of_solid(&places, *pair, &mut rows),
+                    None => {
+                        let pair = self.pairs[k - self.solid_pairs.len()];
+                        self.of_pair(&places, pair, &mut rows);
+                    }
+                }
+                visit(k, first, &rows.all)?;
+            }
+            first += count;
         }
-        nearest
+        Ok(())
     }
 }
 
 impl<C: Scalar> Constraint<C> for CoverClearance<C> {
     fn dim(&self) -> usize {
-        self.solid_pairs.len() + self.pairs.len()
+        self.counts().sum()
     }
 
-    /// Places every ball once, in newly allocated memory.
+    /// In newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let places = self.places(at)?;
-        let (of_solids, of_sets) = g.split_at_mut(self.solid_pairs.len());
-        for (g, pair) in of_solids.iter_mut().zip(&self.solid_pairs) {
-            *g = self.of_solid(&places, *pair).g;
-        }
-        for (g, pair) in of_sets.iter_mut().zip(&self.pairs) {
-            *g = self.of_sets(&places, *pair).g;
-        }
-        Ok(())
+        let all = |_| true;
+        self.visit(at, all, |_, first, rows| {
+            for (g, row) in g[first..].iter_mut().zip(rows) {
+                *g = row.g;
+            }
+            Ok(())
+        })
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
-        let name = |set: usize| name_of(self.sets[set].body, model);
-        let names = match (
-            self.solid_pairs.get(row),
-            row.checked_sub(self.solid_pairs.len()),
-        ) {
-            (Some([i, j]), _) => [name(*i), name_of_solid(&self.names, &self.solids, *j)],
-            (None, Some(pair)) if pair < self.pairs.len() => self.pairs[pair].map(name),
-            _ => return RowLabel::numbered(row),
+        let name = |link: usize| name_of(self.links[link].body, model);
+        let mut end = 0;
+        let pair = self.counts().position(|count| {
+            end += count;
+            row < end
+        });
+        let Some(k) = pair else {
+            return RowLabel::numbered(row);
+        };
+        let names = match self.solid_pairs.get(k) {
+            Some([i, j]) => [name(*i), name_of_solid(&self.names, &self.solids, *j)],
+            None => self.pairs[k - self.solid_pairs.len()].map(name),
         };
         clearance(format!("distance of {} from {}", names[0], names[1]))
     }
 
+    fn cutoff(&self, _: usize) -> Option<C> {
+        Some(self.far)
+    }
+
     /// Those of the nearest balls. As a function of $s = d^2 / 2$ the row of two sets is $r - \sqrt{2 s}$, with
-    /// derivatives $-1 / d$ and $1 / d^3$. Rows with zero weights are skipped.
+    /// derivatives $-1 / d$ and $1 / d^3$. Pairs with zero weights are skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         weights: Weights<'_, S>,
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        let places = self.places(at)?;
-        let weights_of = |row: usize, nearest: &Nearest<S>| {
-            let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
-            [weights.first_order[row], c].map(|w| nearest.is_near.if_negative(S::zero(), w))
-        };
-        for (row, pair) in self.solid_pairs.iter().enumerate() {
-            if weights.vanish(row) {
-                continue;
+        let of_solids = self.solid_pairs.len();
+        let is_needed = |row| !weights.vanish(row);
+        self.visit(at, is_needed, |k, first, rows| {
+            for (row, nearest) in (first..).zip(rows) {
+                if weights.vanish(row) {
+                    continue;
+                }
+                let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
+                let [w, c] = [weights.first_order[row], c]
+                    .map(|w| nearest.is_near.if_negative(S::zero(), w));
+                let [p, q] = &nearest.points;
+                if let Some([i, j]) = self.solid_pairs.get(k) {
+                    let near = self.solids[*j].distance_derivatives(p);
+                    let stiffness = outer(&(near.normal * c), &near.normal) - near.curvature * w;
+                    out.add_point(self.links[*i].body, p, &(near.normal * -w), &stiffness)?;
+                } else {
+                    let [_, inverse] = length_and_inverse(&(p - q));
+                    let square = inverse * inverse;
+                    let bodies = self.pairs[k - of_solids].map(|i| self.links[i].body);
+                    out.add_pair(bodies, [p, q], -w * inverse, (w * inverse + c) * square)?;
+                }
             }
-            let nearest = self.of_solid(&places, *pair);
-            let [w, c] = weights_of(row, &nearest);
-            let p = &nearest.points[0];
-            let near = self.solids[pair[1]].distance_derivatives(p);
-            let stiffness = outer(&(near.normal * c), &near.normal) - near.curvature * w;
-            out.add_point(self.sets[pair[0]].body, p, &(near.normal * -w), &stiffness)?;
-        }
-        for (pair, row) in self.pairs.iter().zip(self.solid_pairs.len()..) {
-            if weights.vanish(row) {
-                continue;
-            }
-            let nearest = self.of_sets(&places, *pair);
-            let [w, c] = weights_of(row, &nearest);
-            let [p, q] = &nearest.points;
-            let [_, inverse] = length_and_inverse(&(p - q));
-            let square = inverse * inverse;
-            let bodies = pair.map(|i| self.sets[i].body);
-            out.add_pair(bodies, [p, q], -w * inverse, (w * inverse + c) * square)?;
-        }
-        Ok(())
+            Ok(())
+        })
     }
 }

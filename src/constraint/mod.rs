@@ -29,7 +29,7 @@ mod weighted_derivatives;
 pub use any::AnyConstraint;
 pub use bounds::{Bound, Bounds, Side};
 pub use clearance::SphereClearance;
-pub use cover_clearance::{BallSet, CoverClearance};
+pub use cover_clearance::CoverClearance;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use label::{RowKind, RowLabel};
@@ -84,6 +84,13 @@ pub trait Constraint<C: Scalar = f64> {
     fn is_equality(&self, row: usize) -> bool {
         let _ = row;
         false
+    }
+
+    /// The distance from its bound, in units of the [scaled](Self::row_scales) row, from which on row `row` is
+    /// constant; `None`, the default, if it depends on the state everywhere.
+    fn cutoff(&self, row: usize) -> Option<C> {
+        let _ = row;
+        None
     }
 
     /// Adds the contractions with the weights of the rows to `out`. By default by dual numbers of the value: `N / 2`

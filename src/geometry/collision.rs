@@ -1,11 +1,15 @@
 //! The collision geometry of a robot: balls that the constraints act on, and the capsules that some of them cover.
 
-use super::{Solid, Sphere};
+use super::{BallTree, Solid, Sphere};
 use crate::error::{Error, Result};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
+
+/// The largest number of sets of the balls of a link. With fewer, balls that are neighbours get into one set, and the
+/// search takes more iterations at the kinks of its rows; the time of an iteration grows with the square.
+pub const SETS: usize = 4;
 
 /// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,38 +99,29 @@ impl Capsule {
     }
 }
 
+/// The placement of a body in the base frame.
+pub(super) fn placement_of(
+    body: Option<usize>,
+    placements: &[Placement<f64>],
+) -> Result<Placement<f64>> {
+    let Some(body) = body else {
+        return Ok(Placement::identity());
+    };
+    placements.get(body).copied().ok_or(Error::Length {
+        what: "placements",
+        expected: body + 1,
+        found: placements.len(),
+    })
+}
+
 /// The position of a point of a body in the base frame.
 fn in_base(
     body: Option<usize>,
     point: &Vector3<f64>,
     placements: &[Placement<f64>],
 ) -> Result<Vector3<f64>> {
-    let Some(body) = body else {
-        return Ok(*point);
-    };
-    let placement = placements.get(body).ok_or(Error::Length {
-        what: "placements",
-        expected: body + 1,
-        found: placements.len(),
-    })?;
+    let placement = placement_of(body, placements)?;
     Ok(placement.rotation * point + placement.translation)
-}
-
-/// Balls in the base frame, with the bodies at `placements`.
-///
-/// # Errors
-/// `placements` has no entry for a body.
-pub fn placed_balls(
-    balls: &[CollisionSphere],
-    placements: &[Placement<f64>],
-) -> Result<Vec<Sphere>> {
-    let placed = |ball: &CollisionSphere| {
-        Ok(Sphere {
-            centre: in_base(ball.body, &ball.centre, placements)?,
-            radius: ball.radius,
-        })
-    };
-    balls.iter().map(placed).collect()
 }
 
 /// The collision geometry of a robot.
@@ -138,8 +133,8 @@ pub struct CollisionGeometry {
     pub links: Vec<String>,
     /// The capsules that the balls cover; empty if the robot consists of the balls.
     pub capsules: Vec<Capsule>,
-    /// The indices of the balls of each [set](Self::with_sets), none of which is empty; none without sets.
-    pub sets: Vec<Vec<usize>>,
+    /// The number of the [set](Self::with_sets) of each ball among those of its link; empty without sets.
+    pub sets: Vec<usize>,
 }
 
 impl CollisionGeometry {
@@ -167,12 +162,18 @@ impl CollisionGeometry {
         })
     }
 
-    /// The balls in the base frame, as [`placed_balls`] computes them.
+    /// The balls in the base frame, with the bodies at `placements`.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
     pub fn placed(&self, placements: &[Placement<f64>]) -> Result<Vec<Sphere>> {
-        placed_balls(&self.balls, placements)
+        let placed = |ball: &CollisionSphere| {
+            Ok(Sphere {
+                centre: in_base(ball.body, &ball.centre, placements)?,
+                radius: ball.radius,
+            })
+        };
+        self.balls.iter().map(placed).collect()
     }
 
     /// The [nearest ball](Capsule::nearest_ball) of each capsule; `None` without capsules, and for a shape without a
@@ -190,25 +191,19 @@ impl CollisionGeometry {
         nearest.collect::<Option<Result<_>>>().transpose()
     }
 
-    /// Divides the balls of each link into sets, about as many as each has balls, those of a set far from each other: a
-    /// constraint then needs one row per pair of sets. The next ball, from the largest on, goes to the set whose
-    /// nearest ball is furthest. Cost O(the square of the number of balls of a link).
+    /// Divides the balls of each link into at most [`SETS`] sets, those of a set far from each other: a constraint then
+    /// needs one row per pair of sets. The next ball, from the largest on, goes to the set whose nearest ball is
+    /// furthest. Cost O(the square of the number of balls of a link).
     #[must_use]
     pub fn with_sets(mut self) -> Self {
-        let ids = self.link_ids();
-        let mut of_links: Vec<Vec<usize>> = Vec::new();
-        for (i, id) in ids.into_iter().enumerate() {
-            of_links.resize(of_links.len().max(id + 1), Vec::new());
-            of_links[id].push(i);
-        }
+        let mut all = vec![0; self.balls.len()];
         let sphere = |i: usize| Sphere {
             centre: self.balls[i].centre,
             radius: self.balls[i].radius,
         };
-        let mut all = Vec::new();
-        for mut own in of_links {
+        for mut own in self.by_links() {
             own.sort_by(|i, j| self.balls[*j].radius.total_cmp(&self.balls[*i].radius));
-            let mut sets = vec![Vec::new(); (own.len() as f64).sqrt().ceil() as usize];
+            let mut sets = vec![Vec::new(); own.len().min(SETS)];
             for i in own {
                 let nearest = |set: &Vec<usize>| {
                     let gaps = set.iter().map(|j| sphere(i).gap(&sphere(*j)));
@@ -220,25 +215,32 @@ impl CollisionGeometry {
                 let last = sets.len() - 1;
                 if let Some(best) = best.map(|(back, _)| last - back) {
                     sets[best].push(i);
+                    all[i] = best;
                 }
             }
-            all.extend(sets);
         }
         self.sets = all;
         self
     }
 
-    /// A number for the link of each ball, the same for the same link.
-    fn link_ids(&self) -> Vec<usize> {
-        let mut known: Vec<&String> = Vec::new();
-        let mut id = |link| match known.iter().rposition(|k| *k == link) {
-            Some(id) => id,
-            None => {
-                known.push(link);
-                known.len() - 1
-            }
-        };
-        self.links.iter().map(&mut id).collect()
+    /// The balls of each link as a tree; of each body if the balls belong to no links.
+    #[must_use]
+    pub fn trees(&self) -> Vec<BallTree> {
+        let all = self.by_links().into_iter();
+        all.map(|own| BallTree::new(&self.balls, own)).collect()
+    }
+
+    /// The indices of the balls of each link and body, in the order of the first ones.
+    fn by_links(&self) -> Vec<Vec<usize>> {
+        let mut known = HashMap::new();
+        let mut all: Vec<Vec<usize>> = Vec::new();
+        for (i, ball) in self.balls.iter().enumerate() {
+            let count = known.len();
+            let at = *known.entry((self.links.get(i), ball.body)).or_insert(count);
+            all.resize(all.len().max(at + 1), Vec::new());
+            all[at].push(i);
+        }
+        all
     }
 
     /// The pairs of balls on different bodies and links, without those of `ignored` pairs of links, sorted by pairs of
@@ -249,28 +251,29 @@ impl CollisionGeometry {
         self.pairs_among(&all, ignored)
     }
 
-    /// The pairs of sets, as [`pairs`](Self::pairs) lists those of balls.
+    /// The pairs of [trees](Self::trees), as [`pairs`](Self::pairs) lists those of balls.
     #[must_use]
-    pub fn set_pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
-        let first: Vec<usize> = self.sets.iter().map(|set| set[0]).collect();
+    pub fn tree_pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
+        let first: Vec<usize> = self.by_links().iter().map(|own| own[0]).collect();
         self.pairs_among(&first, ignored)
     }
 
     /// The pairs of the given balls, as indices in the list of these.
     fn pairs_among(&self, of: &[usize], ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
-        let ids = self.link_ids();
-        let id = |link: &String| self.links.iter().position(|l| l == link).map(|i| ids[i]);
-        let named = ignored.iter().flat_map(|[c, d]| [[c, d], [d, c]]);
-        let ignored: HashSet<_> = named.map(|pair| pair.map(id)).collect();
-        let body = |i: usize| self.balls[of[i]].body;
+        if self.links.is_empty() {
+            return Vec::new();
+        }
+        let named = ignored.iter().flat_map(|[a, b]| [[a, b], [b, a]]);
+        let ignored: HashSet<_> = named.collect();
+        let ball = |i: &usize| (self.balls[of[*i]].body, &self.links[of[*i]]);
         let all = (0..of.len()).flat_map(|i| (i + 1..of.len()).map(move |j| [i, j]));
         let mut pairs: Vec<_> = all
             .filter(|[i, j]| {
-                let [a, b] = [i, j].map(|i| ids[of[*i]]);
-                body(*i) != body(*j) && a != b && !ignored.contains(&[Some(a), Some(b)])
+                let ((body, a), (other, b)) = (ball(i), ball(j));
+                body != other && a != b && !ignored.contains(&[a, b])
             })
             .collect();
-        pairs.sort_by_key(|pair| pair.map(body));
+        pairs.sort_by_key(|pair| pair.map(|i| ball(&i).0));
         pairs
     }
 }

@@ -22,6 +22,7 @@
 //! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
+mod ball_tree;
 mod cells;
 mod collision;
 mod corner;
@@ -32,7 +33,8 @@ mod scene;
 mod shape;
 mod tree;
 
-pub use collision::{Capsule, CollisionGeometry, CollisionSphere, placed_balls};
+pub use ball_tree::{BallNode, BallTree};
+pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
 pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};

@@ -1,7 +1,7 @@
 //! A robot among obstacles: the pairs that keep clear of each other, and their distances.
 
-use super::collision::CollisionGeometry;
-use super::{Solid, Sphere};
+use super::collision::{CollisionGeometry, placement_of};
+use super::{BallTree, Solid, Sphere};
 use crate::error::Result;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
@@ -20,8 +20,10 @@ pub struct Obstacle {
 pub struct Scene {
     robot: CollisionGeometry,
     obstacles: Vec<Obstacle>,
+    /// Those of the robot, and their pairs.
+    trees: Vec<BallTree>,
+    tree_pairs: Vec<[usize; 2]>,
     pairs: Vec<[usize; 2]>,
-    set_pairs: Vec<[usize; 2]>,
     margins: Margins,
 }
 
@@ -74,9 +76,11 @@ impl Scene {
         obstacles: Vec<Obstacle>,
         ignored_pairs: Option<&[[String; 2]]>,
     ) -> Self {
+        let by_balls = ignored_pairs.filter(|_| robot.sets.is_empty());
         Self {
-            pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
-            set_pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.set_pairs(ignored)),
+            trees: robot.trees(),
+            tree_pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.tree_pairs(ignored)),
+            pairs: by_balls.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
             robot,
             obstacles,
             margins: Margins::default(),
@@ -107,27 +111,35 @@ impl Scene {
         &self.obstacles
     }
 
-    /// The pairs of balls of the robot that keep clear of each other, as [`CollisionGeometry::pairs`] sorts them.
+    /// The pairs of balls of the robot that keep clear of each other, as [`CollisionGeometry::pairs`] sorts them; none
+    /// if the balls are in [sets](CollisionGeometry::with_sets).
     #[must_use]
     pub fn pairs(&self) -> &[[usize; 2]] {
         &self.pairs
     }
 
-    /// The pairs of sets of balls that keep clear of each other.
+    /// The [trees](CollisionGeometry::trees) of the robot.
     #[must_use]
-    pub fn set_pairs(&self) -> &[[usize; 2]] {
-        &self.set_pairs
+    pub fn trees(&self) -> &[BallTree] {
+        &self.trees
+    }
+
+    /// The pairs of trees that keep clear of each other.
+    #[must_use]
+    pub fn tree_pairs(&self) -> &[[usize; 2]] {
+        &self.tree_pairs
     }
 
     /// Returns true if the robot has no obstacle and no other link to keep clear of.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.obstacles.is_empty() && self.pairs.is_empty()
+        self.obstacles.is_empty() && self.tree_pairs.is_empty()
     }
 
     /// Finds the closest pair with the bodies at `placements`; `None` if the scene is [empty](Self::is_empty). The
     /// distances of capsules from spheres and half-spaces are exact; all others are those of the balls. Cost: one
-    /// distance per pair.
+    /// distance per pair of a link and an obstacle or another link, and those of balls that may be closer than all
+    /// before.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
@@ -161,56 +173,93 @@ impl Scene {
         placements: &[Placement<f64>],
         margins: Option<Margins>,
     ) -> Result<Option<ClosestPair<'_>>> {
-        let CollisionGeometry {
-            balls,
-            links,
-            capsules,
-            ..
-        } = &self.robot;
         let (by_capsules, margins) = (margins.is_none(), margins.unwrap_or_default());
         let part = |i: usize, body| Part {
             body,
-            link: links.get(i).map(String::as_str),
+            link: self.robot.links.get(i).map(String::as_str),
         };
-        let placed = self.robot.placed(placements)?;
+        let places = self.trees.iter().map(|t| placement_of(t.body, placements));
+        let places = places.collect::<Result<Vec<_>>>()?;
+        let placed = |tree: usize, bound: &Sphere| Sphere {
+            centre: places[tree].rotation * bound.centre + places[tree].translation,
+            radius: bound.radius,
+        };
         let mut closest: Option<ClosestPair> = None;
         let is_closer = |distance: f64, closest: &Option<ClosestPair>| {
             closest.is_none_or(|known| distance < known.distance)
         };
         for Obstacle { name, solid } in &self.obstacles {
+            let distance_of =
+                |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margins.obstacles;
+            let pair = |ball: &Sphere, part| {
+                let (distance, normal) = (
+                    distance_of(ball),
+                    solid.distance_derivatives(&ball.centre).normal,
+                );
+                ClosestPair {
+                    distance,
+                    part,
+                    other: Collider::Obstacle(name),
+                    points: along(ball, &normal, distance),
+                }
+            };
             let nearest = match by_capsules {
                 true => self.robot.nearest_balls(placements, solid)?,
                 false => None,
             };
-            for (i, ball) in nearest.as_ref().unwrap_or(&placed).iter().enumerate() {
-                let distance = solid.distance(&ball.centre) - ball.radius - margins.obstacles;
-                if is_closer(distance, &closest) {
-                    let body = match nearest {
-                        Some(_) => capsules[i].body,
-                        None => balls[i].body,
+            for (capsule, ball) in self.robot.capsules.iter().zip(nearest.iter().flatten()) {
+                if is_closer(distance_of(ball), &closest) {
+                    let part = Part {
+                        body: capsule.body,
+                        link: None,
                     };
-                    let normal = solid.distance_derivatives(&ball.centre).normal;
-                    closest = Some(ClosestPair {
-                        distance,
-                        part: part(i, body),
-                        other: Collider::Obstacle(name),
-                        points: along(ball, &normal, distance),
-                    });
+                    closest = Some(pair(ball, part));
                 }
             }
-        }
-        for [i, j] in &self.pairs {
-            let distance = placed[*i].gap(&placed[*j]) - margins.itself;
-            if is_closer(distance, &closest) {
-                let between = placed[*i].centre - placed[*j].centre;
-                let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
-                closest = Some(ClosestPair {
-                    distance,
-                    part: part(*i, balls[*i].body),
-                    other: Collider::Robot(part(*j, balls[*j].body)),
-                    points: along(&placed[*i], &normal, distance),
-                });
+            let trees = self.trees.iter().enumerate().filter(|_| nearest.is_none());
+            for (t, tree) in trees {
+                let ball = |at: usize| placed(t, &tree.nodes[at].bound);
+                tree.search(
+                    |at| distance_of(&ball(at)),
+                    f64::lt,
+                    |at, distance| {
+                        let is_near = is_closer(*distance, &closest);
+                        if let Some(i) = tree.nodes[at].leaf.filter(|_| is_near) {
+                            closest = Some(pair(&ball(at), part(i, tree.body)));
+                        }
+                        is_near
+                    },
+                );
             }
+        }
+        for [t, u] in &self.tree_pairs {
+            let (tree, other) = (&self.trees[*t], &self.trees[*u]);
+            let balls = |[i, j]: [usize; 2]| {
+                [
+                    placed(*t, &tree.nodes[i].bound),
+                    placed(*u, &other.nodes[j].bound),
+                ]
+            };
+            let gap = |at| {
+                let [ball, beside] = balls(at);
+                ball.gap(&beside) - margins.itself
+            };
+            tree.search_pairs(other, gap, f64::lt, |[i, j], gap| {
+                let is_near = is_closer(*gap, &closest);
+                let leaves = (tree.nodes[i].leaf, other.nodes[j].leaf);
+                if let (true, (Some(a), Some(b))) = (is_near, leaves) {
+                    let [ball, beside] = balls([i, j]);
+                    let between = ball.centre - beside.centre;
+                    let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
+                    closest = Some(ClosestPair {
+                        distance: *gap,
+                        part: part(a, tree.body),
+                        other: Collider::Robot(part(b, other.body)),
+                        points: along(&ball, &normal, *gap),
+                    });
+                }
+                is_near
+            });
         }
         Ok(closest)
     }

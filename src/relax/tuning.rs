@@ -30,6 +30,8 @@ pub(super) const RESERVE: f64 = 2e-7;
 /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the
 /// problem: a few steps near the end are shorter.
 pub(super) const NEAR: f64 = 0.05;
+/// The same relative to the distance from which on a row is constant, beyond which a step should not end.
+pub(super) const SHARE_OF_CUTOFF: f64 = 0.5;
 
 // Barrier. All relative to the cost per second.
 

@@ -3,39 +3,53 @@
 use crate::common::{any_model, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
 use crate::solid_clearance::sizes;
-use aghf::constraint::{BallSet, Constraint, CoverClearance, Evaluator, RowKind, Weights};
-use aghf::geometry::{Solid, Sphere};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, Weights};
+use aghf::geometry::{BallTree, Solid, Sphere};
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
 use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
-/// Sets of three balls on each body and on the base, all pairs of them, and a solid of each shape.
+/// The number of balls of a link.
+const BALLS: usize = 7;
+
+/// Balls on each body and on the base in one to three sets, all pairs of them, and a solid of each shape.
 fn covered(model: &Model, far: f64) -> CoverClearance {
     let bodies = (0..model.dof()).map(Some).chain([None]);
-    let set = |(i, body): (usize, Option<usize>)| {
+    let tree = |(i, body): (usize, Option<usize>)| {
         let ball = |k: usize| {
-            let at = |s: f64| 0.4 * (s * (3 * i + k + 1) as f64).sin();
-            Sphere {
+            let at = |s: f64| 0.4 * (s * (BALLS * i + k + 1) as f64).sin();
+            CollisionSphere {
+                body,
                 centre: Vector3::new(at(1.0), at(2.3), at(4.1)),
-                radius: 0.03 + 0.02 * k as f64,
+                radius: 0.03 + 0.01 * k as f64,
             }
         };
-        BallSet::new(body, (0..3).map(ball).collect())
+        let balls: Vec<_> = (0..BALLS).map(ball).collect();
+        let mut tree = BallTree::new(&balls, (0..BALLS).collect());
+        for ball in tree.nodes.iter_mut().filter_map(|node| node.leaf.as_mut()) {
+            *ball += BALLS * i;
+        }
+        tree
     };
-    let sets: Vec<_> = bodies.enumerate().map(set).collect();
+    let links: Vec<_> = bodies.enumerate().map(tree).collect();
     let solids = sizes([0.3, 0.2, 0.5, 0.4]).map(|shape| Solid {
         placement: Placement::new(Matrix3::identity(), Vector3::new(0.3, -0.4, 0.2)),
         shape,
     });
     let of = |i: usize, count: usize| (0..count).map(move |j| [i, j]);
     CoverClearance {
-        solid_pairs: (0..sets.len()).flat_map(|i| of(i, solids.len())).collect(),
-        pairs: (0..sets.len()).flat_map(|i| of(i, i)).collect(),
+        solid_pairs: (0..links.len()).flat_map(|i| of(i, solids.len())).collect(),
+        pairs: (0..links.len()).flat_map(|i| of(i, i)).collect(),
         names: vec!["crate".to_owned()],
         solids: solids.into(),
-        sets,
+        margins: [0.02, 0.01],
+        counts: (0..links.len()).map(|i| 1 + i % 3).collect(),
+        sets: (0..BALLS * links.len())
+            .map(|ball| ball % (1 + ball / BALLS % 3))
+            .collect(),
+        links,
         far,
     }
 }
@@ -44,23 +58,35 @@ fn covered(model: &Model, far: f64) -> CoverClearance {
 fn by_balls(of: &CoverClearance, model: &Model, x: &[f64]) -> Vec<f64> {
     let mut evaluator = Evaluator::new(model);
     let at = evaluator.at(x).expect("lengths agree");
-    let balls = |i: usize| {
-        let set = &of.sets[i];
-        set.balls.iter().map(|b| Sphere {
-            centre: at.state().point(set.body, &b.centre).expect("its bodies"),
-            radius: b.radius,
+    let balls = |i: usize, set: usize| {
+        let tree = &of.links[i];
+        let leaves = tree.nodes.iter();
+        let leaves = leaves.filter(move |node| node.leaf.is_some_and(|ball| of.sets[ball] == set));
+        leaves.map(|node| Sphere {
+            centre: at
+                .state()
+                .point(tree.body, &node.bound.centre)
+                .expect("its bodies"),
+            radius: node.bound.radius,
         })
     };
     let least = |gaps: &mut dyn Iterator<Item = f64>| gaps.fold(of.far, f64::min);
-    let solids = of
-        .solid_pairs
-        .iter()
-        .map(|[i, j]| least(&mut balls(*i).map(|b| of.solids[*j].distance(&b.centre) - b.radius)));
-    let pairs = of.pairs.iter();
-    let pairs = pairs.map(|[i, j]| {
-        least(&mut balls(*i).flat_map(|b| balls(*j).map(move |other| b.gap(&other))))
-    });
-    solids.chain(pairs).map(|gap| -gap).collect()
+    let mut rows = Vec::new();
+    for [i, j] in &of.solid_pairs {
+        for set in 0..of.counts[*i] {
+            let gaps = balls(*i, set).map(|b| of.solids[*j].distance(&b.centre) - b.radius);
+            rows.push(of.margins[0] - least(&mut gaps.into_iter()));
+        }
+    }
+    for [i, j] in &of.pairs {
+        for set in 0..of.counts[*i] {
+            for beside in 0..of.counts[*j] {
+                let pairs = balls(*i, set).flat_map(|b| balls(*j, beside).map(move |c| b.gap(&c)));
+                rows.push(of.margins[1] - least(&mut pairs.into_iter()));
+            }
+        }
+    }
+    rows
 }
 
 proptest! {
@@ -125,21 +151,4 @@ fn rows_are_named_by_links_and_solids() {
         constraint.label(constraint.dim(), &model).kind,
         RowKind::Other
     );
-}
-
-#[test]
-fn a_bound_contains_its_balls() {
-    let balls = vec![
-        Sphere {
-            centre: Vector3::new(1.0, 0.0, 0.0),
-            radius: 0.5,
-        },
-        Sphere {
-            centre: Vector3::new(-1.0, 0.0, 0.0),
-            radius: 0.1,
-        },
-    ];
-    let set = BallSet::new(None, balls);
-    assert_close!(&set.bound.centre, &Vector3::new(0.2, 0.0, 0.0), 1e-15);
-    assert_close!(&[set.bound.radius], &[1.3], 1e-15);
 }

@@ -24,6 +24,7 @@ mod write;
 
 #[path = "../geometry"]
 mod geometry {
+    mod ball_tree;
     mod cover;
 }
 

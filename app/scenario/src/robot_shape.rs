@@ -16,8 +16,8 @@ use std::path::Path;
 const MOST_BALLS: f64 = 1e4;
 
 /// Covers the shapes of the links of a robot by balls, in [sets](CollisionGeometry::with_sets) unless all shapes are
-/// spheres: these as they are, others [covered](aghf::geometry::Shape::cover) by balls that stick out by `excess` at most, m. Meshes are looked for from
-/// `folder`, that of the URDF, and covered by [`cover_triangles`].
+/// spheres: these as they are, others [covered](aghf::geometry::Shape::cover) by balls that stick out by `excess` at
+/// most, m. Meshes are looked for from `folder`, that of the URDF, and covered by [`cover_triangles`].
 ///
 /// # Errors
 /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.

@@ -20,9 +20,9 @@ const MOST_ROWS: usize = 50_000;
 /// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
 const FAR: f64 = 100.0;
 
-/// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not ignored
-/// but [always overlap](always_overlapping), which are ignored too; `path` names the scenario in errors. Meshes are
-/// looked for from `folder`. If joints of the robot are locked, `reduced` is the robot without them.
+/// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not
+/// ignored but [always overlap](always_overlapping), which are ignored too; `path` names the scenario in errors. Meshes
+/// are looked for from `folder`. If joints of the robot are locked, `reduced` is the robot without them.
 pub(super) fn scene(
     (robot, load): (&Model, Option<&Collision>),
     reduced: Option<&Reduced>,

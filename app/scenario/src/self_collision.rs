@@ -4,7 +4,7 @@ use super::SelfCollision;
 use super::json::read_json;
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
-use aghf::geometry::{CollisionGeometry, CollisionSphere, placed_balls};
+use aghf::geometry::{BallTree, CollisionGeometry};
 use aghf::input::read_text;
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -12,7 +12,6 @@ use aghf::urdf::{DisabledPair, Srdf};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 /// The number of random configurations at which links are tested.
@@ -68,19 +67,16 @@ impl IgnoredPairs {
         let links = Links::of(robot);
         let parent = |body: usize| model.joints()[body].parent();
         let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
-        let mut ignored = Vec::new();
-        let mut others = Vec::new();
-        for pair in links.pairs(&[]) {
-            let [a, b] = pair.map(|i| links.0[i].body);
-            if follows(a, b) || follows(b, a) {
-                ignored.push(IgnoredPair {
-                    links: links.names(pair),
-                    reason: "neighbours".to_owned(),
-                });
-            } else {
-                others.push(pair);
-            }
-        }
+        let (neighbours, others): (Vec<_>, Vec<_>) =
+            links.pairs(&[]).into_iter().partition(|pair| {
+                let [a, b] = pair.map(|i| links.trees[i].body);
+                follows(a, b) || follows(b, a)
+            });
+        let neighbour = |pair| IgnoredPair {
+            links: links.names(pair),
+            reason: "neighbours".to_owned(),
+        };
+        let mut ignored: Vec<_> = neighbours.into_iter().map(neighbour).collect();
         ignored.extend(links.always_overlapping(model, others)?);
         ignored.sort_by(|a, b| a.links.cmp(&b.links));
         Ok(Self {
@@ -139,45 +135,32 @@ pub fn always_overlapping(
     links.always_overlapping(model, links.pairs(ignored))
 }
 
-/// A link with its balls.
-struct Link<'a> {
-    name: &'a str,
-    body: Option<usize>,
-    balls: Vec<CollisionSphere>,
+/// The links with balls.
+struct Links<'a> {
+    robot: &'a CollisionGeometry,
+    trees: Vec<BallTree>,
 }
-
-/// The links with balls, by name.
-struct Links<'a>(Vec<Link<'a>>);
 
 impl<'a> Links<'a> {
     fn of(robot: &'a CollisionGeometry) -> Self {
-        let mut by_name: BTreeMap<&str, Vec<CollisionSphere>> = BTreeMap::new();
-        for (link, ball) in robot.links.iter().zip(&robot.balls) {
-            by_name.entry(link).or_default().push(*ball);
-        }
-        let link = |(name, balls): (&'a str, Vec<CollisionSphere>)| Link {
-            name,
-            body: balls[0].body,
-            balls,
-        };
-        Self(by_name.into_iter().map(link).collect())
+        let trees = robot.trees();
+        Self { robot, trees }
     }
 
+    /// The names of the links of two trees, sorted.
     fn names(&self, pair: [usize; 2]) -> [String; 2] {
-        pair.map(|i| self.0[i].name.to_owned())
+        let mut names = pair.map(|i| {
+            let mut leaves = self.trees[i].nodes.iter().filter_map(|node| node.leaf);
+            let link = leaves.next().and_then(|ball| self.robot.links.get(ball));
+            link.cloned().unwrap_or_default()
+        });
+        names.sort_unstable();
+        names
     }
 
-    /// The pairs on different bodies, without those of `ignored`.
+    /// The pairs of trees on different bodies, without those of `ignored`.
     fn pairs(&self, ignored: &[[String; 2]]) -> Vec<[usize; 2]> {
-        let both = ignored.iter().flat_map(|[a, b]| [[a, b], [b, a]]);
-        let ignored: HashSet<[&str; 2]> = both.map(|pair| pair.map(String::as_str)).collect();
-        let count = self.0.len();
-        let all = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
-        let is_pair = |pair: &[usize; 2]| {
-            let [a, b] = pair.map(|i| &self.0[i]);
-            a.body != b.body && !ignored.contains(&[a.name, b.name])
-        };
-        all.filter(is_pair).collect()
+        self.robot.tree_pairs(ignored)
     }
 
     fn always_overlapping(
@@ -193,16 +176,14 @@ impl<'a> Links<'a> {
             }
             let q = model.random_configuration(&mut rng);
             forward_kinematics(model, &q, &mut placements)?;
-            let mut placed = vec![Vec::new(); self.0.len()];
-            for i in pairs.iter().flatten() {
-                if placed[*i].is_empty() {
-                    placed[*i] = placed_balls(&self.0[*i].balls, &placements)?;
+            let mut still = Vec::new();
+            for pair in pairs {
+                let [first, second] = pair.map(|i| &self.trees[i]);
+                if first.overlaps(second, &placements)? {
+                    still.push(pair);
                 }
             }
-            pairs.retain(|[i, j]| {
-                let mut of_first = placed[*i].iter();
-                of_first.any(|a| placed[*j].iter().any(|b| a.gap(b) <= 0.0))
-            });
+            pairs = still;
         }
         let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
         let ignored = pairs.into_iter().map(|pair| IgnoredPair {

@@ -8,7 +8,9 @@ use crate::error::Result;
 use crate::motion::{Path, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Term, Tightened};
 use crate::relax::transcription::{Grid, Scan};
-use crate::relax::tuning::{EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, SCAN};
+use crate::relax::tuning::{
+    EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, SCAN, SHARE_OF_CUTOFF,
+};
 use crate::relax::{CostWithControl, Derivatives, FreeHorizon, Objective};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -351,7 +353,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             for row in first..count {
                 let at = g * count + row;
                 // NaN counts as near.
-                let is_far = attributes.clearances[row] && h[at] < -self.near;
+                let near = self.near.min(SHARE_OF_CUTOFF * attributes.cutoffs[row]);
+                let is_far = attributes.clearances[row] && h[at] < -near;
                 if !collocated && !attributes.equalities[row] && !is_far {
                     self.working[at] = true;
                     rows.push(Row { at, weight });

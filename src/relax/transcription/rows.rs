@@ -38,6 +38,8 @@ pub(in crate::relax) struct Attributes {
     pub units: Vec<f64>,
     /// True for a clearance, which is far from its bound most of the time.
     pub clearances: Vec<bool>,
+    /// The distance from its bound from which on a row is constant; infinite if there is none.
+    pub cutoffs: Vec<f64>,
 }
 
 // By hand, since a derived `Clone` would require it of the constraints, which are a reference.
@@ -68,8 +70,13 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             constraints.label(row, model).kind == RowKind::Clearance
                 && !constraints.is_equality(row)
         };
+        let cutoff = |row| match row < state.dim() {
+            true => state.cutoff(row).unwrap_or(f64::INFINITY),
+            false => f64::INFINITY,
+        };
         let attributes = Attributes {
             clearances: (0..scales.len()).map(is_clearance).collect(),
+            cutoffs: (0..scales.len()).map(cutoff).collect(),
             units,
             equalities: equalities.collect(),
             scales,

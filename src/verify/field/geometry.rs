@@ -2,9 +2,9 @@
 
 use super::constraint_kinds::{centre, contractions, rows};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
-use crate::constraint::{BallSet, CollisionSphere, CoverClearance, SelfClearance, SolidClearance};
+use crate::constraint::{CollisionSphere, CoverClearance, SelfClearance, SolidClearance};
 use crate::error::Result;
-use crate::geometry::{Shape, Solid, Sphere};
+use crate::geometry::{BallNode, BallTree, Shape, Solid, Sphere};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -164,30 +164,40 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(claims)
 }
 
-/// Tests sets of two balls on five bodies and on the base, from a solid of each shape and from all others. A formal
-/// sign makes about two rows of three constant, so there are many.
+/// Tests trees of two balls on five bodies and on the base, in one set or in two, from a solid of each shape and from
+/// all others. A formal sign makes about two rows of three constant, so there are many.
 fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
     let balls = balls(p);
-    let sphere = |i: usize| Sphere {
-        centre: balls[i % balls.len()].centre,
-        radius: balls[i % balls.len()].radius,
-    };
-    let set = |(i, body)| BallSet {
-        body,
-        balls: vec![sphere(i), sphere(i + 1)],
-        bound: sphere(i + 2),
-    };
     let bodies = [Some(p.dof() - 1), Some(3), Some(2), Some(1), Some(0), None];
-    let (sets, solids) = (bodies.len(), placed(p));
+    let node = |i: usize, next, leaf| BallNode {
+        bound: Sphere {
+            centre: balls[i % balls.len()].centre,
+            radius: balls[i % balls.len()].radius,
+        },
+        next,
+        leaf,
+    };
+    let tree = |(i, body)| BallTree {
+        body,
+        nodes: vec![
+            node(i + 2, 3, None),
+            node(i, 2, Some(2 * i)),
+            node(i + 1, 3, Some(2 * i + 1)),
+        ],
+    };
+    let (links, solids) = (bodies.len(), placed(p));
     let of = |count: usize, i: usize| (0..count).map(move |j| [i, j]);
     contractions(
         p,
         &CoverClearance {
-            sets: bodies.into_iter().enumerate().map(set).collect(),
-            solid_pairs: (0..sets).flat_map(|i| of(solids.len(), i)).collect(),
-            pairs: (0..sets).flat_map(|i| of(i, i)).collect(),
+            links: bodies.into_iter().enumerate().map(tree).collect(),
+            counts: (0..links).map(|i| 1 + i % 2).collect(),
+            sets: (0..2 * links).map(|i| usize::from(i % 4 == 3)).collect(),
+            solid_pairs: (0..links).flat_map(|i| of(solids.len(), i)).collect(),
+            pairs: (0..links).flat_map(|i| of(i, i)).collect(),
             solids,
             names: Vec::new(),
+            margins: [p.x[0], p.x[1]],
             far: p.w[0],
         },
     )

@@ -3,7 +3,7 @@
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::Scenario;
 use aghf::error::Result;
-use aghf::geometry::{CollisionGeometry, CollisionSphere, Margins, Obstacle};
+use aghf::geometry::{BallTree, CollisionSphere, Margins, Obstacle, Sphere};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
@@ -15,24 +15,31 @@ const PLACING: usize = 20;
 /// The relative accuracy of a positive least clearance.
 const PRECISION: f64 = 0.05;
 
-/// A pair that must not overlap.
-enum Gap {
-    /// A ball and an obstacle.
-    Obstacle { ball: usize, obstacle: usize },
-    /// Two balls, and the joints that carry only one of them.
-    Balls {
-        balls: [usize; 2],
+/// A link and an obstacle or another link that must not overlap.
+enum Pair {
+    /// The balls of a link, as the index of their tree, and an obstacle.
+    Obstacle { tree: usize, obstacle: usize },
+    /// The balls of two links, and the joints that carry only one of them.
+    Links {
+        trees: [usize; 2],
         paths: [Vec<usize>; 2],
     },
+}
+
+/// A pair, and the nodes of the trees below which its balls are; the second one is that of an obstacle, without effect.
+#[derive(Clone, Copy)]
+struct Gap {
+    pair: usize,
+    nodes: [usize; 2],
 }
 
 /// The robot and its surroundings. Balls are placed and their gaps computed here once more, apart from
 /// [`aghf::geometry::Scene`] on purpose: an error there must not hide from the judge.
 struct Surroundings<'a> {
-    balls: &'a [CollisionSphere],
+    trees: &'a [BallTree],
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
-    /// The margins from obstacles and between balls.
+    /// The margins from obstacles and between links.
     margins: [f64; 2],
     intervals: &'a Intervals,
 }
@@ -44,54 +51,39 @@ pub(super) fn clearances(
     overlap: f64,
 ) -> Result<Vec<Row>> {
     let model = &scenario.model;
-    let CollisionGeometry { balls, links, .. } = scenario.scene.robot();
     let Margins {
         obstacles: beside,
         itself,
     } = scenario.scene.margins();
+    let trees = scenario.scene.trees();
     let scene = Surroundings {
         margins: [beside, itself],
-        paths: balls
-            .iter()
-            .map(|ball| carriers(model, ball.body))
-            .collect(),
+        paths: trees.iter().map(|t| carriers(model, t.body)).collect(),
         obstacles: scenario.scene.obstacles(),
-        balls,
+        trees,
         intervals,
     };
-    let moving = (0..scene.balls.len()).filter(|ball| !scene.paths[*ball].is_empty());
-    let obstacles = moving.flat_map(|ball| {
-        (0..scene.obstacles.len()).map(move |obstacle| Gap::Obstacle { ball, obstacle })
+    let moving = (0..trees.len()).filter(|tree| !scene.paths[*tree].is_empty());
+    let obstacles = moving.flat_map(|tree| {
+        (0..scene.obstacles.len()).map(move |obstacle| Pair::Obstacle { tree, obstacle })
     });
-    let pairs = scenario.scene.pairs().iter().map(|balls| {
+    let links = scenario.scene.tree_pairs().iter().map(|trees| {
         let alone = |of: usize, other: usize| {
-            let shared = &scene.paths[balls[other]];
-            let path = scene.paths[balls[of]].iter();
+            let shared = &scene.paths[trees[other]];
+            let path = scene.paths[trees[of]].iter();
             path.filter(|i| !shared.contains(i)).copied().collect()
         };
-        let paths = [alone(0, 1), alone(1, 0)];
-        Gap::Balls {
-            balls: *balls,
-            paths,
+        Pair::Links {
+            trees: *trees,
+            paths: [alone(0, 1), alone(1, 0)],
         }
     });
-    let part = |ball: usize| match (links.get(ball), balls[ball].body) {
-        (Some(link), _) => format!("link '{link}'"),
-        (None, Some(body)) => format!("the body of joint '{}'", model.joints()[body].name()),
-        (None, None) => "the base".to_owned(),
-    };
-    let place = |gap: &Gap| match gap {
-        Gap::Obstacle { ball, obstacle } => {
-            format!("{} and '{}'", part(*ball), scene.obstacles[*obstacle].name)
-        }
-        Gap::Balls { balls: [a, b], .. } => format!("{} and {}", part(*a), part(*b)),
-    };
     let mut rows = Vec::new();
-    for (check, gaps) in [
+    for (check, pairs) in [
         (Check::Obstacles, obstacles.collect::<Vec<_>>()),
-        (Check::SelfCollision, pairs.collect()),
+        (Check::SelfCollision, links.collect()),
     ] {
-        if gaps.is_empty() {
+        if pairs.is_empty() {
             let why = match check {
                 Check::SelfCollision if scenario.file.self_collision.is_none() => {
                     "it is not asked for"
@@ -101,14 +93,45 @@ pub(super) fn clearances(
             rows.push(Row::not_checked(check, overlap, why));
             continue;
         }
-        let search = Search::new(&scene, Reach::new(model), &gaps, overlap);
+        let search = Search::new(&scene, Reach::new(model), &pairs, overlap);
         let margin = match check {
             Check::Obstacles => beside,
             _ => itself,
         };
+        let place = |gap: Gap| place_of(scenario, &pairs[gap.pair], gap);
         rows.push(search.run()?.row(check, place).beyond(margin));
     }
     Ok(rows)
+}
+
+/// The two sides of a gap, in words.
+fn place_of(scenario: &Scenario, pair: &Pair, gap: Gap) -> String {
+    let part = |tree: usize, node: usize| {
+        let tree = &scenario.scene.trees()[tree];
+        let link = tree.nodes[node]
+            .leaf
+            .and_then(|ball| scenario.scene.robot().links.get(ball));
+        match (link, tree.body) {
+            (Some(link), _) => format!("link '{link}'"),
+            (None, Some(body)) => {
+                format!(
+                    "the body of joint '{}'",
+                    scenario.model.joints()[body].name()
+                )
+            }
+            (None, None) => "the base".to_owned(),
+        }
+    };
+    let [node, beside] = gap.nodes;
+    match pair {
+        Pair::Obstacle { tree, obstacle } => {
+            let name = &scenario.scene.obstacles()[*obstacle].name;
+            format!("{} and '{name}'", part(*tree, node))
+        }
+        Pair::Links { trees: [a, b], .. } => {
+            format!("{} and {}", part(*a, node), part(*b, beside))
+        }
+    }
 }
 
 /// A bound; negative infinity if numbers overflow.
@@ -124,12 +147,12 @@ fn known(bound: f64) -> f64 {
 struct Search<'a> {
     scene: &'a Surroundings<'a>,
     reach: Reach<'a>,
-    gaps: &'a [Gap],
+    pairs: &'a [Pair],
     overlap: f64,
     /// The least gap found so far, m.
     least: f64,
-    /// The index of the least gap, and its time.
-    at: (usize, f64),
+    /// The least gap, and its time.
+    at: (Gap, f64),
     /// The proved lower bound of all gaps, m.
     proved: f64,
     /// The remaining number of gaps for halving.
@@ -139,14 +162,18 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(scene: &'a Surroundings<'a>, reach: Reach<'a>, gaps: &'a [Gap], overlap: f64) -> Self {
+    fn new(scene: &'a Surroundings<'a>, reach: Reach<'a>, pairs: &'a [Pair], overlap: f64) -> Self {
+        let first = Gap {
+            pair: 0,
+            nodes: [0, 0],
+        };
         Self {
             scene,
             reach,
-            gaps,
+            pairs,
             overlap,
             least: f64::INFINITY,
-            at: (0, 0.0),
+            at: (first, 0.0),
             proved: f64::INFINITY,
             budget: MOST_GAPS,
             q: Vec::new(),
@@ -156,7 +183,11 @@ impl<'a> Search<'a> {
 
     /// Evaluates all samples, so that the least gap is nearly known, and then proves bounds between them.
     fn run(mut self) -> Result<Self> {
-        let all: Vec<usize> = (0..self.gaps.len()).collect();
+        let root = |pair| Gap {
+            pair,
+            nodes: [0, 0],
+        };
+        let all: Vec<Gap> = (0..self.pairs.len()).map(root).collect();
         let intervals = self.scene.intervals.cubics.len();
         for k in 0..intervals {
             self.look(k, 0.0, &all)?;
@@ -177,86 +208,139 @@ impl<'a> Search<'a> {
         Ok(self)
     }
 
-    /// Places the robot at the fraction `s` of interval `k`, and updates the least of the given gaps.
-    fn look(&mut self, k: usize, s: f64, gaps: &[usize]) -> Result<Vec<f64>> {
+    /// Places the robot at the fraction `s` of interval `k`.
+    fn place(&mut self, k: usize, s: f64) -> Result<()> {
         let cubics = &self.scene.intervals.cubics[k];
         self.q.clear();
         self.q.extend(cubics.iter().map(|cubic| cubic.position(s)));
-        self.reach.place(&self.q)?;
-        let mut found = Vec::with_capacity(gaps.len());
-        for gap in gaps {
-            let distance = known(self.distance(&self.gaps[*gap]));
-            if distance < self.least {
-                self.least = distance;
-                self.at = (*gap, self.scene.intervals.time(k, s));
-            }
-            found.push(distance);
-        }
-        Ok(found)
+        self.reach.place(&self.q)
     }
 
-    /// Evaluates the middle of a part of interval `k`. Returns it, and the gaps that may be smaller elsewhere in the
-    /// part.
-    fn prove(&mut self, k: usize, range: [f64; 2], gaps: &[usize]) -> Result<(f64, Vec<usize>)> {
+    /// Updates the least gap with one between two balls.
+    fn take(&mut self, gap: Gap, distance: f64, k: usize, s: f64) {
+        if distance < self.least {
+            self.least = distance;
+            self.at = (gap, self.scene.intervals.time(k, s));
+        }
+    }
+
+    /// Updates the least of the given gaps at the fraction `s` of interval `k`.
+    fn look(&mut self, k: usize, s: f64, gaps: &[Gap]) -> Result<()> {
+        self.place(k, s)?;
+        let mut open = gaps.to_vec();
+        while let Some(gap) = open.pop() {
+            let distance = known(self.distance(gap));
+            match self.below(gap) {
+                _ if distance >= self.least => {}
+                Some(below) => open.extend(below),
+                None => self.take(gap, distance, k, s),
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates the middle of a part of interval `k`. Returns it, and the gaps between balls that may be smaller
+    /// elsewhere in the part. A ball about others moves with them as one body, so what bounds its motion bounds their
+    /// distances.
+    fn prove(&mut self, k: usize, range: [f64; 2], gaps: &[Gap]) -> Result<(f64, Vec<Gap>)> {
         let middle = 0.5 * (range[0] + range[1]);
-        let distances = self.look(k, middle, gaps)?;
+        self.place(k, middle)?;
         let cubics = &self.scene.intervals.cubics[k];
         self.ways.clear();
         self.ways
             .extend(cubics.iter().map(|cubic| cubic.way_from_middle(range)));
         let mut left = Vec::new();
-        let whole = range == [0.0, 1.0];
-        if !whole {
-            self.budget = self.budget.saturating_sub(gaps.len() + PLACING);
-        }
-        let resolved = (0.1 * self.overlap).max(PRECISION * self.least.abs());
+        let mut visited = 0;
+        let mut open = gaps.to_vec();
         // The range can no longer be halved in floating point.
         let last = self.budget == 0 || middle <= range[0] || middle >= range[1];
-        for (gap, distance) in gaps.iter().zip(distances) {
-            let bound = known(distance - self.way(&self.gaps[*gap]));
-            if last || bound >= self.least - resolved {
-                self.proved = self.proved.min(bound);
-            } else {
-                left.push(*gap);
+        while let Some(gap) = open.pop() {
+            visited += 1;
+            let distance = known(self.distance(gap));
+            let below = self.below(gap);
+            if below.is_none() {
+                self.take(gap, distance, k, middle);
             }
+            let resolved = (0.1 * self.overlap).max(PRECISION * self.least.abs());
+            let bound = known(distance - self.way(gap));
+            match below {
+                _ if bound >= self.least - resolved => self.proved = self.proved.min(bound),
+                Some(below) => open.extend(below),
+                None if last => self.proved = self.proved.min(bound),
+                None => left.push(gap),
+            }
+        }
+        if range != [0.0, 1.0] {
+            self.budget = self.budget.saturating_sub(visited + PLACING);
         }
         Ok((middle, left))
     }
 
-    /// The current gap, m; negative for an overlap.
-    fn distance(&self, gap: &Gap) -> f64 {
-        let ball = |i: usize| &self.scene.balls[i];
-        let centre = |i: usize| self.reach.centre(ball(i));
-        let [beside, between] = self.scene.margins;
-        match gap {
-            Gap::Obstacle { ball: i, obstacle } => {
-                let solid = &self.scene.obstacles[*obstacle].solid;
-                solid.distance(&centre(*i)) - ball(*i).radius - beside
+    /// The gaps below one; `None` for one between two balls.
+    fn below(&self, gap: Gap) -> Option<[Gap; 2]> {
+        let [node, beside] = gap.nodes;
+        let nodes = match &self.pairs[gap.pair] {
+            Pair::Obstacle { tree, .. } => {
+                let below = self.scene.trees[*tree].below(node)?;
+                below.map(|node| [node, beside])
             }
-            Gap::Balls { balls: [a, b], .. } => {
-                (centre(*a) - centre(*b)).norm() - ball(*a).radius - ball(*b).radius - between
+            Pair::Links { trees, .. } => {
+                let [tree, other] = trees.map(|i| &self.scene.trees[i]);
+                tree.below_pair(other, gap.nodes)?
+            }
+        };
+        Some(nodes.map(|nodes| Gap { nodes, ..gap }))
+    }
+
+    /// A ball of a tree.
+    fn ball(&self, tree: usize, node: usize) -> CollisionSphere {
+        let tree = &self.scene.trees[tree];
+        let Sphere { centre, radius } = tree.nodes[node].bound;
+        CollisionSphere {
+            body: tree.body,
+            centre,
+            radius,
+        }
+    }
+
+    /// The current gap, m; negative for an overlap.
+    fn distance(&self, gap: Gap) -> f64 {
+        let [beside, between] = self.scene.margins;
+        match &self.pairs[gap.pair] {
+            Pair::Obstacle { tree, obstacle } => {
+                let solid = &self.scene.obstacles[*obstacle].solid;
+                let ball = self.ball(*tree, gap.nodes[0]);
+                solid.distance(&self.reach.centre(&ball)) - ball.radius - beside
+            }
+            Pair::Links { trees, .. } => {
+                let [a, b] = [0, 1].map(|i| self.ball(trees[i], gap.nodes[i]));
+                let [p, q] = [a, b].map(|ball| self.reach.centre(&ball));
+                (p - q).norm() - a.radius - b.radius - between
             }
         }
     }
 
     /// A bound on the change of a gap in the current part of the interval, m.
-    fn way(&self, gap: &Gap) -> f64 {
-        let way = |i: usize, path: &[usize]| {
-            let centre = self.reach.centre(&self.scene.balls[i]);
+    fn way(&self, gap: Gap) -> f64 {
+        let way = |tree: usize, node: usize, path: &[usize]| {
+            let centre = self.reach.centre(&self.ball(tree, node));
             self.reach.way(&centre, path, &self.ways)
         };
-        match gap {
-            Gap::Obstacle { ball, .. } => way(*ball, &self.scene.paths[*ball]),
-            Gap::Balls { balls, paths } => way(balls[0], &paths[0]) + way(balls[1], &paths[1]),
+        let [node, beside] = gap.nodes;
+        match &self.pairs[gap.pair] {
+            Pair::Obstacle { tree, .. } => way(*tree, node, &self.scene.paths[*tree]),
+            Pair::Links { trees, paths } => {
+                way(trees[0], node, &paths[0]) + way(trees[1], beside, &paths[1])
+            }
         }
     }
 
     /// The row of the check in the verdict.
-    fn row(self, check: Check, place: impl Fn(&Gap) -> String) -> Row {
+    fn row(self, check: Check, place: impl Fn(Gap) -> String) -> Row {
         let (gap, at_s) = self.at;
         let mut row = Row::new(check, self.overlap);
         let least = Worst::between(self.least, [0.0, f64::INFINITY], "m", at_s);
-        row.take(least, || place(&self.gaps[gap]));
+        row.take(least, || place(gap));
         // A gap found later may be smaller than the proved bounds.
         let proved = self.proved.min(self.least);
         let short = -self.overlap - proved;
