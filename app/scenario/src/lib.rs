@@ -21,6 +21,7 @@ pub mod judge;
 mod limits;
 mod losses;
 mod moveit;
+mod never_meeting;
 mod objective;
 mod obstacles;
 mod options;

@@ -163,6 +163,11 @@ fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
 }
 
 impl Enforced {
+    /// Returns true if the limits of all joints are enforced.
+    pub(super) fn is_of_all(&self) -> bool {
+        matches!(self, Self::Share { joints: None, .. })
+    }
+
     /// The share enforced for a joint.
     fn share(&self, joint: &str) -> Option<f64> {
         let Self::Share { share, joints } = self else {

@@ -3,7 +3,7 @@
 use super::feasibility::three_digits;
 use super::obstacles::placed;
 use super::robot_shape::collision_geometry;
-use super::self_collision::{IgnoredPair, always_overlapping, check_links};
+use super::self_collision::{IgnoredPair, always_overlapping, check_links, never_meeting};
 use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
@@ -21,7 +21,7 @@ const MOST_ROWS: usize = 50_000;
 const FAR: f64 = 100.0;
 
 /// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not
-/// ignored but [always overlap](always_overlapping), which are ignored too; `path` names the scenario in errors. Meshes
+/// ignored but [always overlap](always_overlapping), which are ignored too, as are those that never meet; `path` names the scenario in errors. Meshes
 /// are looked for from `folder`. If joints of the robot are locked, `reduced` is the robot without them.
 pub(super) fn scene(
     (robot, load): (&Model, Option<&Collision>),
@@ -42,7 +42,8 @@ pub(super) fn scene(
             return refuse("self_collision", condition.to_owned());
         }
     };
-    let mut overlapping = Vec::new();
+    let margins = file.clearance_m.margins(path)?;
+    let (mut overlapping, mut ignored) = (Vec::new(), None);
     if let Some(pairs) = ignored_pairs {
         check_links(pairs, robot, path)?;
         if !matches!(file.robot_shape, RobotShape::Collision { .. }) {
@@ -51,13 +52,19 @@ pub(super) fn scene(
         }
         let moving = reduced.map_or(robot, |reduced| &reduced.model);
         overlapping = always_overlapping(moving, &geometry, pairs)?;
+        let mut all = pairs.clone();
+        all.extend(overlapping.iter().map(|pair| pair.links.clone()));
+        let limited = file.enforced_limits.position.is_of_all();
+        all.extend(never_meeting(
+            moving,
+            &geometry,
+            &all,
+            limited,
+            margins.itself,
+        )?);
+        ignored = Some(all);
     }
-    let ignored_pairs = ignored_pairs.map(|pairs| {
-        let also = overlapping.iter().map(|pair| pair.links.clone());
-        pairs.iter().cloned().chain(also).collect::<Vec<_>>()
-    });
-    let scene = Scene::new(geometry, obstacles, ignored_pairs.as_deref())
-        .with_margins(file.clearance_m.margins(path)?);
+    let scene = Scene::new(geometry, obstacles, ignored.as_deref()).with_margins(margins);
     let rows: usize = AnyConstraint::of_scene(&scene)
         .iter()
         .map(Constraint::dim)

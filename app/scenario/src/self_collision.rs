@@ -2,6 +2,7 @@
 
 use super::SelfCollision;
 use super::json::read_json;
+use super::never_meeting::never_meet;
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
 use aghf::geometry::{BallTree, CollisionGeometry};
@@ -133,6 +134,27 @@ pub fn always_overlapping(
 ) -> Result<Vec<IgnoredPair>> {
     let links = Links::of(robot);
     links.always_overlapping(model, links.pairs(ignored))
+}
+
+/// The pairs of links, without those of `ignored`, that are proved to [never meet](never_meet).
+///
+/// # Errors
+/// Those of [`never_meet`].
+pub(super) fn never_meeting(
+    model: &Model,
+    robot: &CollisionGeometry,
+    ignored: &[[String; 2]],
+    limited: bool,
+    margin: f64,
+) -> Result<Vec<[String; 2]>> {
+    let links = Links::of(robot);
+    let mut found = Vec::new();
+    for pair in links.pairs(ignored) {
+        if never_meet(model, pair.map(|i| &links.trees[i]), limited, margin)? {
+            found.push(links.names(pair));
+        }
+    }
+    Ok(found)
 }
 
 /// The links with balls.

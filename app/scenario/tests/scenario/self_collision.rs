@@ -3,8 +3,12 @@
 use crate::surroundings::panda;
 use crate::written::{folder, load, with};
 use aghf::constraint::{AnyConstraint, Constraint};
+use aghf::dynamics::forward_kinematics;
+use aghf::spatial::Placement;
 use aghf::urdf::{Srdf, builtin_robot};
 use aghf_scenario::{IgnoredPair, IgnoredPairs, always_overlapping, cover_links};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 use std::path::Path;
 
@@ -30,18 +34,41 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
             .iter()
             .any(|pair| pair.links == [a.clone(), b.clone()])
     );
+    let trees = scenario.scene.trees();
+    let link = |tree: usize| {
+        let leaf = trees[tree].nodes.iter().find_map(|node| node.leaf);
+        robot.links[leaf.expect("each link has a ball")].as_str()
+    };
+    let kept = scenario.scene.tree_pairs().iter();
+    let kept: Vec<_> = kept.map(|pair| pair.map(link)).collect();
+    let is_kept = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);
+    let may_overlap = |a: &str, b: &str| {
+        let overlap = |p: &IgnoredPair| p.links == [a, b] || p.links == [b, a];
+        ignored.contains(&(a, b)) || ignored.contains(&(b, a)) || always.iter().any(overlap)
+    };
     let mut expected = 0;
+    let mut apart = Vec::new();
     for i in 0..balls.len() {
         for j in i + 1..balls.len() {
             let [a, b] = [i, j].map(|i| robot.links[i].as_str());
-            let overlap = |p: &IgnoredPair| p.links == [a, b] || p.links == [b, a];
-            let ignore = ignored.contains(&(a, b))
-                || ignored.contains(&(b, a))
-                || always.iter().any(overlap);
-            expected += usize::from(balls[i].body != balls[j].body && !ignore);
+            let other = balls[i].body != balls[j].body && !may_overlap(a, b);
+            expected += usize::from(other && is_kept(a, b));
+            if other && !is_kept(a, b) {
+                apart.push([i, j]);
+            }
         }
     }
     assert_eq!(pairs.len(), expected);
+    // Pairs of links that never meet are left out.
+    assert!(!apart.is_empty());
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut placements = vec![Placement::identity(); model.dof()];
+    for _ in 0..2000 {
+        let q = model.random_configuration(&mut rng);
+        forward_kinematics(&model, &q, &mut placements).expect("lengths agree");
+        let placed = robot.placed(&placements).expect("lengths agree");
+        assert!(apart.iter().all(|[i, j]| placed[*i].gap(&placed[*j]) > 0.0));
+    }
     assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
     let rows = AnyConstraint::of_scene(&scenario.scene);
     assert!(
@@ -145,4 +172,17 @@ fn neighbours_and_links_that_always_overlap_may() {
         (pair.links.join(" "), pair.reason.as_str()),
         ("d a".to_owned(), "disabled in the SRDF: Never")
     );
+}
+
+/// Links that are apart by less than the distance that is asked for are not left out, and neither are those whose joints
+/// may go beyond their limits.
+#[test]
+fn links_that_may_meet_are_not_left_out() {
+    let count = |keys| {
+        let scenario = load("apart", &with(panda(), keys)).expect("it is good");
+        scenario.scene.tree_pairs().len()
+    };
+    let limited = count(json!({}));
+    assert!(limited < count(json!({ "clearance_m": 1.0 })));
+    assert!(limited < count(json!({ "enforced_limits": { "position": false } })));
 }
