@@ -1,32 +1,29 @@
 //! Reading a scenario.
 
-use super::builtin::builtin_scenario;
+use super::EnforcedLimits;
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
-use super::generate::generate_for;
-use super::json::{numbers_by_name, read_json};
+use super::json::{by_name, read_json};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
-use super::provenance::is_summary;
 use super::scene::scene;
 use super::schema::{FeedbackKeys, one_of};
 use super::self_collision::in_full;
-use super::{EnforcedLimits, SolveOptions, Solved};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
-use aghf::input::{name_of, read_named};
+use aghf::input::name_of;
 use aghf::model::{Model, Reduced};
 use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf, absolute};
 
 /// A scenario as written in a file. Angles in rad, lengths in m, times in s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -37,6 +34,14 @@ pub struct ScenarioFile {
     pub schema: Option<String>,
     /// The name of a built-in robot, or the path of a URDF file relative to the scenario file.
     pub robot: String,
+    /// The folders of packages by their names, relative to the scenario file, for meshes `package://NAME/PATH`; others
+    /// are searched for.
+    #[serde(
+        default,
+        deserialize_with = "by_name",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub packages: BTreeMap<String, PathBuf>,
     /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
@@ -44,7 +49,7 @@ pub struct ScenarioFile {
     /// The locked joints with their positions; they are not among the `N` joints of the keys below.
     #[serde(
         default,
-        deserialize_with = "numbers_by_name",
+        deserialize_with = "by_name",
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub locked_joints: BTreeMap<String, f64>,
@@ -145,64 +150,10 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Loads the scenario that is built in or generated under this name, otherwise the one in the file at this path.
-    ///
-    /// # Errors
-    /// Names the file, the key and the fault.
-    pub fn load(name_or_path: &str) -> Result<Self> {
-        Self::load_for(name_or_path, None, None)
-    }
-
-    /// Loads as [`load`](Self::load) does, with another robot (for families of generated scenarios that accept any) or
-    /// another treatment of mimic joints.
-    ///
-    /// # Errors
-    /// Those of [`load`](Self::load), and a robot given for a scenario that names its own.
-    pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
-        let (scenario, _) = Self::load_with_options(name_or_path, robot, mimic)?;
-        Ok(scenario)
-    }
-
-    /// Loads as [`load_for`](Self::load_for) does, together with the options of the solve if the file is a summary;
-    /// default options otherwise.
-    ///
-    /// # Errors
-    /// Those of [`load_for`](Self::load_for), and of [`Solved::load`] for a summary.
-    pub fn load_with_options(
-        name_or_path: &str,
-        robot: Option<&str>,
-        mimic: Option<Mimic>,
-    ) -> Result<(Self, SolveOptions)> {
-        let options = SolveOptions::default();
-        if let Some(generated) = generate_for(name_or_path, robot, mimic.unwrap_or_default()) {
-            let scenario = Self::new(generated?, name_or_path, Path::new(""))?;
-            return Ok((scenario, options));
-        }
-        if robot.is_some() {
-            let condition = "the scenario names its robot; only generated ones can be for another";
-            return Err(Error::input(name_or_path, "robot", condition));
-        }
-        let path = Path::new(name_or_path);
-        let (text, folder) = match builtin_scenario(name_or_path) {
-            Some(text) => (text.to_owned(), Path::new("")),
-            None => (
-                read_named(path, "scenario")?,
-                path.parent().unwrap_or(Path::new("")),
-            ),
-        };
-        if is_summary(&text) {
-            let solved = Solved::parse(&text, name_or_path, mimic)?;
-            return Ok((solved.scenario, solved.summary.provenance.options));
-        }
-        let mut file: ScenarioFile = read_json(&text, name_or_path)?;
-        file.mimic = mimic.unwrap_or(file.mimic);
-        Ok((Self::new(file, name_or_path, folder)?, options))
-    }
-
     /// Parses a scenario from JSON text. `path` and `folder` are as in [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Those of [`load`](Self::load).
     pub fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         Self::new(read_json(text, path)?, path, folder)
     }
@@ -214,9 +165,14 @@ impl Scenario {
     /// As [`load`](Self::load).
     pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
+        for package in file.packages.values_mut() {
+            let found = absolute(folder.join(&package));
+            *package = found.map_err(|e| Error::input(path, "packages", e.to_string()))?;
+        }
         let options = UrdfOptions {
             mimic: file.mimic,
             losses: file.losses.options(),
+            packages: file.packages.clone(),
         };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
         let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;

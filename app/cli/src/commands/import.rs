@@ -1,7 +1,7 @@
 //! `aghf import`.
 
 use super::choice::choice;
-use super::{print, tell};
+use super::{PackageArgs, print, tell};
 use crate::output::{refuse_existing, write_json, write_text};
 use aghf::error::Result;
 use aghf::urdf::Mimic;
@@ -42,6 +42,8 @@ struct FromMoveIt {
     /// Treatment of mimic joints: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
+    #[command(flatten)]
+    packages: PackageArgs,
     /// Spacing of the balls that cover shapes other than spheres, m.
     #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
     spacing: f64,
@@ -79,6 +81,7 @@ impl FromMoveIt {
             request: self.request,
             urdf: self.urdf,
             mimic: self.mimic,
+            packages: self.packages.folders(),
             srdf: self.srdf,
             spacing: self.spacing,
             horizon,

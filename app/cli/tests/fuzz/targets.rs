@@ -13,6 +13,7 @@ use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
 use aghf_scenario::{MoveIt, MoveItHorizon, RelaxOptions, Scenario, ScenarioFile, Solve, Solved};
 use nalgebra::{DMatrix, Vector3};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -198,6 +199,7 @@ fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
         scene,
         request,
         urdf: urdf.display().to_string(),
+        packages: BTreeMap::new(),
         mimic: Mimic::Refuse,
         srdf: None,
         spacing: 0.05,

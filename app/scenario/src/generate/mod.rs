@@ -289,6 +289,7 @@ impl Family {
         ScenarioFile {
             schema: None,
             robot: robot.to_owned(),
+            packages: BTreeMap::new(),
             mimic,
             locked_joints: BTreeMap::new(),
             losses: Losses::default(),

@@ -10,6 +10,7 @@ mod clearance;
 mod feasibility;
 mod file;
 mod limits;
+mod load;
 mod locked;
 mod losses;
 mod objective;
