@@ -3,6 +3,7 @@
 use super::EnforcedLimits;
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
+use super::group::hold_others;
 use super::json::{by_name, read_json};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
@@ -46,6 +47,18 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
     pub mimic: Mimic,
+    /// The path of an SRDF relative to the scenario file, for `group`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub srdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints are planned. All others are locked: where `locked_joints` says, otherwise in
+    /// `held_state`, otherwise, a mimic joint, where its master takes it, otherwise as close to zero as their limits
+    /// allow. A scenario that was read has these as `locked_joints`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// The name of a state in the SRDF where joints outside of the group are held; it may have one for each of several
+    /// groups.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_state: Option<String>,
     /// The locked joints with their positions; they are not among the `N` joints of the keys below.
     #[serde(
         default,
@@ -170,13 +183,17 @@ impl Scenario {
             *package = found.map_err(|e| Error::input(path, "packages", e.to_string()))?;
         }
         let options = UrdfOptions {
-            mimic: file.mimic,
+            mimic: match file.group {
+                Some(_) => Mimic::Independent,
+                None => file.mimic,
+            },
             losses: file.losses.options(),
+            singular: true,
             packages: file.packages.clone(),
         };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
         let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;
-        let (mut robot, load_notes) = source.parse(options).map_err(of_robot)?;
+        let (mut robot, mut load_notes) = source.parse(options).map_err(of_robot)?;
         let robot_place = source.absolute().map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
         if let Some(given) = file.self_collision.take() {
@@ -184,6 +201,9 @@ impl Scenario {
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
             file.self_collision = Some(read);
         }
+        hold_others(&mut file, &robot, &source, folder, path)?;
+        let held = |joint: &str| file.locked_joints.contains_key(joint);
+        load_notes.retain(|note| !note.joint().is_some_and(held));
         let load = match &file.payload {
             Some(payload) => payload.attach(&mut robot, path)?,
             None => None,
@@ -197,7 +217,13 @@ impl Scenario {
             source.folder(),
             path,
         )?;
-        let model = locked.map_or(robot, |reduced| reduced.model);
+        let model = match locked {
+            Some(reduced) => reduced.model,
+            None => {
+                robot.check_regular(&source.name()).map_err(of_robot)?;
+                robot
+            }
+        };
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -248,6 +274,7 @@ impl Scenario {
         Chebyshev::check_degree(file.flow.degree)
             .map_err(|condition| Error::input(path, "flow.degree", condition))?;
         check_objective(&file, model.dof(), path)?;
+        (file.enforced_limits).read(&model, &source, folder, path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;
         Ok(Self {

@@ -20,6 +20,10 @@ pub struct LoadOptions {
     pub mimic: Option<Mimic>,
     /// Further folders of packages by their names, relative to the current folder.
     pub packages: BTreeMap<String, PathBuf>,
+    /// An SRDF, relative to the current folder.
+    pub srdf: Option<PathBuf>,
+    /// The group of joints that are planned.
+    pub group: Option<String>,
 }
 
 impl LoadOptions {
@@ -27,6 +31,13 @@ impl LoadOptions {
     pub(super) fn apply(&self, file: &mut ScenarioFile) -> Result<()> {
         file.mimic = self.mimic.unwrap_or(file.mimic);
         file.packages.extend(absolute_folders(&self.packages)?);
+        if let Some(srdf) = &self.srdf {
+            let found = absolute(srdf).map_err(|e| Error::io(srdf.clone(), e))?;
+            file.srdf = Some(found);
+        }
+        if let Some(group) = &self.group {
+            file.group = Some(group.clone());
+        }
         Ok(())
     }
 }

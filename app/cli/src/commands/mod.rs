@@ -4,6 +4,7 @@ mod benchmark;
 mod check;
 mod choice;
 mod compare;
+mod doctor;
 mod eval;
 mod export;
 mod import;
@@ -54,7 +55,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
-    of a solve is not valid.";
+    of a solve is not valid, or no motion can be planned for a robot.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -64,6 +65,7 @@ enum Command {
     Export(export::Export),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
+    Doctor(doctor::Doctor),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
@@ -107,6 +109,7 @@ impl UrdfArgs {
             mimic: self.mimic,
             losses: self.losses.then(Losses::default),
             packages: self.packages.folders(),
+            ..UrdfOptions::default()
         }
     }
 }
@@ -149,6 +152,12 @@ struct RobotArgs {
     mimic: Option<Mimic>,
     #[command(flatten)]
     packages: PackageArgs,
+    /// Group of the SRDF whose joints are planned; the others are held [default: that of the scenario].
+    #[arg(long, requires = "scenario")]
+    group: Option<String>,
+    /// SRDF with that group [default: that of the scenario].
+    #[arg(long, requires = "scenario")]
+    srdf: Option<PathBuf>,
 }
 
 impl RobotArgs {
@@ -164,6 +173,8 @@ impl RobotArgs {
             robot: self.robot.clone(),
             mimic: self.mimic,
             packages: self.packages.folders(),
+            srdf: self.srdf.clone(),
+            group: self.group.clone(),
         };
         let loaded = Scenario::load_with_options(scenario, &given)?;
         tell_notes_of([&loaded.0]);
@@ -208,6 +219,7 @@ pub fn main() -> ExitCode {
         Command::Export(export) => export.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Doctor(doctor) => doctor.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
