@@ -7,6 +7,9 @@ use crate::model::Model;
 use roxmltree::Node;
 use std::collections::BTreeSet;
 
+/// The joint between the world and the base in the SRDFs of Pinocchio.
+const ROOT: &str = "root_joint";
+
 /// A named set of joints.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
@@ -39,7 +42,7 @@ pub enum GroupMember {
 pub struct GroupState {
     /// Its name.
     pub name: String,
-    /// The name of the group.
+    /// The name of the group; empty if it names none.
     pub group: String,
     /// The names of joints with their positions, rad or m, of which one with several degrees of freedom has several.
     pub joints: Vec<(String, Vec<f64>)>,
@@ -79,7 +82,7 @@ pub(super) fn read_state(node: Node<'_, '_>) -> Read<GroupState> {
     }
     Ok(GroupState {
         name: attribute(node, "name")?.to_owned(),
-        group: attribute(node, "group")?.to_owned(),
+        group: node.attribute("group").unwrap_or_default().to_owned(),
         joints,
     })
 }
@@ -149,13 +152,18 @@ impl Srdf {
         Ok(())
     }
 
-    /// The number of the moving joint of this name; `None` for a fixed or virtual one.
-    fn joint(&self, name: &str, model: &Model) -> Read<Option<usize>> {
+    /// The number of the moving joint of this name; `None` for a fixed one, and for those between the world and the base:
+    /// virtual joints, and `root_joint`, as Pinocchio calls it.
+    ///
+    /// # Errors
+    /// The robot has no such joint; the error is the reason in words.
+    pub fn joint(&self, name: &str, model: &Model) -> std::result::Result<Option<usize>, String> {
         if let Some(i) = model.joints().iter().position(|j| j.name() == name) {
             return Ok(Some(i));
         }
         let mut carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
-        match carriers.any(|c| c.joint == name) || self.virtual_joints.iter().any(|j| j == name) {
+        let to_world = name == ROOT || self.virtual_joints.iter().any(|joint| joint == name);
+        match to_world || carriers.any(|carrier| carrier.joint == name) {
             true => Ok(None),
             false => Err(format!("the robot has no joint '{name}'")),
         }

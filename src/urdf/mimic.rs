@@ -42,7 +42,9 @@ pub fn followers(robot: &Robot, model: &Model, file: &str) -> Result<Vec<Followe
             next = mimics.get(master);
             steps += 1;
             if steps > mimics.len() {
-                return Err(refuse(format!("it mimics '{master}', which follows it")));
+                return Err(refuse(
+                    "it follows joints that follow each other".to_owned(),
+                ));
             }
         }
         if !(f64::is_finite(multiplier) && f64::is_finite(offset)) {

@@ -212,7 +212,8 @@ impl Diagnosis {
         self.findings.extend(found);
         let excess = shapes.excess_of_links();
         let srdf = srdf.as_ref().map(|(srdf, file)| (srdf, file.as_str()));
-        let (states, found) = pairs_and_states(model, followers, srdf, &geometry, &excess, given)?;
+        let (states, found) =
+            pairs_and_states((model, followers), srdf, &geometry, &excess, &given.robot)?;
         self.findings.extend(found);
         self.shapes = shapes;
         self.states = states;
@@ -234,17 +235,19 @@ fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Find
             ));
         }
     }
-    for (joint, condition) in model.singular_joints()? {
-        let name = model.joints()[joint].name();
-        let of_condition = condition.split(';').next().unwrap_or(condition);
-        let mend = format!(
-            "\"losses\": {{\"armature\": {{\"{name}\": KG_M2}}}}, or \"locked_joints\": {{\"{name}\": POSITION}}"
-        );
-        findings.extend(Finding::about(
+    let singular = model.singular_joints()?;
+    if let Some((_, condition)) = singular.first() {
+        let names = singular
+            .iter()
+            .map(|(i, _)| model.joints()[*i].name().to_owned());
+        let mend = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
+                    \"group\" without it";
+        let (reason, _) = condition.split_once(';').unwrap_or((condition, ""));
+        (findings).extend(Finding::about(
             Severity::NeedsKey,
             "joint",
-            [name.to_owned()],
-            [of_condition, &mend],
+            names,
+            [reason, mend],
         ));
     }
     if robot.links.iter().all(|link| link.collision.is_empty()) {

@@ -1,6 +1,6 @@
 //! The findings as text.
 
-use super::{Diagnosis, Finding, Plannable, Severity, Shapes};
+use super::{Diagnosis, Finding, LinkShape, Plannable, Severity, Shapes};
 use crate::output::{short, table};
 use comfy_table::CellAlignment;
 use std::fmt::Write;
@@ -66,7 +66,8 @@ fn in_words(finding: &Finding) -> String {
     if let Some(more @ 1..) = names.len().checked_sub(NAMED) {
         shown.push(format!("{more} more"));
     }
-    let mut text = format!("  {kind} {}: {condition}\n", shown.join(", "));
+    let plural = if names.len() > 1 { "s" } else { "" };
+    let mut text = format!("  {kind}{plural} {}: {condition}\n", shown.join(", "));
     if !mend.is_empty() {
         text += &format!("    mend: {mend}\n");
     }
@@ -79,16 +80,9 @@ fn of_shapes(shapes: &Shapes) -> String {
         return String::new();
     }
     let mut table = table();
-    table.set_header(["link", "shape", "balls", "excess, mm"]);
-    for shape in &shapes.shapes {
-        let (balls, excess) = match &shape.unread {
-            None => (
-                shape.balls.to_string(),
-                format!("{:.1}", 1e3 * shape.excess_m),
-            ),
-            Some(_) => ("not read".to_owned(), String::new()),
-        };
-        table.add_row([shape.link.clone(), shape.shape.clone(), balls, excess]);
+    table.set_header(["link", "shapes", "balls", "excess, mm"]);
+    for of_link in shapes.shapes.chunk_by(|a, b| a.link == b.link) {
+        table.add_row(row(of_link));
     }
     for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -107,6 +101,43 @@ fn of_shapes(shapes: &Shapes) -> String {
         let _ = writeln!(text, "  {reason}");
     }
     text
+}
+
+/// The row of a link: the kinds of its shapes, and the names of its meshes without their folders.
+fn row(shapes: &[LinkShape]) -> [String; 4] {
+    let mut kinds: Vec<(String, usize)> = Vec::new();
+    for shape in shapes {
+        let name = match shape.mesh {
+            true => format!(
+                "mesh {}",
+                shape.shape.rsplit('/').next().unwrap_or_default()
+            ),
+            false => shape.shape.clone(),
+        };
+        match kinds.iter_mut().find(|(kind, _)| *kind == name) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((name, 1)),
+        }
+    }
+    let kinds = kinds.into_iter().map(|(kind, count)| match count {
+        1 => kind,
+        _ => format!("{count} x {kind}"),
+    });
+    let unread = shapes.iter().filter(|shape| shape.unread.is_some()).count();
+    let balls: usize = shapes.iter().map(|shape| shape.balls).sum();
+    let excess = shapes
+        .iter()
+        .map(|shape| shape.excess_m)
+        .fold(0.0, f64::max);
+    [
+        shapes[0].link.clone(),
+        kinds.collect::<Vec<_>>().join(", "),
+        match unread {
+            0 => balls.to_string(),
+            unread => format!("{balls}, {unread} not read"),
+        },
+        format!("{:.1}", 1e3 * excess),
+    ]
 }
 
 /// The links that overlap in each state.
