@@ -246,7 +246,7 @@ impl Builder<'_> {
             Mimic::Refuse => refuse(&format!(
                 "it mimics joint '{mimics}', which is not supported: a dependent joint has no force of its own; \
                  --mimic independent (in a scenario: \"mimic\": \"independent\", in code: Mimic::Independent) lets it \
-                 move by itself"
+                 move by itself, and a \"group\" of an SRDF holds it with its master"
             )),
             Mimic::Independent => {
                 self.report.push(LoadNote::Independent {

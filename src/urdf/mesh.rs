@@ -100,7 +100,8 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
         return path.is_file().then(|| path.clone()).ok_or_else(missing);
     }
     let (package, path) = package_and_path(file).ok_or("it has no path")?;
-    let absolute = std::path::absolute(folder).map_err(|e| e.to_string())?;
+    // The folder of a file without one in its path is empty.
+    let absolute = std::path::absolute(folder.join(".")).map_err(|e| e.to_string())?;
     let of_variable = |name| env::var_os(name).unwrap_or_default();
     let (ros, ament) = (
         of_variable("ROS_PACKAGE_PATH"),
@@ -131,6 +132,6 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
         "there is no such file at '{}' or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and \
          AMENT_PREFIX_PATH {ament:?}, and {by_ros}; --package {package}=FOLDER (in a scenario: \"packages\": \
          {{\"{package}\": FOLDER}}, in code: UrdfOptions::packages) says where it is",
-        folder.display()
+        absolute.display()
     ))
 }

@@ -61,7 +61,7 @@ pub use passive::{PASSIVE_TORQUE_SHARE, effort_of_joints};
 pub use payload::Payload;
 pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
-pub use rate_limits::{RateLimits, RateSource};
+pub use rate_limits::{RateLimits, Urdf};
 pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::cover_links;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};

@@ -17,6 +17,7 @@ use urdf_rs::Robot;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
+    deny_unknown_fields,
     expecting = "a number is needed, a list with a number or null for each joint, \"urdf\" or {\"file\": PATH}"
 )]
 pub enum RateLimits {
@@ -24,20 +25,22 @@ pub enum RateLimits {
     Same(f64),
     /// A number for each joint, in their order; null for none.
     Each(Vec<Option<f64>>),
-    /// Numbers that come with the robot. They become a list when the scenario is read.
-    From(RateSource),
+    /// Those of the URDF. They become a list when the scenario is read, as those of a file do.
+    Urdf(Urdf),
+    /// Those of a file.
+    File {
+        /// The path of a `joint_limits.yaml` of MoveIt, relative to the scenario, whose limits of acceleration,
+        /// deceleration and jerk are read.
+        file: PathBuf,
+    },
 }
 
-/// A source of limits that come with a robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub enum RateSource {
-    /// The attributes `acceleration`, `deceleration` and `jerk` of the `limit` elements of URDF 1.2.
+/// The URDF as the source of limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Urdf {
+    /// The attributes `acceleration`, `deceleration` and `jerk` of its `limit` elements, of URDF 1.2.
     #[serde(rename = "urdf")]
     Urdf,
-    /// The `joint_limits` in a YAML file of MoveIt, at this path relative to the scenario. Keys other than those of
-    /// acceleration, deceleration and jerk are not read.
-    #[serde(rename = "file")]
-    File(PathBuf),
 }
 
 /// The part of MoveIt's `joint_limits.yaml` that is read.
@@ -88,7 +91,7 @@ impl RateLimits {
         match self {
             Self::Same(number) => Some(*number),
             Self::Each(numbers) => numbers.get(joint).copied().flatten(),
-            Self::From(_) => None,
+            Self::Urdf(_) | Self::File { .. } => None,
         }
     }
 
@@ -102,7 +105,7 @@ impl RateLimits {
                 return refuse(format!("it has {found} entries, {dof} are needed"));
             }
             Self::Each(numbers) => numbers.iter().flatten().copied().collect(),
-            Self::From(_) => {
+            Self::Urdf(_) | Self::File { .. } => {
                 return refuse("limits are read when a scenario is, and not here".to_owned());
             }
         };
@@ -123,13 +126,11 @@ impl RateLimits {
         source: &RobotSource,
         folder: &Path,
     ) -> Result<()> {
-        let Self::From(from) = self else {
-            return Ok(());
-        };
-        let (file, numbers) = match from {
-            RateSource::Urdf => (source.name(), of_urdf(&source.elements()?, limit, model)),
-            RateSource::File(name) => {
-                let path = folder.join(name);
+        let (file, numbers) = match self {
+            Self::Same(_) | Self::Each(_) => return Ok(()),
+            Self::Urdf(_) => (source.name(), of_urdf(&source.elements()?, limit, model)),
+            Self::File { file } => {
+                let path = folder.join(file);
                 let file = path.display().to_string();
                 let read: JointLimitsFile = read_yaml(&read_text(&path)?, &file, "joint limits")?;
                 (file.clone(), of_file(&read, limit, model, &file)?)

@@ -118,7 +118,7 @@ fn a_group_and_its_file_may_be_given_beside_the_scenario() {
 
 #[test]
 fn groups_that_cannot_be_planned_are_refused_by_key() {
-    let mut alone = files();
+    let mut alone = with(files(), json!({ "mimic": "independent" }));
     alone.as_object_mut().expect("it is one").remove("group");
     let mut nowhere = files();
     nowhere.as_object_mut().expect("it is one").remove("srdf");
@@ -152,7 +152,7 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
         ),
         (
             with(files(), json!({ "group": "head" })),
-            "robot: ; joint 'pan': nothing that it moves has inertia",
+            "locked_joints: ; joint 'pan': nothing that it moves has inertia",
         ),
     ] {
         let error = load("bad", &scenario).expect_err(words);
