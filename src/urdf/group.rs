@@ -152,8 +152,8 @@ impl Srdf {
         Ok(())
     }
 
-    /// The number of the moving joint of this name; `None` for a fixed one, and for those between the world and the base:
-    /// virtual joints, and `root_joint`, as Pinocchio calls it.
+    /// The number of the moving joint of this name; `None` for a fixed one, and for those between the world and the
+    /// base: virtual joints, and `root_joint`, as Pinocchio calls it.
     ///
     /// # Errors
     /// The robot has no such joint; the error is the reason in words.

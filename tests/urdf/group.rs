@@ -18,7 +18,8 @@ const GROUPS: &str = r#"
   <group name="joint"><joint name="wheel"/></group>
   <group name="link"><link name="wheel"/></group>
   <group name="chain"><chain base_link="base" tip_link="wheel"/></group>
-  <group_state name="home" group="both"><joint name="turn" value="0.5"/><joint name="floor" value="0 0 0"/></group_state>
+  <group_state name="home" group="both"><joint name="turn" value="0.5"/><joint name="floor" value="0 0 0"/>
+  </group_state>
   <group_state name="free"><joint name="grip" value=" -1 "/><joint name="root_joint" value="0 1"/></group_state>
   <group_state name="two" group="arm"><joint name="turn" value="1 2"/></group_state>
   <group_state name="wheels" group="arm"><joint name="wheel" value="1"/></group_state>"#;

@@ -15,8 +15,8 @@ use std::path::Path;
 /// among them; `folder` is that of the scenario, called `path`.
 ///
 /// # Errors
-/// A key without the others, a group or a state that is not there or does not fit the robot, or a mimic joint that would
-/// have to follow one that is planned.
+/// A key without the others, a group or a state that is not there or does not fit the robot, or a mimic joint that
+/// would have to follow one that is planned.
 pub(super) fn hold_others(
     file: &mut ScenarioFile,
     robot: &Model,
@@ -60,7 +60,8 @@ pub(super) fn hold_others(
             let [joint, master] = [f.joint, f.master].map(|i| robot.joints()[i].name());
             let condition = format!(
                 "joint '{joint}' mimics '{master}', and they cannot move together: a group without both, \
-                 \"locked_joints\": {{\"{joint}\": POSITION}}, or \"mimic\": \"independent\", which lets it move by itself"
+                 \"locked_joints\": {{\"{joint}\": POSITION}}, or \"mimic\": \"independent\", which lets it move \
+                 by itself"
             );
             return Err(Error::input(path, "group", condition));
         }

@@ -11,7 +11,8 @@ const ROBOT: &str = r#"<robot name="ill">
   <link name="base"><collision><geometry><mesh filename="package://parts/base.dae"/></geometry></collision></link>
   <link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <collision><origin xyz="0.3 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-  <link name="mid"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link>
+  <link name="mid"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>
+  </link>
   <link name="hand"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <collision><origin xyz="0.45 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
   <link name="fist"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
@@ -31,9 +32,9 @@ const SRDF: &str = r#"<robot name="ill"><disable_collisions link1="fist" link2="
   <group_state name="bent"><joint name="bend" value="1.5"/><joint name="wheel" value="1"/></group_state>
   <group_state name="straight" group="arm"><joint name="turn" value="0"/></group_state></robot>"#;
 
-/// A triangle in COLLADA.
+/// A triangle in COLLADA, in the sphere of `arm`.
 const MESH: &str = r##"<COLLADA><library_geometries><geometry id="g"><mesh>
-  <source id="s"><float_array>0 0 -1 0.1 0 -1 0 0.1 -1</float_array>
+  <source id="s"><float_array>0.21 0 0 0.22 0 0 0.21 0.01 0</float_array>
     <technique_common><accessor source="#f" count="3" stride="3"/></technique_common></source>
   <vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
   <triangles><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
@@ -164,6 +165,11 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
     ] {
         assert!(run.stdout.contains(words), "{words}:\n{}", run.stdout);
     }
+    // What does not move against each other does not touch.
+    let run = doctor(&folder, &["--package", "parts=there"]);
+    let overlaps = "zero: arm and hand by 50.0 mm (excess 0.0 mm)\n";
+    assert!(run.stdout.ends_with(overlaps), "{}", run.stdout);
+
     // A file with a fault that leaves no robot.
     let heavy = ROBOT
         .replace("FLOAT", "revolute")
