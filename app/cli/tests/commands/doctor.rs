@@ -201,7 +201,8 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
         run.stdout
     );
 
-    assert_bad_input(&folder, &["doctor", "ill.srdf", "--json"], "ill.srdf: ");
+    let words = "base.dae: robot: ; the root element is 'COLLADA'";
+    assert_bad_input(&folder, &["doctor", "there/base.dae"], words);
     assert_bad_input(
         &folder,
         &["doctor", "ill.urdf", "--srdf", "none.srdf"],
