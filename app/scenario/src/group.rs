@@ -47,23 +47,12 @@ pub(super) fn hold_others(
         .elements()
         .and_then(|r| followers(&r, robot, &source.name()));
     let followers = followers.map_err(of_key("robot"))?;
-    let held =
-        |i: usize| !group.contains(&i) || file.locked_joints.contains_key(robot.joints()[i].name());
+    let given = |i: usize| file.locked_joints.get(robot.joints()[i].name()).copied();
+    let held = |i: usize| !group.contains(&i) || given(i).is_some();
     if file.mimic == Mimic::Refuse {
-        let free = |f: &&Follower| {
-            let given = file
-                .locked_joints
-                .contains_key(robot.joints()[f.joint].name());
-            !held(f.joint) || !(held(f.master) || given)
-        };
-        if let Some(f) = followers.iter().find(free) {
-            let [joint, master] = [f.joint, f.master].map(|i| robot.joints()[i].name());
-            let condition = format!(
-                "joint '{joint}' mimics '{master}', and they cannot move together: a group without both, \
-                 \"locked_joints\": {{\"{joint}\": POSITION}}, or \"mimic\": \"independent\", which lets it move \
-                 by itself"
-            );
-            return Err(Error::input(path, "group", condition));
+        let free = |f: &&Follower| !held(f.joint) || !held(f.master) && given(f.joint).is_none();
+        if let Some(follower) = followers.iter().find(free) {
+            return Err(cannot_follow(follower, robot, path));
         }
     }
     let of_state = match &state {
@@ -72,33 +61,35 @@ pub(super) fn hold_others(
             state_positions(&srdf, name, robot, &srdf_name).map_err(of_key("held_state"))?
         }
     };
-    let positions: Vec<Option<f64>> = (robot.joints().iter().enumerate())
-        .map(|(i, joint)| {
-            let given = file.locked_joints.get(joint.name()).copied();
-            held(i).then(|| given.or_else(|| of_state.get(&i).copied()))?
-        })
-        .collect();
-    let nearest =
-        |i: usize| positions[i].unwrap_or_else(|| robot.joints()[i].limits().nearest(0.0));
-    let follow = |i: usize| {
-        let f = followers.iter().find(|f| f.joint == i && held(f.master))?;
-        Some(f.multiplier * nearest(f.master) + f.offset)
+    let known = |i: usize| given(i).or_else(|| of_state.get(&i).copied());
+    let free = |i: usize| known(i).unwrap_or_else(|| robot.joints()[i].limits().nearest(0.0));
+    let position = |i: usize| {
+        let follower = followers.iter().find(|f| f.joint == i && held(f.master));
+        match (known(i), follower) {
+            (None, Some(f)) => f.multiplier * free(f.master) + f.offset,
+            _ => free(i),
+        }
     };
-    let all: Vec<(String, f64)> = (0..robot.dof())
-        .filter(|i| held(*i))
-        .map(|i| {
-            let position = positions[i]
-                .or_else(|| follow(i))
-                .unwrap_or_else(|| nearest(i));
-            (robot.joints()[i].name().to_owned(), position)
-        })
+    let held = (0..robot.dof()).filter(|i| held(*i));
+    let held: Vec<_> = held
+        .map(|i| (robot.joints()[i].name().to_owned(), position(i)))
         .collect();
-    file.locked_joints.extend(all);
+    file.locked_joints.extend(held);
     if !followers.is_empty() {
         // None of them is left that follows another joint.
         file.mimic = Mimic::Independent;
     }
     Ok(())
+}
+
+/// The error for a mimic joint that moves, or whose master does.
+fn cannot_follow(follower: &Follower, robot: &Model, path: &str) -> Error {
+    let [joint, master] = [follower.joint, follower.master].map(|i| robot.joints()[i].name());
+    let condition = format!(
+        "joint '{joint}' mimics '{master}', and they cannot move together: a group without both, \"locked_joints\": \
+         {{\"{joint}\": POSITION}}, or \"mimic\": \"independent\", which lets it move by itself"
+    );
+    Error::input(path, "group", condition)
 }
 
 /// The positions of joints in the states of this name, one for each of several groups.

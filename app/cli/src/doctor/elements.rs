@@ -41,19 +41,17 @@ pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
     robot
 }
 
+/// A property of a joint.
+type Property = fn(&Joint) -> bool;
+
 /// The findings about joints.
 pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
     let moving = |joint: &&Joint| joint.joint_type != JointType::Fixed;
     let moving: Vec<&Joint> = robot.joints.iter().filter(moving).collect();
-    let select = |predicate: &dyn Fn(&Joint) -> bool| -> Vec<String> {
-        let selected = moving.iter().filter(|joint| predicate(joint));
-        selected.map(|joint| joint.name.clone()).collect()
-    };
-    let several = select(&has_several_degrees);
     let mut found = vec![Finding::about(
         Severity::Refused,
         "joint",
-        several,
+        names(&moving, has_several_degrees),
         [
             "it has several degrees of freedom, and every joint has one here; it is held in what follows",
             "type=\"fixed\" in the file, if its base stays",
@@ -77,75 +75,74 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
              \"mimic\": \"independent\" (--mimic independent), which lets it move by itself",
         ],
     ));
-    found.extend(of_limits(&select));
-    let dynamics = |loss: fn(&urdf_rs::Dynamics) -> f64| {
-        select(&|joint| joint.dynamics.as_ref().is_some_and(|d| loss(d) != 0.0))
-    };
-    for (condition, names) in [
-        ("damping is not counted by default", dynamics(|d| d.damping)),
-        (
-            "friction is not counted by default",
-            dynamics(|d| d.friction),
-        ),
-    ] {
-        let mend = "\"losses\": true (--losses)";
-        found.push(Finding::about(
-            Severity::Note,
-            "joint",
-            names,
-            [condition, mend],
-        ));
-    }
+    found.extend(notes(&moving));
     found.into_iter().flatten().collect()
 }
 
-/// The findings about limits; `select` gives the names of the moving joints with a property.
-fn of_limits(select: &dyn Fn(&dyn Fn(&Joint) -> bool) -> Vec<String>) -> Vec<Option<Finding>> {
-    let none = |limit: &JointLimit| {
-        [limit.lower, limit.upper, limit.velocity, limit.effort]
-            .iter()
-            .all(|x| *x == 0.0)
-    };
-    let single = |joint: &Joint| !has_several_degrees(joint);
-    let turns = |joint: &Joint| joint.joint_type == JointType::Continuous;
+/// The notes about limits and losses of the joints that move.
+fn notes(moving: &[&Joint]) -> [Option<Finding>; 8] {
+    let losses = "\"losses\": true (--losses)";
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
-    let finite = |limit: &JointLimit| {
-        let all = [limit.acceleration, limit.deceleration, limit.jerk];
-        all.iter().any(|x| x.is_finite())
-    };
-    let selected: [(&str, &str, &dyn Fn(&Joint) -> bool); 6] = [
-        ("no limits of any kind", in_file, &|j| {
-            single(j) && none(&j.limit)
+    let notes: [(&str, &str, Property); 8] = [
+        ("no limits of any kind", in_file, |j| {
+            has_one_degree(j) && !has_limits(&j.limit)
         }),
-        ("no limit of velocity", in_file, &|j| {
-            single(j) && !none(&j.limit) && j.limit.velocity == 0.0
+        ("no limit of velocity", in_file, |j| {
+            has_limits(&j.limit) && j.limit.velocity == 0.0
         }),
-        ("no limit of effort", in_file, &|j| {
-            single(j) && !none(&j.limit) && j.limit.effort == 0.0
+        ("no limit of effort", in_file, |j| {
+            has_limits(&j.limit) && j.limit.effort == 0.0
         }),
-        ("its range of positions is a single one", in_file, &|j| {
-            single(j) && !turns(j) && !none(&j.limit) && j.limit.lower == j.limit.upper
+        ("its range of positions is a single one", in_file, |j| {
+            let turns = j.joint_type == JointType::Continuous;
+            has_limits(&j.limit) && !turns && j.limit.lower == j.limit.upper
         }),
-        ("no limit of acceleration or jerk", rates, &|j| {
-            single(j) && !finite(&j.limit)
+        ("no limit of acceleration or jerk", rates, |j| {
+            has_one_degree(j) && !has_limits_of_rates(&j.limit)
         }),
         (
             "limits of acceleration or jerk, not kept by default",
             given,
-            &|j| single(j) && finite(&j.limit),
+            |j| has_one_degree(j) && has_limits_of_rates(&j.limit),
         ),
+        ("damping is not counted by default", losses, |j| {
+            j.dynamics
+                .as_ref()
+                .is_some_and(|dynamics| dynamics.damping != 0.0)
+        }),
+        ("friction is not counted by default", losses, |j| {
+            j.dynamics
+                .as_ref()
+                .is_some_and(|dynamics| dynamics.friction != 0.0)
+        }),
     ];
-    let found = selected.into_iter().map(|(condition, mend, predicate)| {
-        Finding::about(
-            Severity::Note,
-            "joint",
-            select(predicate),
-            [condition, mend],
-        )
-    });
-    found.collect()
+    notes.map(|(condition, mend, property)| {
+        let names = names(moving, property);
+        Finding::about(Severity::Note, "joint", names, [condition, mend])
+    })
+}
+
+/// The names of the joints with a property.
+fn names(joints: &[&Joint], property: Property) -> Vec<String> {
+    let with = joints.iter().filter(|joint| property(joint));
+    with.map(|joint| joint.name.clone()).collect()
+}
+
+fn has_one_degree(joint: &Joint) -> bool {
+    !has_several_degrees(joint)
+}
+
+/// True if a limit element is there and has more than zeros.
+fn has_limits(limit: &JointLimit) -> bool {
+    let all = [limit.lower, limit.upper, limit.velocity, limit.effort];
+    all.iter().any(|x| *x != 0.0)
+}
+
+fn has_limits_of_rates(limit: &JointLimit) -> bool {
+    let all = [limit.acceleration, limit.deceleration, limit.jerk];
+    all.iter().any(|x| *x != f64::INFINITY)
 }
 
 /// The findings about links.

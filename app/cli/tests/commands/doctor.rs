@@ -169,8 +169,12 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
     let run = doctor(&folder, &["--package", "parts=there"]);
     let overlaps = "zero: arm and hand by 50.0 mm (excess 0.0 mm)\n";
     assert!(run.stdout.ends_with(overlaps), "{}", run.stdout);
+}
 
-    // A file with a fault that leaves no robot.
+/// Faults of a file that leave no robot, of an SRDF, and of what is no robot.
+#[test]
+fn faults_of_files_are_findings_or_bad_input() {
+    let folder = folder("doctor_faults", "floating");
     let heavy = ROBOT
         .replace("FLOAT", "revolute")
         .replace("mass value=\"1\"", "mass value=\"-1\"");
