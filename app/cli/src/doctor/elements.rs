@@ -81,7 +81,7 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
 
 /// The notes about limits and losses of the joints that move.
 fn notes(moving: &[&Joint]) -> [Option<Finding>; 8] {
-    let losses = "\"losses\": true (--losses)";
+    let losses = "\"losses\": true (--losses); {\"armature\": ...} adds rotor inertia, which a URDF does not have";
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";

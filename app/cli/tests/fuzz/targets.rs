@@ -229,7 +229,15 @@ pub fn srdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let (model, _) = parse_urdf_with(ROBOT, "robot.urdf", UrdfOptions::default())
         .map_err(unexpected("the robot"))?;
-    let read = Srdf::load(path, &model).and_then(|srdf| srdf.with_spheres(model));
+    let read = Srdf::load(path, &model).and_then(|srdf| {
+        for group in &srdf.groups {
+            let _ = srdf.joints_of_group(&group.name, &model, file);
+        }
+        for state in &srdf.states {
+            let _ = srdf.positions(state, &model, file);
+        }
+        srdf.with_spheres(model)
+    });
     match read {
         Ok(model) => evaluated(&model).map(|()| Outcome::Accepted),
         Err(error) => refused(file, &error),
