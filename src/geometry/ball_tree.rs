@@ -87,11 +87,11 @@ impl BallTree {
 }
 
 impl BallTree {
-    /// Returns true if balls of two trees overlap with the bodies at `placements`.
+    /// The least gap of balls of two trees with the bodies at `placements`, m; infinite without balls.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
-    pub fn overlaps(&self, other: &Self, placements: &[Placement<f64>]) -> Result<bool> {
+    pub fn gap(&self, other: &Self, placements: &[Placement<f64>]) -> Result<f64> {
         let place = placement_of(self.body, placements)?;
         let beside = placement_of(other.body, placements)?;
         let placed = |place: &Placement<f64>, ball: &Sphere| Sphere {
@@ -102,13 +102,15 @@ impl BallTree {
             let near = placed(&place, &self.nodes[i].bound);
             near.gap(&placed(&beside, &other.nodes[j].bound))
         };
-        let mut found = false;
+        let mut least = f64::INFINITY;
         self.search_pairs(other, gap, f64::lt, |pair, gap| {
-            let is_near = !found && *gap <= 0.0;
-            found |= is_near && self.below_pair(other, pair).is_none();
+            let is_near = *gap < least;
+            if is_near && self.below_pair(other, pair).is_none() {
+                least = *gap;
+            }
             is_near
         });
-        Ok(found)
+        Ok(least)
     }
 }
 

@@ -230,6 +230,13 @@ impl CollisionGeometry {
         all.map(|own| BallTree::new(&self.balls, own)).collect()
     }
 
+    /// The link of a tree; `None` if the balls belong to no links.
+    #[must_use]
+    pub fn link_of(&self, tree: &BallTree) -> Option<&str> {
+        let ball = tree.nodes.iter().find_map(|node| node.leaf)?;
+        self.links.get(ball).map(String::as_str)
+    }
+
     /// The indices of the balls of each link and body, in the order of the first ones.
     fn by_links(&self) -> Vec<Vec<usize>> {
         let mut known = HashMap::new();

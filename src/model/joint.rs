@@ -49,6 +49,12 @@ impl Limits {
         velocity: f64::INFINITY,
         effort: f64::INFINITY,
     };
+
+    /// The position within the limits that is nearest to `q`.
+    #[must_use]
+    pub fn nearest(&self, q: f64) -> f64 {
+        q.max(self.lower).min(self.upper)
+    }
 }
 
 /// A joint with one degree of freedom about or along any axis.

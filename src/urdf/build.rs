@@ -59,7 +59,9 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
         .with_frames(builder.frames)
         .with_collisions(builder.collisions)?
         .with_drives(drives)?;
-    model.check_regular(file)?;
+    if !builder.options.singular {
+        model.check_regular(file)?;
+    }
     Ok((model, builder.report))
 }
 
@@ -148,7 +150,7 @@ impl Builder<'_> {
         for (i, collision) in link.collision.iter().enumerate() {
             let name = collision_name(collision.name.as_deref(), i);
             let element = || format!("link '{}': {name}", link.name);
-            let shape = convert_shape(&collision.geometry);
+            let shape = convert_shape(&collision.geometry, &self.options.packages);
             self.collisions.push(Collision {
                 link: link.name.clone(),
                 body,
@@ -244,7 +246,7 @@ impl Builder<'_> {
             Mimic::Refuse => refuse(&format!(
                 "it mimics joint '{mimics}', which is not supported: a dependent joint has no force of its own; \
                  --mimic independent (in a scenario: \"mimic\": \"independent\", in code: Mimic::Independent) lets it \
-                 move by itself"
+                 move by itself, and a \"group\" of an SRDF holds it with its master"
             )),
             Mimic::Independent => {
                 self.report.push(LoadNote::Independent {

@@ -12,12 +12,12 @@ use urdf_rs::{
     LinkName, Mass, Mimic, Pose, Robot, Vec3,
 };
 
-/// Reads the `robot` element in `text`.
+/// Reads the `robot` element in `text`: links with their inertias and collision elements, and joints. Losses and limits
+/// of acceleration and jerk that are not numbers become NaN. `file` names the text in errors.
 ///
 /// # Errors
-/// The text is not such an element, or an attribute that the dynamics need is missing or not a number. The error names
-/// `file` and the link or joint.
-pub(super) fn read_robot(text: &str, file: &str) -> Result<Robot> {
+/// The text is not such an element, or another attribute is missing or not a number. The error names the link or joint.
+pub fn read_robot(text: &str, file: &str) -> Result<Robot> {
     let refuse = |condition: String| {
         let condition = format!("not a valid URDF: {condition}");
         Err(Error::input(file, "robot", condition))
@@ -166,28 +166,32 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
             upper: end("upper")?,
             velocity: number(limit, "velocity")?,
             effort: number(limit, "effort")?,
-            ..JointLimit::default()
+            acceleration: lenient(limit, "acceleration", f64::INFINITY),
+            deceleration: lenient(limit, "deceleration", f64::INFINITY),
+            jerk: lenient(limit, "jerk", f64::INFINITY),
         };
     }
     if let Some(mimic) = child(joint, "mimic")? {
         let joint = mimic.attribute("joint").ok_or("its mimic names no joint")?;
         read.mimic = Some(Mimic {
             joint: joint.to_owned(),
-            ..Mimic::default()
+            multiplier: optional(mimic, "multiplier")?.map(|[number]| number),
+            offset: optional(mimic, "offset")?.map(|[number]| number),
         });
     }
     if let Some(dynamics) = child(joint, "dynamics")? {
-        // They need not be numbers where losses do not count; NaN differs from zero and is noted, otherwise refused.
-        let loss = |name| match dynamics.attribute(name) {
-            Some(text) => text.trim().parse().unwrap_or(f64::NAN),
-            None => 0.0,
-        };
         read.dynamics = Some(Dynamics {
-            damping: loss("damping"),
-            friction: loss("friction"),
+            damping: lenient(dynamics, "damping", 0.0),
+            friction: lenient(dynamics, "friction", 0.0),
         });
     }
     Ok(read)
+}
+
+/// A number that need not be one where nobody asks for it: NaN is noted or refused where it is used.
+fn lenient(node: Node<'_, '_>, attribute: &str, default: f64) -> f64 {
+    let text = node.attribute(attribute);
+    text.map_or(default, |text| text.trim().parse().unwrap_or(f64::NAN))
 }
 
 /// Reads the optional origin of an element, both parts of which are optional.
@@ -270,8 +274,8 @@ pub(super) fn numbers<const COUNT: usize>(
 ) -> Read<[f64; COUNT]> {
     let element = node.tag_name().name();
     let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
-    let words: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    words
+    number_list(node, attribute)
+        .ok()
         .and_then(|words| words.try_into().ok())
         .ok_or_else(|| {
             let wanted = match COUNT {
@@ -280,4 +284,12 @@ pub(super) fn numbers<const COUNT: usize>(
             };
             format!("{attribute} of its {element} is '{text}', not {wanted}")
         })
+}
+
+/// Reads any number of numbers from an attribute.
+pub(super) fn number_list(node: Node<'_, '_>, attribute: &str) -> Read<Vec<f64>> {
+    let element = node.tag_name().name();
+    let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
+    let words: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    words.ok_or_else(|| format!("{attribute} of its {element} is '{text}', not numbers"))
 }

@@ -1,7 +1,7 @@
 //! Robots by name or by path.
 
 use super::read::expand_xacro;
-use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf_with};
+use super::{LoadReport, UrdfOptions, builtin_robot_text, parse_urdf_with, read_robot};
 use crate::error::Error;
 use crate::error::Result;
 use crate::input::is_standard_input;
@@ -9,6 +9,7 @@ use crate::input::read_named;
 use crate::model::Model;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use urdf_rs::Robot;
 
 /// Loads the built-in robot of this name, otherwise the one in the URDF file at this path, `-` for the standard input.
 ///
@@ -64,16 +65,29 @@ impl RobotSource {
         })
     }
 
+    /// The elements of the robot, in the types of `urdf-rs`.
+    ///
+    /// # Errors
+    /// Those of [`read_robot`].
+    pub fn elements(&self) -> Result<Robot> {
+        read_robot(&self.text, &self.name())
+    }
+
     /// Parses the robot with these options.
     ///
     /// # Errors
     /// Those of [`load_robot`].
     pub fn parse(&self, options: UrdfOptions) -> Result<(Model, LoadReport)> {
-        let name = match &self.place {
+        parse_urdf_with(&self.text, &self.name(), options)
+    }
+
+    /// The name of a built-in robot, otherwise the path of its file.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match &self.place {
             Place::BuiltIn(name) => name.clone(),
             Place::File(path) => path.display().to_string(),
-        };
-        parse_urdf_with(&self.text, &name, options)
+        }
     }
 
     /// The folder of the file, to which mesh paths are relative; the current one for the standard input and for

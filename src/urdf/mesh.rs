@@ -2,6 +2,7 @@
 
 use super::collada::read_collada;
 use super::elements::Read;
+use super::shapes::package_and_path;
 use crate::error::{Error, Result};
 use crate::geometry::Triangle;
 use crate::input::{read_bytes, read_text};
@@ -93,14 +94,14 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
 /// `share` of those of `AMENT_PREFIX_PATH`; or `PATH` in the package that `rospack` or `ros2 pkg` finds, in this order.
 /// Any other name is a path relative to `folder`.
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
-    let missing = || format!("there is no such file at '{}'", folder.display());
-    let Some(in_package) = file.strip_prefix("package://") else {
+    if !file.starts_with("package://") {
         let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
-        return path.is_file().then_some(path).ok_or_else(missing);
-    };
-    let in_package = in_package.trim_start_matches('/');
-    let (package, path) = in_package.split_once('/').ok_or("it has no path")?;
-    let absolute = std::path::absolute(folder).map_err(|e| e.to_string())?;
+        let missing = || format!("there is no such file at '{}'", path.display());
+        return path.is_file().then(|| path.clone()).ok_or_else(missing);
+    }
+    let (package, path) = package_and_path(file).ok_or("it has no path")?;
+    // The folder of a file without one in its path is empty.
+    let absolute = std::path::absolute(folder.join(".")).map_err(|e| e.to_string())?;
     let of_variable = |name| env::var_os(name).unwrap_or_default();
     let (ros, ament) = (
         of_variable("ROS_PACKAGE_PATH"),
@@ -111,7 +112,7 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     let folders = folders.chain(env::split_paths(&ament).map(|prefix| prefix.join("share")));
     let within = |above: PathBuf| {
         let own = above.ends_with(package).then(|| above.join(path));
-        [Some(above.join(in_package)), own]
+        [Some(above.join(package).join(path)), own]
     };
     if let Some(path) = folders
         .flat_map(within)
@@ -128,7 +129,9 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     }
     let by_ros = found.map_or_else(|e| e.to_string(), |found| format!("nor in '{found}'"));
     Err(format!(
-        "{} or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and AMENT_PREFIX_PATH {ament:?}, and {by_ros}",
-        missing()
+        "there is no such file at '{}' or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and \
+         AMENT_PREFIX_PATH {ament:?}, and {by_ros}; --package {package}=FOLDER (in a scenario: \"packages\": \
+         {{\"{package}\": FOLDER}}, in code: UrdfOptions::packages) says where it is",
+        absolute.display()
     ))
 }

@@ -1,7 +1,9 @@
 //! Options and notes of reading a robot.
 
 use super::Losses;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::path::PathBuf;
 
 /// The number of elements named in a summary of notes.
 const NAMED: usize = 3;
@@ -26,6 +28,11 @@ pub struct UrdfOptions {
     pub mimic: Mimic,
     /// The losses and the rotor inertia of the joints; `None` for rigid bodies alone.
     pub losses: Option<Losses>,
+    /// True to accept a robot whose mass matrix is singular, such as one whose joints will be locked.
+    pub singular: bool,
+    /// The folders of packages by their names, for the files that the URDF calls `package://NAME/PATH`: such a file is
+    /// `PATH` in that folder and nowhere else. A relative folder is relative to the current one.
+    pub packages: BTreeMap<String, PathBuf>,
 }
 
 /// A note on something that was accepted during loading but may matter.
@@ -87,6 +94,15 @@ impl LoadNote {
     #[must_use]
     pub fn bears_on_motion(&self) -> bool {
         !matches!(self, Self::Massless { .. } | Self::Merged { .. })
+    }
+
+    /// The joint concerned.
+    #[must_use]
+    pub fn joint(&self) -> Option<&str> {
+        match self.element() {
+            ("joint", name) => Some(name),
+            _ => None,
+        }
     }
 
     /// The kind and the name of the element concerned.

@@ -17,6 +17,22 @@ impl Model<f64> {
     /// # Errors
     /// Names the first faulty joint.
     pub fn check_regular(&self, file: &str) -> Result<()> {
+        match self.singular_joints()?.first() {
+            None => Ok(()),
+            Some((i, condition)) => {
+                let joint = format!("joint '{}'", self.joints()[*i].name());
+                Err(Error::input(file, joint, *condition))
+            }
+        }
+    }
+
+    /// The joints that make the mass matrix singular, each with the reason, by the test of
+    /// [`check_regular`](Self::check_regular): those that move nothing with inertia about them from the last to the
+    /// first, otherwise the first that moves nothing otherwise than those before it. Cost O(N^3).
+    ///
+    /// # Errors
+    /// None on a model that was built.
+    pub fn singular_joints(&self) -> Result<Vec<(usize, &'static str)>> {
         let n = self.dof();
         let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
         let mut h = DMatrix::zeros(n, n);
@@ -25,16 +41,18 @@ impl Model<f64> {
         let totals = self.subtree_inertias(&q)?;
         let condition = "nothing that it moves has inertia about it, so the mass matrix is singular; rotor inertia \
             (in a scenario: \"losses\": {\"armature\": ...}) would make it regular";
-        for i in (0..n).rev() {
-            self.check_pivot(i, h[(i, i)], totals[i], file, condition)?;
+        let counts = |own: f64, total: f64| own.abs() > 1e-12 * total.abs();
+        let massless = (0..n).rev().filter(|i| !counts(h[(*i, *i)], totals[*i]));
+        let massless: Vec<_> = massless.map(|i| (i, condition)).collect();
+        if !massless.is_empty() {
+            return Ok(massless);
         }
         let mut ldlt = Ldlt::new(n);
         ldlt.factorise(&h);
         let condition = "it moves nothing that the joints before it do not move alike, so the mass matrix is singular";
-        for (i, pivot) in ldlt.pivots().enumerate() {
-            self.check_pivot(i, pivot, h[(i, i)], file, condition)?;
-        }
-        Ok(())
+        let mut pivots = ldlt.pivots().enumerate();
+        let alike = pivots.find(|(i, pivot)| !counts(*pivot, h[(*i, *i)]));
+        Ok(alike.map(|(i, _)| (i, condition)).into_iter().collect())
     }
 
     /// Per joint, the mass of its subtree if it is prismatic, otherwise the trace of the rotational inertia of its
@@ -60,24 +78,5 @@ impl Model<f64> {
             JointKind::Revolute | JointKind::Continuous => trace,
         };
         Ok(self.joints().iter().zip(sums).map(total).collect())
-    }
-
-    /// Checks that `own` is not negligible relative to `total`.
-    fn check_pivot(
-        &self,
-        i: usize,
-        own: f64,
-        total: f64,
-        file: &str,
-        condition: &str,
-    ) -> Result<()> {
-        if own.abs() > 1e-12 * total.abs() {
-            return Ok(());
-        }
-        Err(Error::input(
-            file,
-            format!("joint '{}'", self.joints()[i].name()),
-            condition,
-        ))
     }
 }

@@ -5,6 +5,8 @@ use crate::error::plain;
 use crate::geometry::Shape;
 use crate::model::CollisionShape;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::path::{PathBuf, absolute};
 use urdf_rs::Geometry;
 
 /// A collision element in messages: its name, or its position among those of the link, from 1 on.
@@ -15,8 +17,12 @@ pub(super) fn collision_name(name: Option<&str>, index: usize) -> String {
     )
 }
 
-/// Converts a geometry, the sizes of which must be positive and finite.
-pub(super) fn convert_shape(geometry: &Geometry) -> Read<CollisionShape> {
+/// Converts a geometry, the sizes of which must be positive and finite. `packages` are those of
+/// [`UrdfOptions`](super::UrdfOptions).
+pub(super) fn convert_shape(
+    geometry: &Geometry,
+    packages: &BTreeMap<String, PathBuf>,
+) -> Read<CollisionShape> {
     let positive = |element: &str, attribute: &str, value: f64| {
         if value.is_finite() && value > 0.0 {
             return Ok(value);
@@ -57,9 +63,28 @@ pub(super) fn convert_shape(geometry: &Geometry) -> Read<CollisionShape> {
                 return Err("scale of its mesh has a number that is zero or not finite".to_owned());
             }
             return Ok(CollisionShape::Mesh {
-                file: file.to_owned(),
+                file: in_package(file, packages)?,
                 scale,
             });
         }
     }))
+}
+
+/// The path of a file in a package whose folder is given, otherwise its name as the URDF has it.
+fn in_package(file: &str, packages: &BTreeMap<String, PathBuf>) -> Read<String> {
+    let found =
+        package_and_path(file).and_then(|(package, path)| Some(packages.get(package)?.join(path)));
+    Ok(match found {
+        Some(path) => {
+            let path = absolute(path).map_err(|e| e.to_string())?;
+            path.to_string_lossy().into_owned()
+        }
+        None => file.to_owned(),
+    })
+}
+
+/// The package and the path in it that a file name `package://NAME/PATH`, or `package:///NAME/PATH`, consists of.
+pub(super) fn package_and_path(file: &str) -> Option<(&str, &str)> {
+    let in_package = file.strip_prefix("package://")?;
+    in_package.trim_start_matches('/').split_once('/')
 }

@@ -1,6 +1,7 @@
-//! Collision data from an SRDF.
+//! Collision data and groups of joints from an SRDF.
 
 use super::elements::{Read, number, numbers};
+use super::group::{Group, GroupState, read_group, read_state};
 use crate::error::{Error, Result, plain};
 use crate::geometry::{Shape, Sphere};
 use crate::input::read_text;
@@ -10,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
 use std::path::Path;
 
-/// The collision parts of an SRDF, MoveIt's companion of a URDF.
+/// An SRDF, MoveIt's companion of a URDF.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
     /// The pairs of links that are not checked for collisions.
@@ -18,6 +19,12 @@ pub struct Srdf {
     /// Links with the spheres that represent their shapes, each in the frame of its link; an empty list for a link
     /// without a collision shape.
     pub spheres: Vec<(String, Vec<Sphere>)>,
+    /// The groups of joints.
+    pub groups: Vec<Group>,
+    /// The named states of groups.
+    pub states: Vec<GroupState>,
+    /// The names of the joints between the world and the base, which do not move here.
+    pub virtual_joints: Vec<String>,
 }
 
 /// Two links that are not checked for collisions.
@@ -38,12 +45,12 @@ impl Srdf {
         Self::parse(&read_text(path)?, &path.display().to_string(), model)
     }
 
-    /// Parses the SRDF in `text` for the robot `model`; `file` names it in errors. Groups, states and end effectors are
-    /// ignored.
+    /// Parses the SRDF in `text` for the robot `model`; `file` names it in errors. End effectors and passive joints are
+    /// ignored; names in groups and states are looked up when these are used.
     ///
     /// # Errors
     /// Names the file and the element: text that is not an SRDF, a link that is missing or unknown to the robot, an
-    /// invalid number, a negative radius, or two lists of spheres for one link.
+    /// invalid number, a negative radius, two lists of spheres for one link, or a group or state without a name.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
         let refuse = |condition: String| {
             let condition = format!("not a valid SRDF: {condition}");
@@ -82,6 +89,12 @@ impl Srdf {
                         return Err(named(format!("link '{link}' has spheres already")));
                     }
                     srdf.spheres.push((link, spheres(node).map_err(named)?));
+                }
+                "group" => srdf.groups.push(read_group(node).map_err(named)?),
+                "group_state" => srdf.states.push(read_state(node).map_err(named)?),
+                "virtual_joint" => {
+                    let name = node.attribute("name").unwrap_or_default();
+                    srdf.virtual_joints.push(name.to_owned());
                 }
                 _ => {}
             }

@@ -6,6 +6,8 @@ use super::shapes::convert_shape;
 use crate::model::CollisionShape;
 use crate::spatial::Placement;
 use roxmltree::{Document, Node};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// A visual shape of a link.
 #[derive(Clone, Debug)]
@@ -21,8 +23,11 @@ pub struct Visual {
 }
 
 /// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of omitted ones
-/// in words: no motion depends on them.
-pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
+/// in words: no motion depends on them. `packages` are those of [`UrdfOptions`](super::UrdfOptions).
+pub fn read_visuals(
+    text: &str,
+    packages: &BTreeMap<String, PathBuf>,
+) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
     let Ok(document) = Document::parse(text) else {
         return (visuals, vec!["the text is no XML".to_owned()]);
@@ -32,7 +37,7 @@ pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
         let name = link.attribute("name").unwrap_or_default();
         let elements = link.children().filter(|c| c.has_tag_name("visual"));
         for (i, visual) in elements.enumerate() {
-            match read_visual(root, name, visual) {
+            match read_visual(root, name, visual, packages) {
                 Ok(visual) => visuals.push(visual),
                 Err(fault) => faults.push(format!("link '{name}': visual {}: {fault}", i + 1)),
             }
@@ -41,11 +46,16 @@ pub fn read_visuals(text: &str) -> (Vec<Visual>, Vec<String>) {
     (visuals, faults)
 }
 
-fn read_visual(robot: Node<'_, '_>, link: &str, visual: Node<'_, '_>) -> Read<Visual> {
+fn read_visual(
+    robot: Node<'_, '_>,
+    link: &str,
+    visual: Node<'_, '_>,
+    packages: &BTreeMap<String, PathBuf>,
+) -> Read<Visual> {
     Ok(Visual {
         link: link.to_owned(),
         placement: convert_pose(&read_origin(visual)?)?,
-        shape: convert_shape(&read_geometry(visual)?)?,
+        shape: convert_shape(&read_geometry(visual)?, packages)?,
         color: color(robot, visual)?,
     })
 }

@@ -84,7 +84,7 @@ proptest! {
     }
 
     #[test]
-    fn overlaps_are_those_of_the_balls(first in balls(Some(4)), second in balls(Some(1)), shrunk in 0.05..1.0) {
+    fn the_gap_is_the_least_of_the_balls(first in balls(Some(4)), second in balls(Some(1)), shrunk in 0.05..1.0) {
         let model = robot("kinova_gen3");
         let mut placements = vec![Placement::identity(); model.dof()];
         forward_kinematics(&model, &vec![0.3; model.dof()], &mut placements).expect("lengths agree");
@@ -94,10 +94,10 @@ proptest! {
             let place = &placements[ball.body.expect("it is on a body")];
             Sphere { centre: place.rotation * ball.centre + place.translation, radius: ball.radius }
         };
-        let any = first.iter().any(|x| second.iter().any(|y| placed(x).gap(&placed(y)) <= 0.0));
-        let found = tree(&first).overlaps(&tree(&second), &placements).expect("there is a placement");
-        prop_assert_eq!(found, any);
-        let nowhere = tree(&first).overlaps(&tree(&second), &placements[..2]);
+        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| placed(x).gap(&placed(y))));
+        let found = tree(&first).gap(&tree(&second), &placements).expect("there is a placement");
+        prop_assert_eq!(found, pairs.fold(f64::INFINITY, f64::min));
+        let nowhere = tree(&first).gap(&tree(&second), &placements[..2]);
         prop_assert!(nowhere.is_err_and(|e| e.to_string().contains("placements")));
     }
 }

@@ -3,7 +3,7 @@
 use crate::python::share;
 use aghf::dynamics::{Data, rnea};
 use aghf::urdf::Mimic;
-use aghf_scenario::{Scenario, ScenarioFile};
+use aghf_scenario::{LoadOptions, Scenario, ScenarioFile};
 
 /// Arms, legs, a hand and humanoids.
 const ROBOTS: [&str; 12] = [
@@ -43,11 +43,15 @@ fn the_line_of_a_generated_scenario_keeps_the_limits_of_any_robot() {
     for robot in ROBOTS {
         let path = share("example-robot-data/robots").join(robot);
         let path = path.to_str().expect("it is text");
+        let given = LoadOptions {
+            robot: Some(path.to_owned()),
+            mimic: Some(Mimic::Independent),
+            ..LoadOptions::default()
+        };
         for seed in 1..=3 {
             let name = format!("limits_{seed:02}");
             let Scenario { file, model, .. } =
-                Scenario::load_for(&name, Some(path), Some(Mimic::Independent))
-                    .unwrap_or_else(|e| panic!("{robot}: {e}"));
+                Scenario::load_for(&name, &given).unwrap_or_else(|e| panic!("{robot}: {e}"));
             let mut data = Data::new(&model);
             let mut tau = vec![0.0; model.dof()];
             let mut fastest = 0.0_f64;
@@ -72,8 +76,8 @@ fn the_line_of_a_generated_scenario_keeps_the_limits_of_any_robot() {
             );
 
             let name = format!("limits_obstacle_{seed:02}");
-            let scenario = Scenario::load_for(&name, Some(path), Some(Mimic::Independent))
-                .unwrap_or_else(|e| panic!("{robot}: {e}"));
+            let scenario =
+                Scenario::load_for(&name, &given).unwrap_or_else(|e| panic!("{robot}: {e}"));
             let clearance = |configurations: &[Vec<f64>]| {
                 let all = configurations.iter().map(Vec::as_slice);
                 let smallest = scenario.smallest_clearance(all);

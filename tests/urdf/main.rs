@@ -8,10 +8,12 @@ mod build;
 mod builtin;
 mod collada;
 mod elements;
+mod group;
 mod limits;
 #[cfg(unix)]
 mod load;
 mod losses;
+mod mimic;
 mod options;
 mod read;
 mod refused;

@@ -4,8 +4,10 @@ use aghf::dynamics::forward_kinematics;
 use aghf::geometry::Shape;
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
-use aghf::urdf::parse_urdf;
+use aghf::urdf::{UrdfOptions, load_mesh, parse_urdf, parse_urdf_with, read_visuals};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// `base` carries `arm`, to which `tool` is fixed, which carries `finger`: each with a shape, `tool` with two.
 pub const ROBOT: &str = r#"<robot name="shapes">
@@ -166,4 +168,56 @@ fn shapes_that_no_urdf_can_say_are_refused() {
         .expect_err("arm moves")
         .to_string();
     assert!(error.contains("link 'arm'"), "{error}");
+}
+
+#[test]
+fn files_in_packages_whose_folder_is_given_are_there_and_nowhere_else() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("given_packages");
+    let given = folder.join("elsewhere");
+    let above = folder.join("hand");
+    for (package, x) in [(&given, 1.0), (&above, 2.0)] {
+        std::fs::create_dir_all(package).expect("it is writable");
+        let text = format!("v {x} 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+        std::fs::write(package.join("both.obj"), text).expect("it is writable");
+    }
+    std::fs::write(above.join("one.obj"), "").expect("it is writable");
+    let packages = BTreeMap::from([("hand".to_owned(), given.clone())]);
+    let read = |name: &str, packages: &BTreeMap<String, PathBuf>| {
+        let text = ROBOT.replace("package://hand/finger.stl", name);
+        let options = UrdfOptions {
+            packages: packages.clone(),
+            ..UrdfOptions::default()
+        };
+        let (model, _) = parse_urdf_with(&text, "shapes.urdf", options).expect("it is good");
+        let (visuals, faults) = read_visuals(&text.replace("collision", "visual"), packages);
+        assert!(faults.is_empty(), "{faults:?}");
+        let last = &model.collisions().last().expect("it has four").shape;
+        let visual = visuals.iter().find(|visual| visual.link == "finger");
+        assert_eq!(&visual.expect("it has one").shape, last);
+        match last {
+            CollisionShape::Mesh { file, .. } => file.clone(),
+            solid => panic!("{solid:?}"),
+        }
+    };
+    let one = Vector3::repeat(1.0);
+    for name in ["package://hand/both.obj", "package:///hand/both.obj"] {
+        for (packages, x) in [(&packages, 1.0), (&BTreeMap::new(), 2.0)] {
+            let file = read(name, packages);
+            assert_eq!(load_mesh(&file, &folder, &one).expect(name)[0][0].x, x);
+        }
+    }
+    let error = load_mesh(&read("package://hand/one.obj", &packages), &folder, &one);
+    let error = error.expect_err("it is in the other one").to_string();
+    let path = given.join("one.obj").display().to_string();
+    assert!(
+        error.contains("no such file at") && error.contains(&path),
+        "{error}"
+    );
+    assert_eq!(
+        read("package://arm/both.obj", &packages),
+        "package://arm/both.obj"
+    );
+    let error = load_mesh("package://arm/both.obj", &folder, &one).expect_err("nowhere");
+    let words = "--package arm=FOLDER (in a scenario: \"packages\": {\"arm\": FOLDER}";
+    assert!(error.to_string().contains(words), "{error}");
 }

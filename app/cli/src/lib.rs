@@ -2,6 +2,7 @@
 
 pub mod benchmark;
 pub mod commands;
+pub mod doctor;
 pub mod export;
 pub mod guide;
 pub mod output;

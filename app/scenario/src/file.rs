@@ -1,32 +1,30 @@
 //! Reading a scenario.
 
-use super::builtin::builtin_scenario;
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
-use super::generate::generate_for;
-use super::json::{numbers_by_name, read_json};
+use super::group::hold_others;
+use super::json::{by_name, read_json};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
-use super::provenance::is_summary;
 use super::scene::scene;
 use super::schema::{FeedbackKeys, one_of};
 use super::self_collision::in_full;
-use super::{EnforcedLimits, IgnoredPair, SolveOptions, Solved};
+use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
-use aghf::input::{name_of, read_named};
+use aghf::input::name_of;
 use aghf::model::{Model, Reduced};
 use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf, absolute};
 
 /// A scenario as written in a file. Angles in rad, lengths in m, times in s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -37,14 +35,34 @@ pub struct ScenarioFile {
     pub schema: Option<String>,
     /// The name of a built-in robot, or the path of a URDF file relative to the scenario file.
     pub robot: String,
+    /// The folders of packages by their names, relative to the scenario file, for meshes `package://NAME/PATH`; others
+    /// are searched for.
+    #[serde(
+        default,
+        deserialize_with = "by_name",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub packages: BTreeMap<String, PathBuf>,
     /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
     pub mimic: Mimic,
+    /// The path of an SRDF relative to the scenario file, for `group`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub srdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints are planned. All others are locked: where `locked_joints` says, otherwise in
+    /// `held_state`, otherwise, a mimic joint, where its master takes it, otherwise as close to zero as their limits
+    /// allow. A scenario that was read has these as `locked_joints`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// The name of a state in the SRDF where joints outside of the group are held; it may have one for each of several
+    /// groups.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_state: Option<String>,
     /// The locked joints with their positions; they are not among the `N` joints of the keys below.
     #[serde(
         default,
-        deserialize_with = "numbers_by_name",
+        deserialize_with = "by_name",
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub locked_joints: BTreeMap<String, f64>,
@@ -147,64 +165,10 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Loads the scenario that is built in or generated under this name, otherwise the one in the file at this path.
-    ///
-    /// # Errors
-    /// Names the file, the key and the fault.
-    pub fn load(name_or_path: &str) -> Result<Self> {
-        Self::load_for(name_or_path, None, None)
-    }
-
-    /// Loads as [`load`](Self::load) does, with another robot (for families of generated scenarios that accept any) or
-    /// another treatment of mimic joints.
-    ///
-    /// # Errors
-    /// Those of [`load`](Self::load), and a robot given for a scenario that names its own.
-    pub fn load_for(name_or_path: &str, robot: Option<&str>, mimic: Option<Mimic>) -> Result<Self> {
-        let (scenario, _) = Self::load_with_options(name_or_path, robot, mimic)?;
-        Ok(scenario)
-    }
-
-    /// Loads as [`load_for`](Self::load_for) does, together with the options of the solve if the file is a summary;
-    /// default options otherwise.
-    ///
-    /// # Errors
-    /// Those of [`load_for`](Self::load_for), and of [`Solved::load`] for a summary.
-    pub fn load_with_options(
-        name_or_path: &str,
-        robot: Option<&str>,
-        mimic: Option<Mimic>,
-    ) -> Result<(Self, SolveOptions)> {
-        let options = SolveOptions::default();
-        if let Some(generated) = generate_for(name_or_path, robot, mimic.unwrap_or_default()) {
-            let scenario = Self::new(generated?, name_or_path, Path::new(""))?;
-            return Ok((scenario, options));
-        }
-        if robot.is_some() {
-            let condition = "the scenario names its robot; only generated ones can be for another";
-            return Err(Error::input(name_or_path, "robot", condition));
-        }
-        let path = Path::new(name_or_path);
-        let (text, folder) = match builtin_scenario(name_or_path) {
-            Some(text) => (text.to_owned(), Path::new("")),
-            None => (
-                read_named(path, "scenario")?,
-                path.parent().unwrap_or(Path::new("")),
-            ),
-        };
-        if is_summary(&text) {
-            let solved = Solved::parse(&text, name_or_path, mimic)?;
-            return Ok((solved.scenario, solved.summary.provenance.options));
-        }
-        let mut file: ScenarioFile = read_json(&text, name_or_path)?;
-        file.mimic = mimic.unwrap_or(file.mimic);
-        Ok((Self::new(file, name_or_path, folder)?, options))
-    }
-
     /// Parses a scenario from JSON text. `path` and `folder` are as in [`new`](Self::new).
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Those of [`load`](Self::load).
     pub fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         Self::new(read_json(text, path)?, path, folder)
     }
@@ -216,13 +180,22 @@ impl Scenario {
     /// As [`load`](Self::load).
     pub fn new(mut file: ScenarioFile, path: &str, folder: &Path) -> Result<Self> {
         let refuse = |element: &str, condition: String| Err(Error::input(path, element, condition));
+        for package in file.packages.values_mut() {
+            let found = absolute(folder.join(&package));
+            *package = found.map_err(|e| Error::input(path, "packages", e.to_string()))?;
+        }
         let options = UrdfOptions {
-            mimic: file.mimic,
+            mimic: match file.group {
+                Some(_) => Mimic::Independent,
+                None => file.mimic,
+            },
             losses: file.losses.options(),
+            singular: true,
+            packages: file.packages.clone(),
         };
         let of_robot = |e: Error| Error::input(path, "robot", e.to_string());
         let source = RobotSource::find(&file.robot, folder).map_err(of_robot)?;
-        let (mut robot, load_notes) = source.parse(options).map_err(of_robot)?;
+        let (mut robot, mut load_notes) = source.parse(options).map_err(of_robot)?;
         let robot_place = source.absolute().map_err(of_robot)?;
         let robot_xxh64 = twox_hash::XxHash64::oneshot(0, source.text.as_bytes());
         if let Some(given) = file.self_collision.take() {
@@ -230,6 +203,9 @@ impl Scenario {
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
             file.self_collision = Some(read);
         }
+        hold_others(&mut file, &robot, &source, folder, path)?;
+        let held = |joint: &str| file.locked_joints.contains_key(joint);
+        load_notes.retain(|note| !note.joint().is_some_and(held));
         let load = match &file.payload {
             Some(payload) => payload.attach(&mut robot, path)?,
             None => None,
@@ -244,7 +220,13 @@ impl Scenario {
             path,
         )?;
         let (scene, overlapping) = found;
-        let model = locked.map_or(robot, |reduced| reduced.model);
+        let model = match locked {
+            Some(reduced) => reduced.model,
+            None => {
+                robot.check_regular(&source.name()).map_err(of_robot)?;
+                robot
+            }
+        };
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -295,6 +277,7 @@ impl Scenario {
         Chebyshev::check_degree(file.flow.degree)
             .map_err(|condition| Error::input(path, "flow.degree", condition))?;
         check_objective(&file, model.dof(), path)?;
+        (file.enforced_limits).read(&model, &source, folder, path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;
         Ok(Self {

@@ -2,10 +2,11 @@
 
 use aghf::error::{Error, Result};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, Visitor};
-use serde::{Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::marker::PhantomData;
 
 /// Reads a value from JSON; an error names the faulty key. `file` names the text.
 pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
@@ -91,31 +92,31 @@ fn list_for_object(given: &Value, read: &Value) -> Option<String> {
     }
 }
 
-/// Reads an object of numbers and refuses repeated keys, of which serde would silently keep the last.
-pub(super) fn numbers_by_name<'de, D: Deserializer<'de>>(
+/// Reads an object of values and refuses repeated keys, of which serde would silently keep the last.
+pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
-) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
-    struct Numbers;
-    impl<'de> Visitor<'de> for Numbers {
-        type Value = BTreeMap<String, f64>;
+) -> std::result::Result<BTreeMap<String, T>, D::Error> {
+    struct Values<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Values<T> {
+        type Value = BTreeMap<String, T>;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("an object of numbers")
+            f.write_str("an object of values by their names")
         }
 
         fn visit_map<A: MapAccess<'de>>(
             self,
             mut map: A,
         ) -> std::result::Result<Self::Value, A::Error> {
-            let mut numbers = BTreeMap::new();
-            while let Some((name, number)) = map.next_entry::<String, f64>()? {
-                if numbers.contains_key(&name) {
+            let mut values = BTreeMap::new();
+            while let Some((name, value)) = map.next_entry::<String, T>()? {
+                if values.contains_key(&name) {
                     return Err(A::Error::custom(format!("duplicate field `{name}`")));
                 }
-                numbers.insert(name, number);
+                values.insert(name, value);
             }
-            Ok(numbers)
+            Ok(values)
         }
     }
-    deserializer.deserialize_map(Numbers)
+    deserializer.deserialize_map(Values(PhantomData))
 }

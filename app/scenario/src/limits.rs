@@ -1,7 +1,6 @@
 //! The joint limits that act as constraints.
 
-use super::objective::PerJoint;
-use super::{Limit, Scenario};
+use super::{Limit, RateLimits, Scenario};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
 };
@@ -27,10 +26,10 @@ pub struct EnforcedLimits {
     pub torque: Enforced,
     /// For the relaxation: the largest accelerations, rad/s^2 or m/s^2; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub acceleration: Option<PerJoint>,
+    pub acceleration: Option<RateLimits>,
     /// For the relaxation: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub jerk: Option<PerJoint>,
+    pub jerk: Option<RateLimits>,
 }
 
 /// The enforced part of one kind of limit.
@@ -116,20 +115,8 @@ impl EnforcedLimits {
     /// Refuses invalid shares and limits, and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
         for (key, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
-            let Some(limits) = limits else { continue };
-            let key = format!("enforced_limits.{key}");
-            let all = limits.all(model.dof());
-            if all.len() != model.dof() {
-                let (found, needed) = (all.len(), model.dof());
-                let condition = format!("it has {found} entries, {needed} are needed");
-                return Err(Error::input(path, key, condition));
-            }
-            if let Some(limit) = all
-                .iter()
-                .find(|limit| !(limit.is_finite() && **limit > 0.0))
-            {
-                let condition = format!("it is {}, a positive number is needed", plain(*limit));
-                return Err(Error::input(path, key, condition));
+            if let Some(limits) = limits {
+                limits.check(model.dof(), &format!("enforced_limits.{key}"), path)?;
             }
         }
         for limit in Limit::OF_JOINTS {

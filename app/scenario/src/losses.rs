@@ -1,6 +1,6 @@
 //! The losses and the rotor inertia of the robot of a scenario.
 
-use super::json::numbers_by_name;
+use super::json::by_name;
 use aghf::urdf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub enum JointNumbers {
     /// The same number for all joints.
     Same(f64),
     /// Numbers by the names of joints.
-    Named(#[serde(deserialize_with = "numbers_by_name")] BTreeMap<String, f64>),
+    Named(#[serde(deserialize_with = "by_name")] BTreeMap<String, f64>),
 }
 
 impl Default for Losses {

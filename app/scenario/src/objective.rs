@@ -62,14 +62,6 @@ impl PerJoint {
             Self::Each(numbers) => numbers.clone(),
         }
     }
-
-    /// The number of a joint.
-    pub(super) fn of(&self, joint: usize) -> Option<f64> {
-        match self {
-            Self::Same(number) => Some(*number),
-            Self::Each(numbers) => numbers.get(joint).copied(),
-        }
-    }
 }
 
 aghf::names::named_enum! {

@@ -1,11 +1,10 @@
 //! All inputs of a solve, so that it can be repeated.
 
 use super::json::read_json;
-use super::{Scenario, ScenarioFile, SolveOptions, Summary};
+use super::{LoadOptions, Scenario, ScenarioFile, SolveOptions, Summary};
 use aghf::curve::Curve;
 use aghf::error::{Error, Result};
 use aghf::input::read_named;
-use aghf::urdf::Mimic;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -25,7 +24,7 @@ pub struct Provenance {
     pub robot_xxh64: String,
     /// The options, defaults filled in.
     pub options: SolveOptions,
-    /// The scenario. Its robot is built in, or at an absolute path.
+    /// The scenario. Its robot is built in, or at an absolute path, as packages are.
     pub scenario: ScenarioFile,
 }
 
@@ -75,15 +74,15 @@ impl Solved {
             let condition = "it is missing, so this is no summary of a solve";
             return Err(Error::input(path, KEY, condition));
         }
-        Self::parse(&text, path, None)
+        Self::parse(&text, path, &LoadOptions::default())
     }
 
-    /// Parses the summary of a solve, with another treatment of mimic joints if given; `path` names it in errors.
-    pub(super) fn parse(text: &str, path: &str, mimic: Option<Mimic>) -> Result<Self> {
+    /// Parses the summary of a solve, with what is given beside it; `path` names it in errors.
+    pub(super) fn parse(text: &str, path: &str, given: &LoadOptions) -> Result<Self> {
         let summary: Summary = read_json(text, path)?;
         let (name, provenance) = (&summary.scenario, &summary.provenance);
         let mut file = provenance.scenario.clone();
-        file.mimic = mimic.unwrap_or(file.mimic);
+        given.apply(&mut file)?;
         let mut scenario = Scenario::new(file, path, Path::new(""))?;
         scenario.name = match Path::new(name).file_name() {
             Some(name) => name.to_string_lossy().into_owned(),

@@ -10,6 +10,7 @@ use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::load_mesh;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// The largest number of balls that cover a robot: with one sphere obstacle the search then takes 130 MB at degree 16.
@@ -38,11 +39,14 @@ fn cover_with(
     }
     let mut geometry = CollisionGeometry::default();
     let all = || model.collisions().iter().chain(load);
-    for collision in all() {
-        for ball in balls(model, collision, folder, excess)? {
-            geometry.links.push(collision.link.clone());
-            geometry.balls.push(ball);
-        }
+    let shapes: Vec<_> = all().collect();
+    let covers = shapes.par_iter();
+    let covers = covers.map(|shape| balls(model, shape, folder, excess));
+    for (shape, cover) in shapes.iter().zip(covers.collect::<Result<Vec<_>>>()?) {
+        geometry
+            .links
+            .extend(cover.iter().map(|_| shape.link.clone()));
+        geometry.balls.extend(cover);
     }
     let is_sphere = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));
     let are_spheres = all().all(is_sphere);

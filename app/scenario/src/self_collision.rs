@@ -171,11 +171,8 @@ impl<'a> Links<'a> {
 
     /// The names of the links of two trees, sorted.
     fn names(&self, pair: [usize; 2]) -> [String; 2] {
-        let mut names = pair.map(|i| {
-            let mut leaves = self.trees[i].nodes.iter().filter_map(|node| node.leaf);
-            let link = leaves.next().and_then(|ball| self.robot.links.get(ball));
-            link.cloned().unwrap_or_default()
-        });
+        let link = |i: usize| self.robot.link_of(&self.trees[i]);
+        let mut names = pair.map(|i| link(i).unwrap_or_default().to_owned());
         names.sort_unstable();
         names
     }
@@ -201,7 +198,7 @@ impl<'a> Links<'a> {
             let mut still = Vec::new();
             for pair in pairs {
                 let [first, second] = pair.map(|i| &self.trees[i]);
-                if first.overlaps(second, &placements)? {
+                if first.gap(second, &placements)? <= 0.0 {
                     still.push(pair);
                 }
             }

@@ -4,6 +4,7 @@ use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of};
 use aghf::urdf::Mimic;
 use aghf_scenario::{MoveIt, MoveItHorizon, Scenario};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The largest distance by which balls may stick out that cover shapes other than spheres, m.
@@ -43,11 +44,16 @@ impl Problem {
 ///
 /// The folder contains scenarios, `FAMILY_NUMBER.json`; or, directly or in `problems`, one folder per family, `FAMILY`
 /// or `FAMILY_ROBOT`, with MoveIt's scenes and requests, `sceneNUMBER.yaml` and `requestNUMBER.yaml`, and next to them
-/// the SRDF `ROBOT.srdf`. `robot` is a built-in name or the path of a URDF file; scenarios name their robot.
+/// the SRDF `ROBOT.srdf`. `robot` is a built-in name or the path of a URDF file
+/// with meshes in `packages`; scenarios name their robot.
 ///
 /// # Errors
 /// The folder cannot be read, contains neither, or a request is missing.
-pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
+pub fn problems(
+    folder: &Path,
+    robot: &str,
+    packages: &BTreeMap<String, PathBuf>,
+) -> Result<Vec<Problem>> {
     let mut found = Vec::new();
     for path in entries(folder)? {
         if path.extension().is_some_and(|ending| ending == "json") {
@@ -72,7 +78,7 @@ pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
         };
         for family in entries(&of_families)? {
             if family.is_dir() {
-                found.extend(of_moveit(&family, robot, &srdf)?);
+                found.extend(of_moveit(&family, (robot, packages), &srdf)?);
             }
         }
     }
@@ -88,7 +94,11 @@ pub fn problems(folder: &Path, robot: &str) -> Result<Vec<Problem>> {
 }
 
 /// The problems of a family in MoveIt's files.
-fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
+fn of_moveit(
+    folder: &Path,
+    (robot, packages): (&str, &BTreeMap<String, PathBuf>),
+    srdf: &Path,
+) -> Result<Vec<Problem>> {
     let name = folder
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());
@@ -114,6 +124,7 @@ fn of_moveit(folder: &Path, robot: &str, srdf: &Path) -> Result<Vec<Problem>> {
             scene,
             request,
             urdf: robot.to_owned(),
+            packages: packages.clone(),
             mimic: Mimic::default(),
             srdf: srdf.is_file().then(|| srdf.to_owned()),
             excess: EXCESS,

@@ -1,6 +1,6 @@
 //! `aghf benchmark`.
 
-use super::{CHECK_FAILED, print, tell};
+use super::{CHECK_FAILED, PackageArgs, print, tell};
 use crate::benchmark::{End, families, problems, run, table};
 use crate::output::write_text;
 use aghf::error::{Error, Result};
@@ -27,6 +27,8 @@ pub(super) struct Benchmark {
     /// The robot of scenes and requests: a built-in name, or the path of a URDF file.
     #[arg(long, default_value = "panda")]
     robot: String,
+    #[command(flatten)]
+    packages: PackageArgs,
     /// The folder for results.csv and table.md.
     #[arg(long, default_value = "out/benchmark")]
     out: PathBuf,
@@ -42,7 +44,7 @@ impl Benchmark {
                 condition,
             ));
         }
-        let problems = problems(&self.folder, &self.robot)?;
+        let problems = problems(&self.folder, &self.robot, &self.packages.folders())?;
         std::fs::create_dir_all(&self.out).map_err(|error| Error::io(&self.out, error))?;
         let (results, summary) = (self.out.join("results.csv"), self.out.join("table.md"));
         let rows = run(&problems, &results, &mut |row| {

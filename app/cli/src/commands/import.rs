@@ -1,7 +1,7 @@
 //! `aghf import`.
 
 use super::choice::choice;
-use super::{print, tell};
+use super::{PackageArgs, print, tell};
 use crate::output::{refuse_existing, write_json, write_text};
 use aghf::error::Result;
 use aghf::urdf::Mimic;
@@ -46,6 +46,8 @@ struct FromMoveIt {
     /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
     #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
     excess: f64,
+    #[command(flatten)]
+    packages: PackageArgs,
     /// Horizon, s [default: free].
     #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
     horizon: Option<f64>,
@@ -80,6 +82,7 @@ impl FromMoveIt {
             request: self.request,
             urdf: self.urdf,
             mimic: self.mimic,
+            packages: self.packages.folders(),
             srdf: self.srdf,
             excess: self.excess,
             horizon,

@@ -4,6 +4,7 @@ mod benchmark;
 mod check;
 mod choice;
 mod compare;
+mod doctor;
 mod eval;
 mod export;
 mod import;
@@ -28,11 +29,11 @@ use aghf::model::Model;
 use aghf::urdf::{
     LoadNote, LoadReport, Losses, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised,
 };
-use aghf_scenario::{Scenario, SolveOptions};
+use aghf_scenario::{LoadOptions, Scenario, SolveOptions};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Exit code for a derivative error above its bound, an identity that fails, or a trajectory that is not valid.
@@ -54,7 +55,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
-    of a solve is not valid.";
+    of a solve is not valid, or no motion can be planned for a robot.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -64,6 +65,7 @@ enum Command {
     Export(export::Export),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
+    Doctor(doctor::Doctor),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
@@ -84,6 +86,8 @@ struct UrdfArgs {
     /// Count the damping and the friction in the URDF, which are left out otherwise.
     #[arg(long)]
     losses: bool,
+    #[command(flatten)]
+    packages: PackageArgs,
 }
 
 impl UrdfArgs {
@@ -104,8 +108,35 @@ impl UrdfArgs {
         UrdfOptions {
             mimic: self.mimic,
             losses: self.losses.then(Losses::default),
+            packages: self.packages.folders(),
+            ..UrdfOptions::default()
         }
     }
+}
+
+/// The folders of packages.
+#[derive(Debug, Default, Args)]
+struct PackageArgs {
+    /// The folder of a package, for meshes `package://NAME/PATH`; may be given several times. Other packages are
+    /// searched for above the URDF, in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and by ROS.
+    #[arg(long = "package", value_name = "NAME=FOLDER", value_parser = package)]
+    packages: Vec<(String, PathBuf)>,
+}
+
+impl PackageArgs {
+    /// The folders by the names of the packages; the last one of a name holds.
+    fn folders(&self) -> BTreeMap<String, PathBuf> {
+        self.packages.iter().cloned().collect()
+    }
+}
+
+/// Reads the name of a package and its folder.
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    let (name, folder) = text.split_once('=').ok_or("NAME=FOLDER is needed")?;
+    if !Path::new(folder).is_dir() {
+        return Err(format!("there is no folder '{folder}'"));
+    }
+    Ok((name.to_owned(), PathBuf::from(folder)))
 }
 
 /// The robot of a scenario.
@@ -119,6 +150,14 @@ struct RobotArgs {
     /// otherwise refuse].
     #[arg(long, value_parser = choice::<Mimic>(), requires = "scenario")]
     mimic: Option<Mimic>,
+    #[command(flatten)]
+    packages: PackageArgs,
+    /// Group of the SRDF whose joints are planned; the others are held [default: that of the scenario].
+    #[arg(long, requires = "scenario")]
+    group: Option<String>,
+    /// SRDF with that group [default: that of the scenario].
+    #[arg(long, requires = "scenario")]
+    srdf: Option<PathBuf>,
 }
 
 impl RobotArgs {
@@ -130,7 +169,14 @@ impl RobotArgs {
 
     /// Loads a scenario with the options of the solve if the file is the summary of one.
     fn scenario_with_options(&self, scenario: &str) -> Result<(Scenario, SolveOptions), Error> {
-        let loaded = Scenario::load_with_options(scenario, self.robot.as_deref(), self.mimic)?;
+        let given = LoadOptions {
+            robot: self.robot.clone(),
+            mimic: self.mimic,
+            packages: self.packages.folders(),
+            srdf: self.srdf.clone(),
+            group: self.group.clone(),
+        };
+        let loaded = Scenario::load_with_options(scenario, &given)?;
         tell_notes_of([&loaded.0]);
         Ok(loaded)
     }
@@ -173,6 +219,7 @@ pub fn main() -> ExitCode {
         Command::Export(export) => export.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Doctor(doctor) => doctor.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),

@@ -138,7 +138,8 @@ impl<'a> Robot<'a> {
 
     /// Collects the visual shapes of each link, otherwise its collision shapes; capsules along links without either.
     fn gather(&mut self) {
-        let (visuals, faults) = read_visuals(&self.scenario.source.text);
+        let (visuals, faults) =
+            read_visuals(&self.scenario.source.text, &self.scenario.file.packages);
         self.notes.extend(faults);
         let mut unseen = Vec::new();
         for frame in self.model.frames() {

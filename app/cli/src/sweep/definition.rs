@@ -5,7 +5,8 @@ use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of, read_named};
 use aghf::urdf::builtin_robot_text;
 use aghf_scenario::{
-    Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
+    LoadOptions, Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios,
+    is_generated,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -266,7 +267,12 @@ fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario>
         Some(_) => robot.to_owned(),
         None => folder.join(robot).to_string_lossy().into_owned(),
     });
-    let mut scenario = Scenario::load_for(name_or_path, path.as_deref(), file.head.mimic)?;
+    let given = LoadOptions {
+        robot: path,
+        mimic: file.head.mimic,
+        ..LoadOptions::default()
+    };
+    let mut scenario = Scenario::load_for(name_or_path, &given)?;
     if let Some(robot) = robot {
         // As it is in the sweep, which has the same results wherever it lies.
         scenario.file.robot = robot.to_owned();

@@ -5,6 +5,7 @@ mod command;
 
 mod benchmark;
 mod check;
+mod doctor;
 mod eval;
 mod export;
 mod import;

@@ -13,6 +13,7 @@ use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
 use aghf_scenario::{MoveIt, MoveItHorizon, RelaxOptions, Scenario, ScenarioFile, Solve, Solved};
 use nalgebra::{DMatrix, Vector3};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -198,6 +199,7 @@ fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
         scene,
         request,
         urdf: urdf.display().to_string(),
+        packages: BTreeMap::new(),
         mimic: Mimic::Refuse,
         srdf: None,
         excess: 0.005,
@@ -227,7 +229,15 @@ pub fn srdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let (model, _) = parse_urdf_with(ROBOT, "robot.urdf", UrdfOptions::default())
         .map_err(unexpected("the robot"))?;
-    let read = Srdf::load(path, &model).and_then(|srdf| srdf.with_spheres(model));
+    let read = Srdf::load(path, &model).and_then(|srdf| {
+        for group in &srdf.groups {
+            let _ = srdf.joints_of_group(&group.name, &model, file);
+        }
+        for state in &srdf.states {
+            let _ = srdf.positions(state, &model, file);
+        }
+        srdf.with_spheres(model)
+    });
     match read {
         Ok(model) => evaluated(&model).map(|()| Outcome::Accepted),
         Err(error) => refused(file, &error),

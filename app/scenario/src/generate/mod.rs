@@ -289,7 +289,11 @@ impl Family {
         ScenarioFile {
             schema: None,
             robot: robot.to_owned(),
+            packages: BTreeMap::new(),
             mimic,
+            srdf: None,
+            group: None,
+            held_state: None,
             locked_joints: BTreeMap::new(),
             losses: Losses::default(),
             payload: None,

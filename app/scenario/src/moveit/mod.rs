@@ -3,6 +3,7 @@
 mod messages;
 mod obstacles;
 
+use super::load::absolute_folders;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
@@ -35,6 +36,8 @@ pub struct MoveIt {
     pub request: PathBuf,
     /// The name of a built-in robot, or the path of a URDF file.
     pub urdf: String,
+    /// The folders of packages by their names, relative to the current folder.
+    pub packages: BTreeMap<String, PathBuf>,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
     /// The SRDF, whose disabled pairs of links are not checked, as are those that [always
@@ -74,6 +77,7 @@ impl MoveIt {
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
         let (model, _) = source.parse(UrdfOptions {
             mimic: self.mimic,
+            packages: self.packages.clone(),
             ..UrdfOptions::default()
         })?;
         let scene_state = Positions::of(&scene.robot_state, &model, &scene_name, "robot_state")?;
@@ -120,7 +124,11 @@ impl MoveIt {
         let file = ScenarioFile {
             schema: None,
             robot: source.absolute()?,
+            packages: absolute_folders(&self.packages)?,
             mimic: self.mimic,
+            srdf: None,
+            group: None,
+            held_state: None,
             locked_joints: locked,
             losses: Losses::default(),
             payload: None,

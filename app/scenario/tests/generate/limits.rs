@@ -4,10 +4,11 @@
 use aghf::dynamics::{Data, bias, crba};
 use aghf::model::Model;
 use aghf::urdf::Mimic;
-use aghf_scenario::{EnforcedLimits, PerJoint, Scenario, generate, generate_for};
+use aghf_scenario::{EnforcedLimits, LoadOptions, PerJoint, Scenario, generate, generate_for};
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::path::Path;
 
 /// The number of scenarios of each kind.
 const SEEDS: u64 = 20;
@@ -230,13 +231,21 @@ const LEVER: &str = r#"<robot name="lever"><link name="base"/>
     <joint name="swing" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/>
         <limit lower="-3" upper="3" velocity="2" effort="4.5"/></joint></robot>"#;
 
+/// For the robot at this path.
+fn for_robot(path: &Path) -> LoadOptions {
+    LoadOptions {
+        robot: Some(path.display().to_string()),
+        ..LoadOptions::default()
+    }
+}
+
 #[test]
 fn scarce_torques_suffice_on_the_line_and_at_its_ends() {
-    let urdf = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("lever.urdf");
+    let urdf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lever.urdf");
     std::fs::write(&urdf, LEVER).expect("the folder is writable");
     let mut most = 0.0_f64;
     for seed in 1..=50 {
-        let scenario = Scenario::load_for(&format!("limits_{seed}"), urdf.to_str(), None);
+        let scenario = Scenario::load_for(&format!("limits_{seed}"), &for_robot(&urdf));
         let scenario = scenario.expect("it can be generated");
         let [_, torque] = shares(&scenario.model, &motion(&scenario, &[0.0]));
         let [_, held] = shares(&scenario.model, &ends(&scenario));
@@ -291,7 +300,11 @@ fn mimic_joints_move_by_themselves_where_a_scenario_says_so() {
     write(&json);
     let error = Scenario::load(path).expect_err("it is refused");
     assert!(error.to_string().contains("mimics joint 'crank'"));
-    let forced = Scenario::load_for(path, None, Some(Mimic::Independent));
+    let independent = LoadOptions {
+        mimic: Some(Mimic::Independent),
+        ..LoadOptions::default()
+    };
+    let forced = Scenario::load_for(path, &independent);
     assert_eq!(forced.expect("it is asked for").file, file);
     json["mimic"] = "sometimes".into();
     write(&json);
@@ -321,7 +334,7 @@ fn what_cannot_be_is_refused_by_name() {
         weak.contains("seed 7") && weak.contains("hold it at rest"),
         "{weak}"
     );
-    let named = Scenario::load_for("kinova_free_01", Some("pendulum_3"), None);
+    let named = Scenario::load_for("kinova_free_01", &for_robot(Path::new("pendulum_3")));
     let named = named.expect_err("it names its robot").to_string();
     assert!(named.contains("names its robot"), "{named}");
 }

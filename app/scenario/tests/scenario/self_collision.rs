@@ -35,10 +35,7 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
             .any(|pair| pair.links == [a.clone(), b.clone()])
     );
     let trees = scenario.scene.trees();
-    let link = |tree: usize| {
-        let leaf = trees[tree].nodes.iter().find_map(|node| node.leaf);
-        robot.links[leaf.expect("each link has a ball")].as_str()
-    };
+    let link = |tree: usize| robot.link_of(&trees[tree]).expect("each has balls");
     let kept = scenario.scene.tree_pairs().iter();
     let kept: Vec<_> = kept.map(|pair| pair.map(link)).collect();
     let is_kept = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);

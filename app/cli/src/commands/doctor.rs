@@ -1,0 +1,50 @@
+//! `aghf doctor`.
+
+use super::{FAILED, PackageArgs, print, print_json};
+use crate::doctor::{Examination, Plannable, examine, page};
+use aghf::error::Result;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Say what the file of a robot can be used for, and what is in the way.
+///
+/// Each finding comes with the key of a scenario, the option or the change of the file that mends it: joints and mimic
+/// joints, inertias, limits, losses, collision shapes with the balls that cover them, and links that overlap at zero or
+/// in the named states of an SRDF. What the other commands refuse is a finding here, and the rest is examined without
+/// it. Exit code 3 if no key makes it possible to plan motions.
+#[derive(Debug, Args)]
+pub(super) struct Doctor {
+    /// The path of a URDF file, "-" for the standard input, or a built-in robot.
+    robot: String,
+    /// SRDF of the robot: pairs of links that may overlap, spheres, named states.
+    #[arg(long)]
+    srdf: Option<PathBuf>,
+    #[command(flatten)]
+    packages: PackageArgs,
+    /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
+    #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
+    excess: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Doctor {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let diagnosis = examine(&Examination {
+            robot: self.robot,
+            srdf: self.srdf,
+            packages: self.packages.folders(),
+            excess: self.excess,
+        })?;
+        match self.json {
+            true => print_json(&diagnosis)?,
+            false => print(&page(&diagnosis))?,
+        }
+        Ok(match diagnosis.plannable {
+            Plannable::Yes | Plannable::WithKeys => ExitCode::SUCCESS,
+            Plannable::No => ExitCode::from(FAILED),
+        })
+    }
+}

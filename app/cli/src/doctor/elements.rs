@@ -1,0 +1,171 @@
+//! Findings about the joints and links of a URDF.
+
+use super::{Finding, Severity};
+use std::collections::BTreeMap;
+use urdf_rs::{Joint, JointLimit, JointType, Robot};
+
+/// The number of joints of each kind.
+pub(super) fn kinds(robot: &Robot) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for joint in &robot.joints {
+        *counts.entry(kind(joint)).or_default() += 1;
+    }
+    counts
+}
+
+fn kind(joint: &Joint) -> &'static str {
+    match joint.joint_type {
+        JointType::Revolute => "revolute",
+        JointType::Continuous => "continuous",
+        JointType::Prismatic => "prismatic",
+        JointType::Fixed => "fixed",
+        JointType::Floating => "floating",
+        JointType::Planar => "planar",
+        JointType::Spherical => "spherical",
+    }
+}
+
+fn has_several_degrees(joint: &Joint) -> bool {
+    use JointType::{Floating, Planar, Spherical};
+    matches!(joint.joint_type, Floating | Planar | Spherical)
+}
+
+/// The robot with joints of several degrees of freedom fixed.
+pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
+    let mut robot = robot.clone();
+    for joint in &mut robot.joints {
+        if has_several_degrees(joint) {
+            joint.joint_type = JointType::Fixed;
+        }
+    }
+    robot
+}
+
+/// A property of a joint.
+type Property = fn(&Joint) -> bool;
+
+/// The findings about joints.
+pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
+    let moving = |joint: &&Joint| joint.joint_type != JointType::Fixed;
+    let moving: Vec<&Joint> = robot.joints.iter().filter(moving).collect();
+    let mut found = vec![Finding::about(
+        Severity::Refused,
+        "joint",
+        names(&moving, has_several_degrees),
+        [
+            "it has several degrees of freedom, and every joint has one here; it is held in what follows",
+            "type=\"fixed\" in the file, if its base stays",
+        ],
+    )];
+    let mimic = moving.iter().filter_map(|joint| {
+        let mimic = joint.mimic.as_ref()?;
+        let (factor, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
+        Some(format!(
+            "{} = {factor} {} + {offset}",
+            joint.name, mimic.joint
+        ))
+    });
+    found.push(Finding::about(
+        Severity::NeedsKey,
+        "mimic joint",
+        mimic,
+        [
+            "it follows another joint",
+            "\"srdf\": FILE and \"group\": NAME (--group NAME), which hold it with that joint; or \
+             \"mimic\": \"independent\" (--mimic independent), which lets it move by itself",
+        ],
+    ));
+    found.extend(notes(&moving));
+    found.into_iter().flatten().collect()
+}
+
+/// The notes about limits and losses of the joints that move.
+fn notes(moving: &[&Joint]) -> [Option<Finding>; 8] {
+    let losses = "\"losses\": true (--losses); {\"armature\": ...} adds rotor inertia, which a URDF does not have";
+    let in_file = "the limit element in the file";
+    let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
+    let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
+    let notes: [(&str, &str, Property); 8] = [
+        ("no limits of any kind", in_file, |j| {
+            has_one_degree(j) && !has_limits(&j.limit)
+        }),
+        ("no limit of velocity", in_file, |j| {
+            has_limits(&j.limit) && j.limit.velocity == 0.0
+        }),
+        ("no limit of effort", in_file, |j| {
+            has_limits(&j.limit) && j.limit.effort == 0.0
+        }),
+        ("its range of positions is a single one", in_file, |j| {
+            let turns = j.joint_type == JointType::Continuous;
+            has_limits(&j.limit) && !turns && j.limit.lower == j.limit.upper
+        }),
+        ("no limit of acceleration or jerk", rates, |j| {
+            has_one_degree(j) && !has_limits_of_rates(&j.limit)
+        }),
+        (
+            "limits of acceleration or jerk, not kept by default",
+            given,
+            |j| has_one_degree(j) && has_limits_of_rates(&j.limit),
+        ),
+        ("damping is not counted by default", losses, |j| {
+            j.dynamics
+                .as_ref()
+                .is_some_and(|dynamics| dynamics.damping != 0.0)
+        }),
+        ("friction is not counted by default", losses, |j| {
+            j.dynamics
+                .as_ref()
+                .is_some_and(|dynamics| dynamics.friction != 0.0)
+        }),
+    ];
+    notes.map(|(condition, mend, property)| {
+        let names = names(moving, property);
+        Finding::about(Severity::Note, "joint", names, [condition, mend])
+    })
+}
+
+/// The names of the joints with a property.
+fn names(joints: &[&Joint], property: Property) -> Vec<String> {
+    let with = joints.iter().filter(|joint| property(joint));
+    with.map(|joint| joint.name.clone()).collect()
+}
+
+fn has_one_degree(joint: &Joint) -> bool {
+    !has_several_degrees(joint)
+}
+
+/// True if a limit element is there and has more than zeros.
+fn has_limits(limit: &JointLimit) -> bool {
+    let all = [limit.lower, limit.upper, limit.velocity, limit.effort];
+    all.iter().any(|x| *x != 0.0)
+}
+
+fn has_limits_of_rates(limit: &JointLimit) -> bool {
+    let all = [limit.acceleration, limit.deceleration, limit.jerk];
+    all.iter().any(|x| *x != f64::INFINITY)
+}
+
+/// The findings about links.
+pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
+    let carried = |link: &str| {
+        let mut joints = robot.joints.iter();
+        joints.any(|joint| joint.joint_type != JointType::Fixed && joint.child.link == link)
+    };
+    let massless = robot.links.iter().filter(|link| {
+        let inertia = &link.inertial.inertia;
+        let numbers = [
+            inertia.ixx,
+            inertia.iyy,
+            inertia.izz,
+            link.inertial.mass.value,
+        ];
+        numbers.iter().all(|x| *x == 0.0) && carried(&link.name)
+    });
+    let found = Finding::about(
+        Severity::Note,
+        "link",
+        massless.map(|link| link.name.clone()),
+        ["it moves and has no inertia, so it counts as massless", ""],
+    );
+    found.into_iter().collect()
+}

@@ -1,0 +1,265 @@
+//! What the file of a robot can be used for, and what is in the way.
+
+mod contacts;
+mod elements;
+mod page;
+mod shapes;
+
+use aghf::error::{Error, Result};
+use aghf::model::Model;
+use aghf::urdf::{
+    Follower, LoadNote, Mimic, RobotSource, Srdf, UrdfOptions, build_model, followers,
+};
+use contacts::pairs_and_states;
+pub use contacts::{Contact, State};
+use elements::{kinds, of_joints, of_links, without_several_degrees};
+pub use page::page;
+use serde::Serialize;
+use shapes::covered;
+pub use shapes::{LinkShape, Shapes};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use urdf_rs::Robot;
+
+/// The files and the options of an examination.
+#[derive(Clone, Debug)]
+pub struct Examination {
+    /// The name of a built-in robot, or the path of a URDF file.
+    pub robot: String,
+    /// The SRDF, with disabled pairs of links and named states.
+    pub srdf: Option<PathBuf>,
+    /// The folders of packages by their names.
+    pub packages: BTreeMap<String, PathBuf>,
+    /// The largest distance by which balls may stick out that cover shapes other than spheres, m.
+    pub excess: f64,
+}
+
+/// What was found out about a robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// The name of the robot as it was given.
+    pub robot: String,
+    /// Whether motions can be planned for it.
+    pub plannable: Plannable,
+    /// The number of links.
+    pub links: usize,
+    /// The number of joints of each kind.
+    pub joints: BTreeMap<&'static str, usize>,
+    /// The moving mass, kg, if the dynamics could be built.
+    pub mass_kg: Option<f64>,
+    /// The collision shapes, if the dynamics could be built.
+    pub shapes: Shapes,
+    /// The configurations that were looked at: zero, and the named states of the SRDF.
+    pub states: Vec<State>,
+    /// What matters to a user.
+    pub findings: Vec<Finding>,
+}
+
+/// Whether motions can be planned for a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Plannable {
+    /// As it is.
+    Yes,
+    /// With keys that findings name.
+    WithKeys,
+    /// Not before the file is changed.
+    No,
+}
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// The robot is refused, whatever the keys.
+    Refused,
+    /// The robot is refused without a key or an option.
+    NeedsKey,
+    /// Motions may not be those of the real robot, or may touch what they should not.
+    Note,
+}
+
+/// Something about a file that matters to a user.
+#[derive(Clone, Debug, Serialize)]
+pub struct Finding {
+    /// How much it matters.
+    pub severity: Severity,
+    /// The kind of the elements, such as `joint`.
+    pub kind: &'static str,
+    /// Their names.
+    pub names: Vec<String>,
+    /// What is true of them.
+    pub condition: String,
+    /// The key, the option or the change of the file that mends it; empty if nothing needs to be.
+    pub mend: String,
+}
+
+impl Finding {
+    /// The finding about some elements; `None` if there are none.
+    fn about(
+        severity: Severity,
+        kind: &'static str,
+        names: impl IntoIterator<Item = String>,
+        [condition, mend]: [&str; 2],
+    ) -> Option<Self> {
+        let names: Vec<_> = names.into_iter().collect();
+        (!names.is_empty()).then(|| Self {
+            severity,
+            kind,
+            names,
+            condition: condition.to_owned(),
+            mend: mend.to_owned(),
+        })
+    }
+
+    /// The finding that an error stands for.
+    fn of_error(error: Error, severity: Severity, mend: &str) -> Self {
+        let (kind, name, condition) = match error {
+            Error::Input {
+                file,
+                element,
+                condition,
+            } => ("file", file, format!("{element}: {condition}")),
+            other => ("file", String::new(), other.to_string()),
+        };
+        Self {
+            severity,
+            kind,
+            names: vec![name],
+            condition,
+            mend: mend.to_owned(),
+        }
+    }
+}
+
+/// Examines a robot. What the reader of a robot refuses is a finding, and the rest is examined without it.
+///
+/// # Errors
+/// A file cannot be read, or is no URDF or no SRDF.
+pub fn examine(examination: &Examination) -> Result<Diagnosis> {
+    let source = RobotSource::find(&examination.robot, Path::new(""))?;
+    let robot = source.elements()?;
+    let mut findings = of_joints(&robot);
+    findings.extend(of_links(&robot));
+    let mut diagnosis = Diagnosis {
+        robot: examination.robot.clone(),
+        plannable: Plannable::Yes,
+        links: robot.links.len(),
+        joints: kinds(&robot),
+        mass_kg: None,
+        shapes: Shapes::default(),
+        states: Vec::new(),
+        findings,
+    };
+    let options = UrdfOptions {
+        mimic: Mimic::Independent,
+        singular: true,
+        packages: examination.packages.clone(),
+        ..UrdfOptions::default()
+    };
+    let examined = without_several_degrees(&robot);
+    match build_model(&examined, &source.name(), options) {
+        Ok((model, notes)) => {
+            (diagnosis.findings).extend(of_model(&model, &notes, &robot)?);
+            diagnosis.mass_kg = Some(model.mass());
+            let followers = followers(&examined, &model, &source.name());
+            let followers = followers.unwrap_or_else(|error| {
+                let mend = "the mimic element in the file";
+                (diagnosis.findings).push(Finding::of_error(error, Severity::Note, mend));
+                Vec::new()
+            });
+            diagnosis.of_shapes((&model, &followers), source.folder(), examination)?;
+        }
+        Err(error) => {
+            let mend = "the file has to be changed";
+            (diagnosis.findings).push(Finding::of_error(error, Severity::Refused, mend));
+        }
+    }
+    diagnosis.findings.sort_by_key(|finding| finding.severity);
+    diagnosis.plannable = match diagnosis.findings.first().map(|first| first.severity) {
+        Some(Severity::Refused) => Plannable::No,
+        Some(Severity::NeedsKey) => Plannable::WithKeys,
+        Some(Severity::Note) | None => Plannable::Yes,
+    };
+    Ok(diagnosis)
+}
+
+impl Diagnosis {
+    /// Adds the shapes of the links and what of them overlaps.
+    fn of_shapes(
+        &mut self,
+        (model, followers): (&Model, &[Follower]),
+        folder: &Path,
+        given: &Examination,
+    ) -> Result<()> {
+        let srdf = match &given.srdf {
+            None => None,
+            Some(path) => match Srdf::load(path, model) {
+                Ok(srdf) => Some((srdf, path.display().to_string())),
+                Err(error @ Error::Io { .. }) => return Err(error),
+                Err(error) => {
+                    let mend = "the SRDF has to be changed; it is not used in what follows";
+                    (self.findings).push(Finding::of_error(error, Severity::Note, mend));
+                    None
+                }
+            },
+        };
+        let with_spheres = match &srdf {
+            Some((srdf, _)) => srdf.with_spheres(model.clone())?,
+            None => model.clone(),
+        };
+        let (shapes, geometry, found) = covered(&with_spheres, folder, given.excess);
+        self.findings.extend(found);
+        let excess = shapes.excess_of_links();
+        let srdf = srdf.as_ref().map(|(srdf, file)| (srdf, file.as_str()));
+        let (states, found) =
+            pairs_and_states((model, followers), srdf, &geometry, &excess, &given.robot)?;
+        self.findings.extend(found);
+        self.shapes = shapes;
+        self.states = states;
+        Ok(())
+    }
+}
+
+/// The findings about the dynamics.
+fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for note in notes {
+        if let LoadNote::ImpossibleInertia { link, condition } = note {
+            let mend = "the inertia of the link in the file has to be changed; it is used as it is";
+            findings.extend(Finding::about(
+                Severity::Note,
+                "link",
+                [link.clone()],
+                [condition, mend],
+            ));
+        }
+    }
+    let singular = model.singular_joints()?;
+    if let Some((_, condition)) = singular.first() {
+        let names = singular
+            .iter()
+            .map(|(i, _)| model.joints()[*i].name().to_owned());
+        let mend = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
+                    \"group\" without it";
+        let (reason, _) = condition.split_once(';').unwrap_or((condition, ""));
+        (findings).extend(Finding::about(
+            Severity::NeedsKey,
+            "joint",
+            names,
+            [reason, mend],
+        ));
+    }
+    if robot.links.iter().all(|link| link.collision.is_empty()) {
+        let condition =
+            "no link has a collision element, so obstacles keep clear of joint frames alone";
+        let mend = "\"robot_shape\": {\"swept_links\": {\"radius_m\": R}}, or --srdf with spheres";
+        findings.extend(Finding::about(
+            Severity::Note,
+            "robot",
+            [robot.name.clone()],
+            [condition, mend],
+        ));
+    }
+    Ok(findings)
+}

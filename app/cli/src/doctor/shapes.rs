@@ -1,0 +1,119 @@
+//! The collision shapes of a robot: which are read, and how far their covers extend beyond them.
+
+use super::{Finding, Severity};
+use aghf::error::Result;
+use aghf::geometry::{CollisionGeometry, CollisionSphere, Cover, cover_triangles};
+use aghf::model::{Collision, CollisionShape, Model};
+use aghf::urdf::load_mesh;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The collision shapes of a robot.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Shapes {
+    /// The shapes in the order of the file's tree.
+    pub shapes: Vec<LinkShape>,
+    /// The number of balls that cover them.
+    pub balls: usize,
+    /// The largest distance of a ball's point from the shape that it covers, m.
+    pub excess_m: f64,
+}
+
+/// A collision shape of a link.
+#[derive(Clone, Debug, Serialize)]
+pub struct LinkShape {
+    /// The name of the link.
+    pub link: String,
+    /// The kind of a primitive shape, or the file of a mesh.
+    pub shape: String,
+    /// Whether it is a mesh.
+    pub mesh: bool,
+    /// The number of balls that cover it.
+    pub balls: usize,
+    /// The largest distance of a ball's point from it, m.
+    pub excess_m: f64,
+    /// The reason why it cannot be read or covered.
+    pub unread: Option<String>,
+}
+
+impl Shapes {
+    /// The largest excess by links, m.
+    pub(super) fn excess_of_links(&self) -> BTreeMap<&str, f64> {
+        let mut all = BTreeMap::new();
+        for shape in &self.shapes {
+            let most = all.entry(shape.link.as_str()).or_insert(0.0_f64);
+            *most = most.max(shape.excess_m);
+        }
+        all
+    }
+}
+
+/// Covers the shapes that can be read by balls, and names the others.
+pub(super) fn covered(
+    model: &Model,
+    folder: &Path,
+    excess: f64,
+) -> (Shapes, CollisionGeometry, Option<Finding>) {
+    let all = model.collisions().par_iter();
+    let covers: Vec<_> = all
+        .map(|collision| cover(collision, folder, excess))
+        .collect();
+    let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
+    for (collision, cover) in model.collisions().iter().zip(covers) {
+        let (shape, mesh) = match &collision.shape {
+            CollisionShape::Solid(solid) => (solid.name().to_owned(), false),
+            CollisionShape::Mesh { file, .. } => (file.clone(), true),
+        };
+        let mut item = LinkShape {
+            link: collision.link.clone(),
+            shape,
+            mesh,
+            balls: 0,
+            excess_m: 0.0,
+            unread: None,
+        };
+        match cover {
+            Err(error) => item.unread = Some(error.to_string()),
+            Ok(cover) => {
+                item.balls = cover.balls.len();
+                item.excess_m = cover.excess;
+                shapes.balls += item.balls;
+                shapes.excess_m = shapes.excess_m.max(cover.excess);
+                for ball in cover.balls {
+                    let at = &collision.placement;
+                    geometry.links.push(collision.link.clone());
+                    geometry.balls.push(CollisionSphere {
+                        body: collision.body,
+                        centre: at.rotation * ball.centre + at.translation,
+                        radius: ball.radius,
+                    });
+                }
+            }
+        }
+        shapes.shapes.push(item);
+    }
+    let unread = shapes.shapes.iter().filter(|shape| shape.unread.is_some());
+    let found = Finding::about(
+        Severity::Note,
+        "link",
+        unread.map(|shape| shape.link.clone()),
+        [
+            "a collision shape of it cannot be used, for the reason in the table, so \"robot_shape\": \"collision\" is \
+             refused",
+            "--package NAME=FOLDER where the package is not found; another format or shape in the file otherwise",
+        ],
+    );
+    (shapes, geometry, found)
+}
+
+/// The cover of a shape in its own frame.
+fn cover(collision: &Collision, folder: &Path, excess: f64) -> Result<Cover> {
+    match &collision.shape {
+        CollisionShape::Solid(shape) => shape.cover(excess),
+        CollisionShape::Mesh { file, scale } => {
+            cover_triangles(&load_mesh(file, folder, scale)?, excess)
+        }
+    }
+}

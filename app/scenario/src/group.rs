@@ -1,0 +1,116 @@
+//! The joints of a group, which are planned, and the others, which are held.
+
+use super::ScenarioFile;
+use aghf::error::{Error, Result};
+use aghf::model::Model;
+use aghf::urdf::{Follower, Mimic, RobotSource, Srdf, followers};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Locks the joints outside of the group that a file names, and takes the group out of it, so that the scenario depends
+/// on no other file.
+///
+/// A joint is held where `locked_joints` has it, otherwise in the named state, otherwise, a mimic joint, where its
+/// master takes it, otherwise at the position that is nearest to zero. `robot` has all joints that move, mimic joints
+/// among them; `folder` is that of the scenario, called `path`.
+///
+/// # Errors
+/// A key without the others, a group or a state that is not there or does not fit the robot, or a mimic joint that
+/// would have to follow one that is planned.
+pub(super) fn hold_others(
+    file: &mut ScenarioFile,
+    robot: &Model,
+    source: &RobotSource,
+    folder: &Path,
+    path: &str,
+) -> Result<()> {
+    let (group, srdf, state) = (file.group.take(), file.srdf.take(), file.held_state.take());
+    let Some(group) = group else {
+        let without = [("srdf", srdf.is_some()), ("held_state", state.is_some())];
+        return match without.iter().find(|(_, given)| *given) {
+            Some((key, _)) => Err(Error::input(path, *key, "it is given without a group")),
+            None => Ok(()),
+        };
+    };
+    let Some(srdf) = srdf else {
+        let condition = "the group is in an SRDF, which is not given";
+        return Err(Error::input(path, "srdf", condition));
+    };
+    let srdf_path = folder.join(srdf);
+    let srdf_name = srdf_path.display().to_string();
+    let of_key = |key: &'static str| move |e: Error| Error::input(path, key, e.to_string());
+    let srdf = Srdf::load(&srdf_path, robot).map_err(of_key("srdf"))?;
+    let group = srdf
+        .joints_of_group(&group, robot, &srdf_name)
+        .map_err(of_key("group"))?;
+    let followers = source
+        .elements()
+        .and_then(|r| followers(&r, robot, &source.name()));
+    let followers = followers.map_err(of_key("robot"))?;
+    let given = |i: usize| file.locked_joints.get(robot.joints()[i].name()).copied();
+    let held = |i: usize| !group.contains(&i) || given(i).is_some();
+    if file.mimic == Mimic::Refuse {
+        let free = |f: &&Follower| !held(f.joint) || !held(f.master) && given(f.joint).is_none();
+        if let Some(follower) = followers.iter().find(free) {
+            return Err(cannot_follow(follower, robot, path));
+        }
+    }
+    let of_state = match &state {
+        None => BTreeMap::new(),
+        Some(name) => {
+            state_positions(&srdf, name, robot, &srdf_name).map_err(of_key("held_state"))?
+        }
+    };
+    let known = |i: usize| given(i).or_else(|| of_state.get(&i).copied());
+    let free = |i: usize| known(i).unwrap_or_else(|| robot.joints()[i].limits().nearest(0.0));
+    let position = |i: usize| {
+        let follower = followers.iter().find(|f| f.joint == i && held(f.master));
+        match (known(i), follower) {
+            (None, Some(f)) => f.multiplier * free(f.master) + f.offset,
+            _ => free(i),
+        }
+    };
+    let held = (0..robot.dof()).filter(|i| held(*i));
+    let held: Vec<_> = held
+        .map(|i| (robot.joints()[i].name().to_owned(), position(i)))
+        .collect();
+    file.locked_joints.extend(held);
+    if !followers.is_empty() {
+        // None of them is left that follows another joint.
+        file.mimic = Mimic::Independent;
+    }
+    Ok(())
+}
+
+/// The error for a mimic joint that moves, or whose master does.
+fn cannot_follow(follower: &Follower, robot: &Model, path: &str) -> Error {
+    let [joint, master] = [follower.joint, follower.master].map(|i| robot.joints()[i].name());
+    let condition = format!(
+        "joint '{joint}' mimics '{master}', and they cannot move together: a group without both, \"locked_joints\": \
+         {{\"{joint}\": POSITION}}, or \"mimic\": \"independent\", which lets it move by itself"
+    );
+    Error::input(path, "group", condition)
+}
+
+/// The positions of joints in the states of this name, one for each of several groups.
+fn state_positions(
+    srdf: &Srdf,
+    name: &str,
+    robot: &Model,
+    srdf_name: &str,
+) -> Result<BTreeMap<usize, f64>> {
+    let mut positions = BTreeMap::new();
+    let mut states = srdf
+        .states
+        .iter()
+        .filter(|state| state.name == name)
+        .peekable();
+    if states.peek().is_none() {
+        let element = format!("group_state '{name}'");
+        return Err(Error::input(srdf_name, element, "there is no such state"));
+    }
+    for state in states {
+        positions.extend(srdf.positions(state, robot, srdf_name)?);
+    }
+    Ok(positions)
+}

@@ -1,0 +1,230 @@
+//! Limits of acceleration and jerk.
+
+use super::json::by_name;
+use super::yaml::read_yaml;
+use super::{EnforcedLimits, Limit};
+use aghf::error::{Error, Result, plain};
+use aghf::input::read_text;
+use aghf::model::Model;
+use aghf::urdf::RobotSource;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use urdf_rs::Robot;
+
+/// The largest accelerations or jerks of the joints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a number is needed, a list with a number or null for each joint, \"urdf\" or {\"file\": PATH}"
+)]
+pub enum RateLimits {
+    /// The same number for all joints.
+    Same(f64),
+    /// A number for each joint, in their order; null for none.
+    Each(Vec<Option<f64>>),
+    /// Those of the URDF. They become a list when the scenario is read, as those of a file do.
+    Urdf(Urdf),
+    /// Those of a file.
+    File {
+        /// The path of a `joint_limits.yaml` of MoveIt, relative to the scenario, whose limits of acceleration,
+        /// deceleration and jerk are read.
+        file: PathBuf,
+    },
+}
+
+/// The URDF as the source of limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Urdf {
+    /// The attributes `acceleration`, `deceleration` and `jerk` of its `limit` elements, of URDF 1.2.
+    #[serde(rename = "urdf")]
+    Urdf,
+}
+
+/// The part of MoveIt's `joint_limits.yaml` that is read.
+#[derive(Deserialize)]
+struct JointLimitsFile {
+    #[serde(deserialize_with = "by_name")]
+    joint_limits: BTreeMap<String, JointLimits>,
+}
+
+/// The limits of a joint in that file. A limit holds where its flag is set.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct JointLimits {
+    has_acceleration_limits: bool,
+    max_acceleration: Option<f64>,
+    has_deceleration_limits: bool,
+    max_deceleration: Option<f64>,
+    has_jerk_limits: bool,
+    max_jerk: Option<f64>,
+}
+
+impl JointLimits {
+    /// The keys of the limits of a kind that hold, each with its number.
+    fn of(&self, limit: Limit) -> Vec<(&'static str, Option<f64>)> {
+        let all = match limit {
+            Limit::Jerk => vec![(self.has_jerk_limits, "max_jerk", self.max_jerk)],
+            _ => vec![
+                (
+                    self.has_acceleration_limits,
+                    "max_acceleration",
+                    self.max_acceleration,
+                ),
+                (
+                    self.has_deceleration_limits,
+                    "max_deceleration",
+                    self.max_deceleration,
+                ),
+            ],
+        };
+        let holding = all.into_iter().filter(|(holds, ..)| *holds);
+        holding.map(|(_, key, number)| (key, number)).collect()
+    }
+}
+
+impl RateLimits {
+    /// The limit of a joint.
+    pub(super) fn of(&self, joint: usize) -> Option<f64> {
+        match self {
+            Self::Same(number) => Some(*number),
+            Self::Each(numbers) => numbers.get(joint).copied().flatten(),
+            Self::Urdf(_) | Self::File { .. } => None,
+        }
+    }
+
+    /// Refuses numbers that are not positive, and a list of another length than `dof`; `key` names them in `path`.
+    pub(super) fn check(&self, dof: usize, key: &str, path: &str) -> Result<()> {
+        let refuse = |condition: String| Err(Error::input(path, key, condition));
+        let numbers = match self {
+            Self::Same(number) => vec![*number],
+            Self::Each(numbers) if numbers.len() != dof => {
+                let found = numbers.len();
+                return refuse(format!("it has {found} entries, {dof} are needed"));
+            }
+            Self::Each(numbers) => numbers.iter().flatten().copied().collect(),
+            Self::Urdf(_) | Self::File { .. } => {
+                return refuse("limits are read when a scenario is, and not here".to_owned());
+            }
+        };
+        match numbers.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
+            Some(limit) => refuse(format!(
+                "it is {}, a positive number is needed",
+                plain(*limit)
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Replaces a source by its numbers for the joints of `model`, so that the scenario depends on no other file.
+    fn read(
+        &mut self,
+        limit: Limit,
+        model: &Model,
+        source: &RobotSource,
+        folder: &Path,
+    ) -> Result<()> {
+        let (file, numbers) = match self {
+            Self::Same(_) | Self::Each(_) => return Ok(()),
+            Self::Urdf(_) => (source.name(), of_urdf(&source.elements()?, limit, model)),
+            Self::File { file } => {
+                let path = folder.join(file);
+                let file = path.display().to_string();
+                let read: JointLimitsFile = read_yaml(&read_text(&path)?, &file, "joint limits")?;
+                (file.clone(), of_file(&read, limit, model, &file)?)
+            }
+        };
+        let named = model.joints().iter().zip(&numbers);
+        for (joint, number) in named {
+            if let Some(number) = number.filter(|x| !(x.is_finite() && *x > 0.0)) {
+                let condition = format!(
+                    "its limit of {} is {}, a positive number is needed",
+                    limit.name(),
+                    plain(number)
+                );
+                let element = format!("joint '{}'", joint.name());
+                return Err(Error::input(file, element, condition));
+            }
+        }
+        if numbers.iter().all(Option::is_none) {
+            let condition = format!("no joint that is planned has a limit of {}", limit.name());
+            return Err(Error::input(file, "joints", condition));
+        }
+        *self = Self::Each(numbers);
+        Ok(())
+    }
+}
+
+/// The limits of the joints of a model in its URDF; the smaller one of acceleration and deceleration.
+fn of_urdf(robot: &Robot, limit: Limit, model: &Model) -> Vec<Option<f64>> {
+    let of = |name: &str| {
+        let joint = robot.joints.iter().find(|joint| joint.name == name)?;
+        let written = &joint.limit;
+        let numbers = match limit {
+            Limit::Jerk => [written.jerk; 2],
+            _ => [written.acceleration, written.deceleration],
+        };
+        smallest(numbers.into_iter().filter(|x| *x != f64::INFINITY))
+    };
+    model
+        .joints()
+        .iter()
+        .map(|joint| of(joint.name()))
+        .collect()
+}
+
+/// The limits of the joints of a model in a file of MoveIt.
+fn of_file(
+    read: &JointLimitsFile,
+    limit: Limit,
+    model: &Model,
+    file: &str,
+) -> Result<Vec<Option<f64>>> {
+    let of = |name: &str| {
+        let Some(joint) = read.joint_limits.get(name) else {
+            return Ok(None);
+        };
+        let mut numbers = Vec::new();
+        for (key, number) in joint.of(limit) {
+            let element = format!("joint_limits.{name}.{key}");
+            let missing = || Error::input(file, element, "it is missing");
+            numbers.push(number.ok_or_else(missing)?);
+        }
+        Ok(smallest(numbers.into_iter()))
+    };
+    model
+        .joints()
+        .iter()
+        .map(|joint| of(joint.name()))
+        .collect()
+}
+
+/// The smallest number, NaN if one is.
+fn smallest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    numbers.reduce(|a, b| if a < b || a.is_nan() { a } else { b })
+}
+
+impl EnforcedLimits {
+    /// Replaces limits that come with the robot by their numbers. `folder` is that of the scenario, called `path`.
+    pub(super) fn read(
+        &mut self,
+        model: &Model,
+        source: &RobotSource,
+        folder: &Path,
+        path: &str,
+    ) -> Result<()> {
+        for (limit, limits) in [
+            (Limit::Acceleration, &mut self.acceleration),
+            (Limit::Jerk, &mut self.jerk),
+        ] {
+            if let Some(limits) = limits {
+                let key = format!("enforced_limits.{}", limit.name());
+                let read = limits.read(limit, model, source, folder);
+                read.map_err(|e| Error::input(path, key, e.to_string()))?;
+            }
+        }
+        Ok(())
+    }
+}
