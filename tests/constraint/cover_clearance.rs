@@ -131,10 +131,10 @@ proptest! {
 fn rows_are_named_by_links_and_solids() {
     let model = robot("kinova_gen3");
     let constraint = covered(&model, 0.1);
-    let names = [0, 6, constraint.dim() - 1].map(|row| constraint.label(row, &model));
+    let names = [0, 8, constraint.dim() - 1].map(|row| constraint.label(row, &model));
     assert!(names.iter().all(|label| label.kind == RowKind::Clearance));
     assert!(names[0].name.ends_with("from 'crate'"), "{}", names[0].name);
-    // The third shape of the second set.
+    // The third shape of the second link, which has two sets.
     assert!(
         names[1].name.ends_with("from capsule 2"),
         "{}",

@@ -53,7 +53,10 @@ proptest! {
 
     /// With each branch that is no nearer than the best ball before left out.
     #[test]
-    fn a_search_finds_the_nearest((first, second) in (balls(None), balls(None)), point in prop::array::uniform3(-2.0..2.0)) {
+    fn a_search_finds_the_nearest(
+        (first, second) in (balls(None), balls(None)),
+        point in prop::array::uniform3(-2.0..2.0),
+    ) {
         let point = Sphere { centre: Vector3::from(point), radius: 0.0 };
         let (a, b) = (tree(&first), tree(&second));
         let mut least = f64::INFINITY;

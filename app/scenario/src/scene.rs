@@ -21,8 +21,9 @@ const MOST_ROWS: usize = 50_000;
 const FAR: f64 = 100.0;
 
 /// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not
-/// ignored but [always overlap](always_overlapping), which are ignored too, as are those that never meet; `path` names the scenario in errors. Meshes
-/// are looked for from `folder`. If joints of the robot are locked, `reduced` is the robot without them.
+/// ignored but [always overlap](always_overlapping), which are ignored too, as are those that never meet; `path` names
+/// the scenario in errors. Meshes are looked for from `folder`. If joints of the robot are locked, `reduced` is the
+/// robot without them.
 pub(super) fn scene(
     (robot, load): (&Model, Option<&Collision>),
     reduced: Option<&Reduced>,

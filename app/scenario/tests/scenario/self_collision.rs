@@ -171,8 +171,8 @@ fn neighbours_and_links_that_always_overlap_may() {
     );
 }
 
-/// Links that are apart by less than the distance that is asked for are not left out, and neither are those whose joints
-/// may go beyond their limits.
+/// Links that are apart by less than the distance that is asked for are not left out, and neither are those whose
+/// joints may go beyond their limits.
 #[test]
 fn links_that_may_meet_are_not_left_out() {
     let count = |keys| {
