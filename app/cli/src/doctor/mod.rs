@@ -135,8 +135,12 @@ impl Finding {
 /// Examines a robot. What the reader of a robot refuses is a finding, and the rest is examined without it.
 ///
 /// # Errors
-/// A file cannot be read, or is no URDF or no SRDF.
+/// The spacing is not positive, a file cannot be read, or the robot is no URDF.
 pub fn examine(examination: &Examination) -> Result<Diagnosis> {
+    if !(examination.spacing.is_finite() && examination.spacing > 0.0) {
+        let condition = format!("it is {}, a positive number is needed", examination.spacing);
+        return Err(Error::input("options", "spacing", condition));
+    }
     let source = RobotSource::find(&examination.robot, Path::new(""))?;
     let robot = source.elements()?;
     let mut findings = of_joints(&robot);

@@ -205,6 +205,11 @@ fn faults_of_files_are_findings_or_bad_input() {
         run.stdout
     );
 
+    assert_bad_input(
+        &folder,
+        &["doctor", "panda", "--spacing", "0"],
+        "options: spacing: it is 0",
+    );
     let words = "base.dae: robot: ; the root element is 'COLLADA'";
     assert_bad_input(&folder, &["doctor", "there/base.dae"], words);
     assert_bad_input(
