@@ -1,6 +1,6 @@
 //! `aghf pairs`.
 
-use super::{UrdfArgs, print, tell_notes};
+use super::{UrdfArgs, print, tell, tell_notes};
 use crate::output::{refuse_existing, write_text};
 use aghf::error::Result;
 use aghf::urdf::{RobotSource, Srdf};
@@ -43,7 +43,16 @@ impl Pairs {
         let (model, notes) = source.parse(self.reading.options())?;
         tell_notes(&self.urdf, &notes);
         let pairs = match &self.srdf {
-            Some(path) => IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?),
+            Some(path) => {
+                let srdf = Srdf::load(path, &model)?;
+                for link in &srdf.unknown_links {
+                    let path = path.display();
+                    tell(&format!(
+                        "note: {path}: the robot has no link '{link}', whose pairs are left out"
+                    ));
+                }
+                IgnoredPairs::of_srdf(&model, &srdf)
+            }
             None => {
                 let links = cover_links(&model, source.folder(), self.spacing)?;
                 IgnoredPairs::by_sampling(&model, &links)?

@@ -208,6 +208,15 @@ impl Diagnosis {
                 }
             },
         };
+        let unknown = srdf
+            .iter()
+            .flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
+        let words = [
+            "the SRDF disables collisions of it, and the robot does not have it",
+            "nothing is needed, unless the name is misspelt",
+        ];
+        self.findings
+            .extend(Finding::about(Severity::Note, "link", unknown, words));
         let with_spheres = match &srdf {
             Some((srdf, _)) => srdf.with_spheres(model.clone())?,
             None => model.clone(),
