@@ -9,6 +9,7 @@ use crate::model::{Collision, CollisionShape, Model};
 use crate::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// An SRDF, MoveIt's companion of a URDF.
@@ -16,6 +17,8 @@ use std::path::Path;
 pub struct Srdf {
     /// The pairs of links that are not checked for collisions.
     pub disabled: Vec<DisabledPair>,
+    /// The links of further pairs that the robot lacks: SRDFs are often for several variants of a robot.
+    pub unknown_links: BTreeSet<String>,
     /// Links with the spheres that represent their shapes, each in the frame of its link; an empty list for a link
     /// without a collision shape.
     pub spheres: Vec<(String, Vec<Sphere>)>,
@@ -49,8 +52,9 @@ impl Srdf {
     /// ignored; names in groups and states are looked up when these are used.
     ///
     /// # Errors
-    /// Names the file and the element: text that is not an SRDF, a link that is missing or unknown to the robot, an
-    /// invalid number, a negative radius, two lists of spheres for one link, or a group or state without a name.
+    /// Names the file and the element: text that is not an SRDF, a pair without a link, spheres of a link that the
+    /// robot lacks, an invalid number, a negative radius, two lists of spheres for one link, or a group or state
+    /// without a name.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
         let refuse = |condition: String| {
             let condition = format!("not a valid SRDF: {condition}");
@@ -76,12 +80,17 @@ impl Srdf {
                 |condition: String| Error::input(file, format!("{kind} at line {line}"), condition);
             match kind {
                 "disable_collisions" => {
-                    let ends = ["link1", "link2"].map(|end| link(node, end, model));
-                    let [first, second] = ends;
-                    srdf.disabled.push(DisabledPair {
-                        links: [first.map_err(named)?, second.map_err(named)?],
-                        reason: node.attribute("reason").unwrap_or_default().to_owned(),
-                    });
+                    let end = |end| required(node, end).map(str::to_owned).map_err(named);
+                    let links = [end("link1")?, end("link2")?];
+                    let unknown = links.iter().filter(|link| !has_link(model, link));
+                    srdf.unknown_links.extend(unknown.cloned());
+                    if srdf
+                        .unknown_links
+                        .is_disjoint(&BTreeSet::from(links.clone()))
+                    {
+                        let reason = node.attribute("reason").unwrap_or_default().to_owned();
+                        srdf.disabled.push(DisabledPair { links, reason });
+                    }
                 }
                 "link_sphere_approximation" => {
                     let link = link(node, "link", model).map_err(named)?;
@@ -123,12 +132,20 @@ impl Srdf {
 
 /// The link named by an attribute.
 fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
-    let name = node.attribute(attribute);
-    let name = name.ok_or_else(|| format!("it has no {attribute}"))?;
-    if model.frames().iter().all(|frame| frame.name != name) {
-        return Err(format!("{attribute}: the robot has no link '{name}'"));
+    let name = required(node, attribute)?;
+    match has_link(model, name) {
+        true => Ok(name.to_owned()),
+        false => Err(format!("{attribute}: the robot has no link '{name}'")),
     }
-    Ok(name.to_owned())
+}
+
+fn required<'a>(node: Node<'a, '_>, attribute: &str) -> Read<&'a str> {
+    let found = node.attribute(attribute);
+    found.ok_or_else(|| format!("it has no {attribute}"))
+}
+
+fn has_link(model: &Model, name: &str) -> bool {
+    model.frames().iter().any(|frame| frame.name == name)
 }
 
 /// The spheres of a link. A single sphere of radius zero means none.

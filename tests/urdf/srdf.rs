@@ -5,6 +5,7 @@ use aghf::geometry::Shape;
 use aghf::model::CollisionShape;
 use aghf::urdf::Srdf;
 use nalgebra::{Rotation3, Vector3};
+use std::collections::BTreeSet;
 
 pub const SRDF: &str = r#"<robot name="shapes">
   <group name="all"><chain base_link="base" tip_link="nowhere"/></group>
@@ -13,6 +14,7 @@ pub const SRDF: &str = r#"<robot name="shapes">
   <link_sphere_approximation link="tool"><sphere center="0.1 0 0" radius="0.2"/>
   <sphere center="0 0.1 0" radius="0.3"/></link_sphere_approximation>
   <link_sphere_approximation link="finger"><sphere center="0 0 0" radius="0"/></link_sphere_approximation>
+  <disable_collisions link1="wheel" link2="base" reason="Never"/>
 </robot>"#;
 
 #[test]
@@ -29,6 +31,8 @@ fn pairs_and_spheres_of_an_srdf_are_read() {
         ("finger base".to_owned(), ""),
     ];
     assert_eq!(pairs, expected);
+    // The robot has no wheels.
+    assert_eq!(srdf.unknown_links, BTreeSet::from(["wheel".to_owned()]));
     let with = srdf
         .with_spheres(model.clone())
         .expect("the links are there");

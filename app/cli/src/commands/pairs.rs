@@ -1,6 +1,6 @@
 //! `aghf pairs`.
 
-use super::{UrdfArgs, print, tell_notes};
+use super::{UrdfArgs, print, tell, tell_notes};
 use crate::output::{refuse_existing, write_text};
 use aghf::error::Result;
 use aghf::urdf::{RobotSource, Srdf};
@@ -45,7 +45,14 @@ impl Pairs {
         let links = || cover_links(&model, source.folder(), self.excess);
         let pairs = match &self.srdf {
             Some(path) => {
-                let pairs = IgnoredPairs::of_srdf(&model, &Srdf::load(path, &model)?);
+                let srdf = Srdf::load(path, &model)?;
+                for link in &srdf.unknown_links {
+                    let path = path.display();
+                    tell(&format!(
+                        "note: {path}: the robot has no link '{link}', whose pairs are left out"
+                    ));
+                }
+                let pairs = IgnoredPairs::of_srdf(&model, &srdf);
                 // Without shapes nothing overlaps.
                 match model.collisions() {
                     [] => pairs,

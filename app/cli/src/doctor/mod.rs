@@ -135,8 +135,12 @@ impl Finding {
 /// Examines a robot. What the reader of a robot refuses is a finding, and the rest is examined without it.
 ///
 /// # Errors
-/// A file cannot be read, or is no URDF or no SRDF.
+/// The excess is not positive, a file cannot be read, or the robot is no URDF.
 pub fn examine(examination: &Examination) -> Result<Diagnosis> {
+    if !(examination.excess.is_finite() && examination.excess > 0.0) {
+        let condition = format!("it is {}, a positive number is needed", examination.excess);
+        return Err(Error::input("options", "excess", condition));
+    }
     let source = RobotSource::find(&examination.robot, Path::new(""))?;
     let robot = source.elements()?;
     let mut findings = of_joints(&robot);
@@ -204,6 +208,15 @@ impl Diagnosis {
                 }
             },
         };
+        let unknown = srdf
+            .iter()
+            .flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
+        let words = [
+            "the SRDF disables collisions of it, and the robot does not have it",
+            "nothing is needed, unless the name is misspelt",
+        ];
+        self.findings
+            .extend(Finding::about(Severity::Note, "link", unknown, words));
         let with_spheres = match &srdf {
             Some((srdf, _)) => srdf.with_spheres(model.clone())?,
             None => model.clone(),

@@ -29,6 +29,7 @@ const ROBOT: &str = r#"<robot name="ill">
 </robot>"#;
 
 const SRDF: &str = r#"<robot name="ill"><disable_collisions link1="fist" link2="hand"/>
+  <disable_collisions link1="tail" link2="hand"/>
   <group_state name="bent"><joint name="bend" value="1.5"/><joint name="wheel" value="1"/></group_state>
   <group_state name="straight" group="arm"><joint name="turn" value="0"/></group_state></robot>"#;
 
@@ -117,6 +118,7 @@ fn each_finding_names_its_elements() {
         ("exceeds the sum", note, &["mid"]),
         ("cannot keep clear", note, &["arm and base (neighbours)"]),
         ("the state 'bent' of the SRDF has it", note, &["wheel"]),
+        ("the SRDF disables collisions of it", note, &["tail"]),
         ("links overlap there", note, &["zero", "straight of arm"]),
     ] {
         let names = names.iter().map(|name| (*name).to_owned()).collect();
@@ -126,7 +128,7 @@ fn each_finding_names_its_elements() {
             "{words}"
         );
     }
-    assert_eq!(found(&diagnosis, "").len(), 14, "{diagnosis}");
+    assert_eq!(found(&diagnosis, "").len(), 15, "{diagnosis}");
     let shapes = diagnosis["shapes"]["shapes"].as_array().expect("a list");
     assert!(
         shapes.iter().all(|shape| shape["unread"].is_null()),
@@ -205,6 +207,11 @@ fn faults_of_files_are_findings_or_bad_input() {
         run.stdout
     );
 
+    assert_bad_input(
+        &folder,
+        &["doctor", "panda", "--excess", "0"],
+        "options: excess: it is 0",
+    );
     let words = "base.dae: robot: ; the root element is 'COLLADA'";
     assert_bad_input(&folder, &["doctor", "there/base.dae"], words);
     assert_bad_input(
