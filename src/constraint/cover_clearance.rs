@@ -15,8 +15,10 @@ use nalgebra::Vector3;
 const FAR: f64 = 0.35;
 
 /// Links that are covered by balls stay clear of solids and of each other. The balls of a link are in sets: per pair of
-/// a link and a solid there is one row per set, then per pair of links one per pair of sets, $g = m - \min(d, f)$ in m
-/// with `d` the least distance of their balls, `m` the margin, and `f` for [`far`](Self::far).
+/// a link and a solid there is one row per set, then per pair of links as many as the larger number `k` of their sets,
+/// $g = m - \min(d, f)$ in m with `d` the least distance of their balls, `m` the margin, and `f` for
+/// [`far`](Self::far). Balls of the sets `i` and `j` of two links are in row $(i + j) \bmod k$, so that a neighbour of
+/// either in another set is in another row.
 ///
 /// The nearest balls are found by branch and bound in the trees of links, so links further than `f` from each other
 /// cost one distance. Their rows are constant. Within, a row has a kink where two distances are the least. Balls of a
@@ -154,7 +156,7 @@ impl<C: Scalar> CoverClearance<C> {
         let count = |i: usize| self.counts[i];
         let of_solids = self.solid_pairs.iter().map(move |[i, _]| count(*i));
         let of_pairs = self.pairs.iter();
-        of_solids.chain(of_pairs.map(move |[i, j]| count(*i) * count(*j)))
+        of_solids.chain(of_pairs.map(move |[i, j]| count(*i).max(count(*j))))
     }
 
     /// The placements of the links; `None` for those on the base.
@@ -206,7 +208,7 @@ impl<C: Scalar> CoverClearance<C> {
         rows: &mut Rows<S>,
     ) {
         let (tree, other, margin) = (&self.links[i], &self.links[j], self.margins[1]);
-        let columns = self.counts[j];
+        let count = rows.all.len();
         let bound = |[k, l]: [usize; 2]| {
             let (a, b) = (&tree.nodes[k].bound, &other.nodes[l].bound);
             let (p, q) = (place(places[i], &a.centre), place(places[j], &b.centre));
@@ -219,7 +221,7 @@ impl<C: Scalar> CoverClearance<C> {
             let is_near = !is_negative(*g - rows.least);
             let leaves = (tree.nodes[k].leaf, other.nodes[l].leaf);
             if let (true, (Some(a), Some(b))) = (is_near, leaves) {
-                rows.take(self.sets[a] * columns + self.sets[b], *g, [p, q]);
+                rows.take((self.sets[a] + self.sets[b]) % count, *g, [p, q]);
             }
             is_near
         });

@@ -79,11 +79,15 @@ fn by_balls(of: &CoverClearance, model: &Model, x: &[f64]) -> Vec<f64> {
         }
     }
     for [i, j] in &of.pairs {
-        for set in 0..of.counts[*i] {
-            for beside in 0..of.counts[*j] {
-                let pairs = balls(*i, set).flat_map(|b| balls(*j, beside).map(move |c| b.gap(&c)));
-                rows.push(of.margins[1] - least(&mut pairs.into_iter()));
-            }
+        let (m, n) = (of.counts[*i], of.counts[*j]);
+        for row in 0..m.max(n) {
+            let sets = (0..m).flat_map(|set| (0..n).map(move |beside| [set, beside]));
+            let sets = sets.filter(|[set, beside]| (set + beside) % m.max(n) == row);
+            let pairs = sets.flat_map(|[set, beside]| {
+                let all = balls(*j, beside).collect::<Vec<_>>();
+                balls(*i, set).flat_map(move |b| all.clone().into_iter().map(move |c| b.gap(&c)))
+            });
+            rows.push(of.margins[1] - least(&mut pairs.into_iter()));
         }
     }
     rows
