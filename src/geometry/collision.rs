@@ -192,8 +192,8 @@ impl CollisionGeometry {
     }
 
     /// Divides the balls of each link into at most [`SETS`] sets, those of a set far from each other: a constraint then
-    /// needs few rows, each for the nearest balls of some sets. The next ball, from the largest on, goes to the set whose nearest ball is
-    /// furthest. Cost O(the square of the number of balls of a link).
+    /// needs few rows, each for the nearest balls of some sets. The next ball, from the largest on, goes to the set
+    /// whose nearest ball is furthest. Cost O(the square of the number of balls of a link).
     #[must_use]
     pub fn with_sets(mut self) -> Self {
         let mut all = vec![0; self.balls.len()];
