@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 pub type Triangle = [Vector3<f64>; 3];
 
 /// The width of the cells relative to the excess. Up to $1 / \sqrt 3$ a ball of the excess as radius about a point of a
-/// cell contains the cell. Half of this saves a tenth of the balls in three times the time.
+/// cell contains the cell.
 const WIDTH: f64 = 0.57;
 
 /// The distance of candidates that are as good as one, relative to their radius: with less than this the number of
 /// balls is the same.
 const ALIKE: f64 = 0.3;
 
-/// The distance within which a cell needs no ball of its own, relative to the radius of that of another: it takes a
-/// third of the time, for up to a tenth more balls.
+/// The distance within which a cell needs no ball of its own, relative to the radius of that of another. With 0.1 the
+/// meshes of a UR5 need a quarter fewer balls, and more than twice the time.
 const NEARBY: f64 = 0.25;
 
 /// The number of points of a surface by which a ball is shrunk before all triangles near it are looked at.
@@ -33,10 +33,10 @@ const ROUNDING: f64 = 1e-9;
 /// Covers triangles and the volume that they enclose by balls, no point of which is further than `excess` in m from
 /// these.
 ///
-/// Space is divided into cubes of width `excess / 2`. Those that no path over cubes without a surface connects with the
-/// outside are within: a mesh encloses a volume even if it has gaps narrower than a cube, and what only such gaps lead
-/// to, such as the inside of a housing, is part of the volume. The surface that remains is cut along the cubes into
-/// patches.
+/// Space is divided into cubes somewhat wider than `excess / 2`. Those that no path over cubes without a surface
+/// connects with the outside are within: a mesh encloses a volume even if it has gaps narrower than a cube, and what
+/// only such gaps lead to, such as the inside of a housing, is part of the volume. The surface that remains is cut
+/// along the cubes into patches.
 ///
 /// Candidates are the balls within that touch the surface at two points, with their radius increased by the excess:
 /// each other ball within, increased likewise, is contained in one of them. They are chosen by the number of patches

@@ -1,6 +1,6 @@
 //! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
 
-use super::{IgnoredPair, Method, Scenario, ScenarioFile};
+use super::{IgnoredPair, Method, RobotShape, Scenario, ScenarioFile};
 use aghf::error::{Error, Result};
 use aghf::relax::{FreeHorizon, WeightedSquares};
 use schemars::JsonSchema;
@@ -142,8 +142,8 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// The keys of this scenario that the method ignores, and the pairs of links that are ignored without being named,
-    /// in words.
+    /// The keys of this scenario that the method ignores, and the parts of the robot that are kept clear of nothing
+    /// though no key says so, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let unnamed = |IgnoredPair {
                            links: [a, b],
@@ -154,11 +154,31 @@ impl Scenario {
             )
         };
         let mut notes: Vec<_> = self.overlapping.iter().map(unnamed).collect();
+        notes.extend(self.not_kept_clear());
         if method == Method::Flow && self.file.running_cost.is_some() {
             let note = "running_cost: the published flow minimises the control effort alone";
             notes.push(note.to_owned());
         }
         notes
+    }
+
+    /// The note that a robot with shapes is not kept clear of obstacles by them, or not of itself.
+    fn not_kept_clear(&self) -> Option<String> {
+        let file = &self.file;
+        let note = match file.robot_shape {
+            RobotShape::JointFrames
+                if !file.obstacles.is_empty() && !self.model.collisions().is_empty() =>
+            {
+                "robot_shape: only the origins of joint frames keep clear of obstacles; \"collision\" takes the shapes \
+                 of the robot"
+            }
+            RobotShape::Collision { .. } if file.self_collision.is_none() => {
+                "self_collision: the links are not kept clear of each other, as it is not given; `aghf pairs` finds \
+                 the pairs that may touch"
+            }
+            _ => return None,
+        };
+        Some(note.to_owned())
     }
 
     /// Refuses keys that the method does not support: those of the relaxation alone, and passive joints in the

@@ -1,6 +1,6 @@
 //! Obstacles of every shape and the collision shapes of the robot.
 
-use crate::written::{load, with};
+use crate::written::{load, solved_once, with};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Shape, Sphere};
@@ -284,4 +284,29 @@ fn an_obstacle_far_away_gets_a_remark() {
         told.starts_with("'obstacles[0]' is 500 m from the base"),
         "{told}"
     );
+}
+
+/// A robot whose shapes are not kept clear of obstacles, or not of each other, is told.
+#[test]
+fn what_is_kept_clear_of_nothing_is_told() {
+    let notes = |keys| {
+        let obstacle = json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [2.0, 0.0, 0.5] } });
+        let scenario = json!({
+            "robot": "kinova_gen3", "horizon_s": 2.0,
+            "q_start": [0, 0.5, 0, 1.0, 0, 0.5, 0], "v_start": [0, 0, 0, 0, 0, 0, 0],
+            "q_goal": [0.2, 0.5, 0, 1.0, 0, 0.5, 0], "v_goal": [0, 0, 0, 0, 0, 0, 0],
+            "obstacles": [obstacle]
+        });
+        let scenario = load("told", &with(scenario, keys)).expect("it is good");
+        solved_once(&scenario).summary.notes.join("; ")
+    };
+    let of_shape = "robot_shape: only the origins of joint frames";
+    let of_links = "self_collision: the links are not kept clear";
+    let shapes = json!({ "collision": { "excess_m": 0.02 } });
+    let joints = notes(json!({}));
+    assert!(joints.starts_with(of_shape), "{joints}");
+    let alone = notes(json!({ "robot_shape": shapes }));
+    assert!(alone.starts_with(of_links), "{alone}");
+    let all = notes(json!({ "robot_shape": shapes, "self_collision": { "ignored_pairs": [] } }));
+    assert!(!all.contains(of_shape) && !all.contains(of_links), "{all}");
 }
