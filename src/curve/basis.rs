@@ -38,6 +38,8 @@ pub struct Continuity {
     pub rest: [bool; 2],
     /// True if the slope at the end is unknown.
     pub free_final_velocity: bool,
+    /// True if the value at the end is unknown.
+    pub free_final_position: bool,
 }
 
 impl Continuity {
@@ -146,8 +148,8 @@ impl Basis {
         ends.into_iter().take(fixed)
     }
 
-    /// The functions with unknown coefficients, ascending: all but slope and value at the start, value at the end,
-    /// slope at the end unless it is free, and second derivatives at rest.
+    /// The functions with unknown coefficients, ascending: all but slope and value at the start, those at the end unless
+    /// they are free, and second derivatives at rest.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);
@@ -155,7 +157,7 @@ impl Basis {
             (self.value(0), true),
             (self.slope(0), true),
             (self.first(0), ends.acceleration && ends.rest[0]),
-            (self.value(last), true),
+            (self.value(last), !ends.free_final_position),
             (self.slope(last), !ends.free_final_velocity),
             (self.first(last), ends.acceleration && ends.rest[1]),
         ];

@@ -24,6 +24,7 @@ impl Path {
     pub fn line(problem: &Problem<'_>, basis: Basis) -> Self {
         let ends = Continuity {
             free_final_velocity: false,
+            free_final_position: false,
             ..basis.continuity()
         };
         let least = Basis::new(1, ends.smallest_degree() - 1, ends);
@@ -89,7 +90,7 @@ impl Path {
         rates
     }
 
-    /// The same shape between the boundary states of a problem, on its horizon.
+    /// The same shape between the boundary states of a problem, on its horizon. A free final position is kept.
     pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
         let n = self.coefficients.nrows();
         let slopes = self.rates(problem) * problem.horizon();
@@ -97,13 +98,17 @@ impl Path {
             self.coefficients.set_column(column, &slopes.column(column));
         }
         let last = self.basis.segments();
-        for (end, state) in [(0, problem.start()), (last, problem.goal())] {
+        let Continuity {
+            acceleration,
+            rest,
+            free_final_position,
+            ..
+        } = self.basis.continuity();
+        let ends = [(0, problem.start()), (last, problem.goal())];
+        for (end, state) in ends.into_iter().take(2 - usize::from(free_final_position)) {
             let mut q = self.coefficients.column_mut(self.basis.value(end));
             q.copy_from_slice(&state[..n]);
         }
-        let Continuity {
-            acceleration, rest, ..
-        } = self.basis.continuity();
         for (end, rest) in [0, last].into_iter().zip(rest) {
             if acceleration && rest {
                 self.coefficients
@@ -134,15 +139,17 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     }
     let last = x.ncols() - 1;
     x.column_mut(0).copy_from_slice(problem.start());
-    // A free final velocity is the slope of the path.
-    let given = if path.basis.continuity().free_final_velocity {
-        n
-    } else {
-        2 * n
-    };
-    x.column_mut(last)
-        .rows_mut(0, given)
-        .copy_from_slice(&problem.goal()[..given]);
+    let Continuity {
+        free_final_position,
+        free_final_velocity,
+        ..
+    } = path.basis.continuity();
+    for (free, own) in [(free_final_position, 0..n), (free_final_velocity, n..2 * n)] {
+        if !free {
+            let mut given = x.view_mut((own.start, last), (n, 1));
+            given.copy_from_slice(&problem.goal()[own]);
+        }
+    }
     Curve::piecewise(horizon, segments, x)
 }
 

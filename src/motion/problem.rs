@@ -104,6 +104,15 @@ impl<'m> Problem<'m> {
         Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
     }
 
+    /// The same problem with another configuration at its end.
+    ///
+    /// # Errors
+    /// `q` does not have `N` entries, or a number is not finite.
+    pub fn with_final_position(&self, q: &[f64]) -> Result<Self> {
+        let goal = [q, &self.goal[self.model.dof()..]].concat();
+        Self::new(self.model, self.start.clone(), goal, self.horizon)
+    }
+
     /// The initial states at the nodes, `2 N` by `p + 1`.
     #[must_use]
     pub fn guess(&self, guess: Guess, chebyshev: &Chebyshev) -> DMatrix<f64> {

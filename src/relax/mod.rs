@@ -24,6 +24,7 @@
 //! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
 //! costs; `tuning.rs` has all tuning constants.
 
+mod goal;
 mod minimise;
 mod running_cost;
 mod settings;
@@ -31,6 +32,7 @@ mod strategy;
 mod transcription;
 mod tuning;
 
+pub use goal::{GoalEnd, GoalSet};
 pub use running_cost::{
     AutodiffCost, ChainRule, CostThroughDynamics, HyperDual64, RunningCost, StageDerivatives,
     StageInput, Weighted, WeightedSquares,
@@ -145,6 +147,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             rows: &rows,
             watch: &watch,
             free_horizon: settings.free_horizon,
+            goal: settings.goal.as_ref(),
         };
         let planned = Planned::new(given, settings)?;
         let mut problem = problem.clone();
@@ -215,6 +218,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Relaxation<'a, K, P> {
             minima,
             minima_curves,
             best_start,
+            alternative: found.alternative,
             first_guess,
             iterations,
         })

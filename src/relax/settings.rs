@@ -2,7 +2,7 @@
 
 use super::minimise::Stage;
 use super::tuning::{LAST_BARRIER, LOWER, SEGMENT_STEPS};
-use super::{DegreeRefinement, FreeHorizon, LocalMinimum};
+use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
@@ -59,6 +59,8 @@ pub struct RelaxSettings {
     pub continuous_acceleration: bool,
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
+    /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
+    pub goal: Option<GoalSet>,
 }
 
 crate::names::named_enum! {
@@ -95,6 +97,7 @@ impl Default for RelaxSettings {
             free_final_velocity: false,
             continuous_acceleration: false,
             free_horizon: None,
+            goal: None,
         }
     }
 }
@@ -183,6 +186,7 @@ impl RelaxSettings {
             acceleration: self.continuous_acceleration,
             rest: [rests(problem.start()), end],
             free_final_velocity: self.free_final_velocity,
+            free_final_position: self.goal.is_some(),
         }
     }
 
@@ -242,6 +246,9 @@ impl RelaxSettings {
         check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
+        }
+        if let Some(goal) = &self.goal {
+            goal.check(problem)?;
         }
         if let Some(longest) = self.longest_horizon {
             let least = problem.horizon();
@@ -344,6 +351,8 @@ pub struct RelaxSolution {
     pub minima_curves: Vec<Curve>,
     /// The number of the start that led to the motion; `None` without starts.
     pub best_start: Option<usize>,
+    /// The alternative of the [goal](GoalSet) at which the motion ends; zero without one.
+    pub alternative: usize,
     /// The initial curve of that start.
     pub first_guess: Curve,
     /// All iterations, of all starts and degrees.

@@ -7,6 +7,7 @@ mod common;
 mod composition;
 mod constrained;
 mod free_end;
+mod goal;
 mod interrupt;
 mod minima;
 mod multistart;

@@ -38,16 +38,17 @@ fn second_order(
         .expect("sizes agree")
 }
 
-/// Continuous velocities, or accelerations as well, with rest at the start.
-fn ends(acceleration: bool, free_final_velocity: bool) -> Continuity {
+/// Continuous velocities, or accelerations as well, with rest at the start and a given or a free final state.
+fn ends(acceleration: bool, free_end: bool) -> Continuity {
     Continuity {
         acceleration,
         rest: [acceleration, false],
-        free_final_velocity,
+        free_final_velocity: free_end,
+        free_final_position: free_end,
     }
 }
 
-/// Gradient and Hessian of one and of several segments, with and without a free final velocity.
+/// Gradient and Hessian of one and of several segments, with and without a free final state.
 #[test]
 fn derivatives_are_those_of_duals() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -12,6 +12,8 @@ use crate::relax::{CostWithControl, Grid};
 pub(in crate::relax) struct Candidate {
     pub path: Path,
     pub horizon: f64,
+    /// The alternative of a [goal](crate::relax::GoalSet) that is a set.
+    pub alternative: usize,
     pub multipliers: Multipliers,
     /// The first penalty of a violation, if it is not that of the options.
     pub penalty: Option<f64>,
@@ -46,6 +48,8 @@ pub(in crate::relax) struct Multipliers {
     pub times: Vec<f64>,
     /// The multipliers, row by row for each time.
     pub values: Vec<f64>,
+    /// The multipliers of the rows of a goal.
+    pub of_goal: Vec<f64>,
 }
 
 impl Candidate {
@@ -59,6 +63,7 @@ impl Candidate {
         Self {
             path,
             horizon,
+            alternative: 0,
             multipliers: Multipliers::default(),
             penalty: None,
             equality_penalty: 1.0,
@@ -79,12 +84,13 @@ impl Candidate {
 }
 
 impl Multipliers {
-    /// The multipliers of rows, row by row for each point of a grid. The multiplier of a row that is not enforced at a
+    /// The multipliers of rows, row by row for each point of a grid, and those of a goal. The multiplier of a row that is not enforced at a
     /// point is interpolated between the neighbouring points at which it is.
     pub(super) fn new<K: Constraint, P: CostWithControl>(
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         values: &[f64],
+        of_goal: Vec<f64>,
     ) -> Self {
         let count = rows.count();
         let times = grid.times.clone();
@@ -96,6 +102,7 @@ impl Multipliers {
                 let held = Self {
                     times: with.iter().map(|g| times[*g]).collect(),
                     values: with.iter().map(|g| values[g * count + row]).collect(),
+                    of_goal: Vec::new(),
                 };
                 for g in without {
                     let between = held.at(&times[g..=g], 1);
@@ -103,10 +110,14 @@ impl Multipliers {
                 }
             }
         }
-        Self { times, values }
+        Self {
+            times,
+            values,
+            of_goal,
+        }
     }
 
-    /// The multipliers at other times, interpolated linearly; `None` without multipliers.
+    /// The multipliers at other times, interpolated linearly, then those of a goal; `None` without multipliers.
     pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
         let last = self.times.len().checked_sub(1)?;
         let mut found = vec![0.0; times.len() * rows];
@@ -124,6 +135,7 @@ impl Multipliers {
                 *to = x + share * (y - x);
             }
         }
+        found.extend(&self.of_goal);
         Some(found)
     }
 }

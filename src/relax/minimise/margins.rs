@@ -11,6 +11,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The local maxima of the rows between the points, and the largest violation, in its unit.
     pub(super) fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
         let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
+        self.evaluate_goal()?;
         let bounds = self.bounds();
         let rows = &mut self.objective.cost_mut().rows;
         let peaks = scan.peaks(rows, &self.coefficients, horizon, FLOOR)?;
@@ -23,7 +24,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let longest = self.free_horizon.map_or(0.0, |free| free.longest);
         let mut largest = bounds
             .into_iter()
-            .fold(highest, |most, bound| most.max(longest * bound));
+            .fold(highest, |most, bound| most.max(longest * bound))
+            .max(self.goal.violation());
         for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
             if self.grid.collocated[g % self.grid.points()] {
                 for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
@@ -51,8 +53,13 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let margins = equalities
             .iter()
             .map(|equality| if *equality { 0.0 } else { RESERVE });
-        for (margin, reserve) in self.margins.iter_mut().zip(margins.cycle()) {
+        let first = self.goal.first;
+        for (margin, reserve) in self.margins[..first].iter_mut().zip(margins.cycle()) {
             *margin = reserve;
+        }
+        let of_goal = self.margins[first..].iter_mut().zip(&self.goal.equalities);
+        for (margin, _) in of_goal.filter(|(_, held)| !**held) {
+            *margin = RESERVE;
         }
     }
 

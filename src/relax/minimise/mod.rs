@@ -2,11 +2,12 @@
 //!
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points. The rows of clearances are in the working set while they are near their
+//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. The rows of clearances are in the working set while they are near their
 //! bound.
 
 mod candidate;
 mod curvature;
+mod goal_rows;
 mod integrand;
 mod margins;
 mod program;
@@ -19,7 +20,7 @@ use super::transcription::{Grids, Rows};
 use super::tuning::{
     FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS, POINTS_OF_SEGMENTS,
 };
-use super::{CostWithControl, FreeHorizon, Iteration};
+use super::{CostWithControl, FreeHorizon, GoalSet, Iteration};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, curve_of, passive_share};
@@ -50,6 +51,7 @@ pub(super) struct Context<'c, 'a, K, P> {
     pub rows: &'c Rows<'a, K, P>,
     pub watch: &'c Watch,
     pub free_horizon: Option<FreeHorizon>,
+    pub goal: Option<&'c GoalSet>,
 }
 
 impl<K, P> Clone for Context<'_, '_, K, P> {
@@ -105,14 +107,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < MOST_POINTS * basis.degree();
     let both = [&*grid, &*finer];
-    let mut program = Program::new(
-        context,
-        &candidate.path,
-        candidate.horizon,
-        both,
-        stage,
-        refinable,
-    );
+    let mut program = Program::new(context, candidate, both, stage, refinable);
     let options = Options {
         tolerance: stage.tolerance,
         feasible: stage.feasible,
@@ -153,7 +148,9 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         program.kept.push(x.clone());
     }
     let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
-    candidate.multipliers = Multipliers::new(&grid, rows, &program.multipliers(&end.iterate));
+    let all = program.multipliers(&end.iterate);
+    let of_goal = all[program.goal.range()].to_vec();
+    candidate.multipliers = Multipliers::new(&grid, rows, &all, of_goal);
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }

@@ -1,11 +1,12 @@
 //! The nonlinear program of a curve in a basis.
 
+use super::goal_rows::GoalRows;
 use super::integrand::Integrand;
-use super::{Context, Stage};
+use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::curve::Basis;
 use crate::error::Result;
-use crate::motion::{Path, Watch};
+use crate::motion::Watch;
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Term, Tightened};
 use crate::relax::transcription::{Grid, Scan};
 use crate::relax::tuning::{
@@ -18,7 +19,7 @@ use std::sync::Arc;
 /// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free.
 ///
 /// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
-/// larger near a point than at it; then the two bounds of a free horizon.
+/// larger near a point than at it; then those of a goal that is a set; then the two bounds of a free horizon.
 pub(super) struct Program<'g, 'a, K, P> {
     pub(super) grid: &'g Grid<f64>,
     /// The times between the points at which rows are evaluated, during the search and at its end.
@@ -34,6 +35,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     rates: DMatrix<f64>,
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
+    pub(super) goal: GoalRows<'g>,
     pub(super) margins: Vec<f64>,
     /// True for rows of the working set.
     pub(super) working: Vec<bool>,
@@ -54,8 +56,12 @@ pub(super) struct Program<'g, 'a, K, P> {
 impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     pub fn new(
         context: Context<'g, 'a, K, P>,
-        path: &Path,
-        horizon: f64,
+        Candidate {
+            path,
+            horizon,
+            alternative,
+            ..
+        }: &Candidate,
         [grid, finer]: [&'g Grid<f64>; 2],
         stage: Stage,
         refinable: bool,
@@ -66,6 +72,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             rows,
             watch,
             free_horizon,
+            goal,
         } = context;
         let (n, basis) = (problem.model().dof(), &path.basis);
         let looks = SCAN * grid.points();
@@ -81,7 +88,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             objective.free_horizon(rates.clone());
         }
         let bounds = if free_horizon.is_some() { 2 } else { 0 };
-        let count = points * rows.count() + bounds;
+        let goal = goal.map_or(&[][..], |goal| &goal.alternatives[*alternative]);
+        let goal = GoalRows::new(problem.model(), goal, points * rows.count());
+        let count = goal.range().end + bounds;
         let mut program = Self {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
@@ -90,8 +99,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             coefficients: path.coefficients.clone(),
             rates,
             basis: basis.clone(),
-            horizon,
+            horizon: *horizon,
             free_horizon,
+            goal,
             margins: vec![0.0; count],
             working: Vec::new(),
             refinable,
@@ -213,22 +223,67 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             terms.clear();
         }
         let count = integrand.rows.count();
-        let points = integrand.terms.len();
-        let of_bounds = points * count;
-        for row in iterate.working.iter().filter(|row| row.at < of_bounds) {
+        let first = self.goal.first;
+        for row in iterate.working.iter().filter(|row| row.at < first) {
             let h = self.objective.cost().h[row.at] + self.margins[row.at];
             let term = self.term(iterate, row, h);
             let integrand = self.objective.cost_mut();
             integrand.terms[row.at / count].push((row.at % count, term));
         }
         let integrand = self.objective.cost_mut();
-        for equality in &iterate.equalities {
+        let held = iterate.equalities.iter();
+        for equality in held.filter(|held| held.row.at < first) {
             let at = equality.row.at;
             // Their rule has a small share of the quadrature.
             let term = iterate.equality_term(equality, integrand.h[at]);
             let term = term.times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
+    }
+
+    /// Evaluates the rows of a goal at the current coefficients.
+    pub(super) fn evaluate_goal(&mut self) -> Result<()> {
+        let last = self.basis.value(self.basis.segments());
+        let q = self.coefficients.column(last);
+        self.goal.evaluate(q.as_slice())
+    }
+
+    /// Adds the derivatives of the rows of a goal, which depend on the final configuration alone: one coefficient per
+    /// joint.
+    fn add_goal(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        let last = self.basis.value(self.basis.segments());
+        let Some(unknown) = self.grid.unknown[last] else {
+            return Ok(());
+        };
+        self.evaluate_goal()?;
+        let (goal, margins) = (&self.goal, &self.margins);
+        let held = iterate.equalities.iter().filter_map(|equality| {
+            let at = equality.row.at.checked_sub(goal.first)?;
+            let term = iterate.equality_term(equality, *goal.h.get(at)?);
+            Some((equality.row, term))
+        });
+        let near = iterate.working.iter().filter_map(|row| {
+            let h = goal.h.get(row.at.checked_sub(goal.first)?)?;
+            Some((*row, self.term(iterate, row, h + margins[row.at])))
+        });
+        let terms = held.chain(near);
+        let terms: Vec<_> = terms
+            .map(|(row, term)| (row.at, term.times(row.weight)))
+            .collect();
+        let cost: f64 = terms.iter().map(|(_, term)| term.cost).sum();
+        let (gradient, hessian) = self.goal.derivatives(terms.into_iter())?;
+        let (n, e) = (gradient.len(), self.grid.segments - 1);
+        let own = (unknown - self.grid.block(e).start) * n;
+        let mut block = out.hessian.matrix.diagonal[e].view_mut((own, own), (n, n));
+        block += self.horizon * hessian;
+        let mut target = out.gradient.rows_mut(unknown * n, n);
+        target += self.horizon * &gradient;
+        if let Some((border, _)) = &mut out.hessian.border {
+            let mut target = border.rows_mut(unknown * n, n);
+            target += gradient;
+            out.gradient[self.derivatives.gradient.len()] += cost;
+        }
+        Ok(())
     }
 
     /// The values of the two bounds of a free horizon, relative to the initial one.
@@ -247,16 +302,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.place(x);
         let cost = self.objective.value(&self.coefficients)?;
+        self.evaluate_goal()?;
         let bounds = self.bounds();
-        let (integrand, margins) = (self.objective.cost_mut(), &self.margins);
+        let rows = self.objective.cost().h.iter().chain(&self.goal.h);
         h.clear();
-        h.extend(
-            integrand
-                .h
-                .iter()
-                .zip(margins)
-                .map(|(h, margin)| h + margin),
-        );
+        h.extend(rows.zip(&self.margins).map(|(h, margin)| h + margin));
         if let Some(free) = self.free_horizon {
             h.extend(bounds);
             if self.horizon <= 0.0 {
@@ -291,7 +341,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 *corner += horizon * row.weight * term.curvature * slope * slope;
             }
         }
-        Ok(())
+        self.add_goal(iterate, out)
     }
 
     fn measure(&self, x: &DVector<f64>) -> f64 {
@@ -329,6 +379,15 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 }
             }));
         }
+        let of_goal = self.goal.range().zip(&self.goal.equalities);
+        all.extend(of_goal.filter(|(_, held)| **held).map(|(at, _)| {
+            let first = EQUALITY_PENALTY * density;
+            Equality {
+                row: Row { at, weight: 1.0 },
+                first,
+                penalty: self.equality_penalty * first,
+            }
+        }));
         all
     }
 
@@ -337,8 +396,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let (count, states) = (integrand.rows.count(), integrand.rows.states());
         let attributes = integrand.rows.attributes();
         let (last, with_ends) = (grid.times.len() - 1, grid.times[0] == 0.0);
-        let free_slope = self.basis.continuity().free_final_velocity;
-        let is_fixed = |g| with_ends && (g == 0 || (g == last && !free_slope));
+        let ends = self.basis.continuity();
+        let free = ends.free_final_velocity || ends.free_final_position;
+        let is_fixed = |g| with_ends && (g == 0 || (g == last && !free));
         self.working.clear();
         self.working.resize(h.len(), false);
         let mut rows = Vec::new();
@@ -361,12 +421,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 }
             }
         }
-        if self.free_horizon.is_some() {
-            for at in [h.len() - 2, h.len() - 1] {
-                self.working[at] = true;
-                rows.push(Row { at, weight: 1.0 });
-            }
-        }
+        self.working[self.goal.first..].fill(true);
+        let of_goal = self.goal.range().zip(&self.goal.equalities);
+        let of_goal = of_goal.filter_map(|(at, held)| (!held).then_some(at));
+        let bounds = self.goal.range().end..h.len();
+        rows.extend(of_goal.chain(bounds).map(|at| Row { at, weight: 1.0 }));
         rows
     }
 

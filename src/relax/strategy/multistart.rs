@@ -69,8 +69,7 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let passive = context.rows.constraints.torque.has_passive();
     // A start is a single polynomial, whatever it is to become.
     let basis = &rungs[0].basis;
-    let line = Basis::new(1, basis.degree(), basis.continuity());
-    let line = Path::line(context.problem, line);
+    let one = Basis::new(1, basis.degree(), basis.continuity());
     // Who asks for a start that keeps the constraints is content with a motion that does.
     let content = settings.planned_starts == PlannedStarts::First;
     let is_found = |end: &Climber| {
@@ -90,16 +89,19 @@ pub(in crate::relax) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         };
         next = wave.end;
         let start = |number| {
+            let problem = planned.problem(number)?;
             // A planned start has its own basis and enters at the highest degree.
-            let (first, candidate) = match planned.start(number, context.problem)? {
+            let (first, mut candidate) = match planned.start(number, &problem)? {
                 Some(candidate) => (rungs.len() - 1, candidate),
                 None => {
                     let bends = planned.bends(number);
+                    let line = Path::line(&problem, one.clone());
                     let path = line.start(settings.start_amplitude, settings.seed, bends);
                     let path = path.in_basis(rungs[0].basis.clone());
                     (0, Candidate::new(path, context.problem.horizon()))
                 }
             };
+            candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
             Ok(Climber {
                 number,
                 first,

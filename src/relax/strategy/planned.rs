@@ -44,7 +44,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             first: None,
         };
         if wanted && settings.planned_starts == PlannedStarts::First {
-            planned.first = planned.path(0)?;
+            planned.first = planned.path(0, &planned.problem(0)?)?;
         }
         Ok(planned)
     }
@@ -58,7 +58,16 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
 
     /// The number of the bends of a start without a path.
     pub fn bends(&self, start: usize) -> u64 {
-        (start - usize::from(self.first.is_some())) as u64
+        let ends = self.context.goal.map_or(1, |goal| goal.ends.len());
+        ((start - usize::from(self.first.is_some())) / ends) as u64
+    }
+
+    /// The problem of a start: to its first guess of the final configuration if the goal is a set.
+    pub fn problem(&self, start: usize) -> Result<Problem<'a>> {
+        match self.context.goal {
+            Some(goal) => self.context.problem.with_final_position(&goal.end(start).q),
+            None => Ok(self.context.problem.clone()),
+        }
     }
 
     /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
@@ -66,7 +75,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
         let path = match (&self.first, self.number(start)) {
             (Some(first), _) if start == 0 => Some(first.clone()),
-            (_, Some(number)) => self.path(number)?,
+            (_, Some(number)) => self.path(number, problem)?,
             _ => None,
         };
         let Some(path) = path else {
@@ -84,13 +93,8 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     }
 
     /// The curve along the path of this number; `None` without a path.
-    fn path(&self, number: u64) -> Result<Option<Path>> {
-        let Context {
-            problem,
-            rows,
-            watch,
-            ..
-        } = self.context;
+    fn path(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Path>> {
+        let Context { rows, watch, .. } = self.context;
         let constraint = &rows.constraints.state;
         let mut plans = PlanSettings {
             seed: self.settings.seed,

@@ -1,0 +1,102 @@
+//! The rows of a goal on the final configuration.
+
+use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
+use crate::error::Result;
+use crate::model::Model;
+use crate::nlp::Term;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// The rows of a goal on the final configuration, divided by their scales. They follow those of the points of the
+/// quadrature.
+pub(super) struct GoalRows<'g> {
+    constraints: &'g [AnyConstraint],
+    evaluator: Evaluator<'g>,
+    scales: Vec<f64>,
+    /// True for each equality.
+    pub equalities: Vec<bool>,
+    /// The values at the last evaluation.
+    pub h: Vec<f64>,
+    /// The final state, at rest.
+    state: Vec<f64>,
+    /// The index of the first row among all.
+    pub first: usize,
+}
+
+impl<'g> GoalRows<'g> {
+    /// The rows of `constraints`, without any if there is no goal; `first` rows come before.
+    pub fn new(model: &'g Model, constraints: &'g [AnyConstraint], first: usize) -> Self {
+        let rows = constraints.dim();
+        let mut scales = vec![1.0; rows];
+        constraints.row_scales(&mut scales);
+        Self {
+            equalities: (0..rows).map(|row| constraints.is_equality(row)).collect(),
+            scales: scales.into_iter().map(f64::recip).collect(),
+            evaluator: Evaluator::new(model),
+            h: vec![0.0; rows],
+            state: vec![0.0; 2 * model.dof()],
+            constraints,
+            first,
+        }
+    }
+
+    /// The indices of the rows among all.
+    pub fn range(&self) -> Range<usize> {
+        self.first..self.first + self.h.len()
+    }
+
+    /// Computes the rows at a final configuration.
+    pub fn evaluate(&mut self, q: &[f64]) -> Result<()> {
+        if self.h.is_empty() {
+            return Ok(());
+        }
+        self.state[..q.len()].copy_from_slice(q);
+        let placed = self.evaluator.at(&self.state)?;
+        placed.value(self.constraints, &mut self.h)?;
+        for (h, scale) in self.h.iter_mut().zip(&self.scales) {
+            *h *= scale;
+        }
+        Ok(())
+    }
+
+    /// The largest violation, in m or rad.
+    pub fn violation(&self) -> f64 {
+        let rows = self.h.iter().zip(&self.equalities);
+        let violations = rows.map(|(h, equality)| if *equality { h.abs() } else { *h });
+        violations.fold(0.0, f64::max)
+    }
+
+    /// The gradient and the Hessian of the weighted rows in the final configuration of the last evaluation, `N` entries
+    /// and `N` by `N`.
+    pub fn derivatives(
+        &mut self,
+        terms: impl Iterator<Item = (usize, Term)>,
+    ) -> Result<(DVector<f64>, DMatrix<f64>)> {
+        let rows = self.h.len();
+        let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
+        for (at, term) in terms {
+            let row = at - self.first;
+            let scale = self.scales[row];
+            slopes[row] = scale * term.slope;
+            multipliers[row] = scale * term.multiplier;
+            curvatures[row] = scale * scale * term.curvature;
+        }
+        let n = self.state.len() / 2;
+        let mut placed = self.evaluator.at(&self.state)?;
+        let first = Weights {
+            first_order: &slopes,
+            gauss_newton: None,
+        };
+        let gradient = placed.weighted_derivatives(self.constraints, first)?;
+        let gradient = gradient.gradient().rows(0, n).into_owned();
+        let second = Weights {
+            first_order: &multipliers,
+            gauss_newton: Some(&curvatures),
+        };
+        let hessian = placed.weighted_derivatives(self.constraints, second)?;
+        Ok((
+            gradient,
+            hessian.hessian().view((0, 0), (n, n)).into_owned(),
+        ))
+    }
+}
