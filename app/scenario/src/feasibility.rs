@@ -139,6 +139,7 @@ impl Feasibility {
             false,
             &mut limit_violations,
         )?;
+        add_goal(scenario, curve, &mut limit_violations)?;
         let samples = if scenario.scene.is_empty() {
             Vec::new()
         } else {
@@ -203,6 +204,23 @@ impl Feasibility {
             _ => tolerance,
         }
     }
+}
+
+/// Adds the violation of a goal that is a set.
+fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>) -> Result<()> {
+    let last = curve.x().column(curve.x().ncols() - 1);
+    let off = scenario.off_goal(&last.as_slice()[..curve.dof()])?;
+    let off = off.filter(|(by, _)| *by > 0.0);
+    found.extend(off.map(|(by, RowLabel { name, unit, .. })| LimitViolation {
+        joint: None,
+        limit: Limit::Other,
+        name,
+        by,
+        unit: unit.to_owned(),
+        at_s: curve.horizon(),
+        enforced: true,
+    }));
+    Ok(())
 }
 
 /// Adds the violations of `constraints`: the worst per kind of limit and joint, or per name for rows without a joint.

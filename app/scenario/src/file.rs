@@ -3,7 +3,8 @@
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
 use super::group::hold_others;
-use super::json::{by_name, read_json};
+use super::goal::Goal;
+use super::json::{by_name, one_or_more, read_json};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
@@ -11,7 +12,7 @@ use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
 use super::scene::scene;
-use super::schema::{FeedbackKeys, one_of};
+use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
 use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
@@ -81,10 +82,17 @@ pub struct ScenarioFile {
     pub q_start: Vec<f64>,
     /// Velocity at the start.
     pub v_start: Vec<f64>,
-    /// Configuration at the end.
+    /// Configuration at the end; with `goal` a first guess of it.
+    #[serde(default)]
     pub q_goal: Vec<f64>,
-    /// Velocity at the end.
+    /// Velocity at the end; with `goal` zero by default.
+    #[serde(default)]
     pub v_goal: Vec<f64>,
+    /// For the relaxation: a set of poses of a frame, or a list of sets of which the motion ends in the one that costs
+    /// least. The configuration at the end is then an unknown.
+    #[serde(default, deserialize_with = "one_or_more", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(schema_with = "schema::one_or_more::<Goal>")]
+    pub goal: Vec<Goal>,
     /// For the relaxation: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,

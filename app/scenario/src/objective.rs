@@ -187,6 +187,7 @@ impl Scenario {
         let file = &self.file;
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
+            ("goal", !file.goal.is_empty()),
             ("free_horizon", file.free_horizon.is_some()),
             (
                 "enforced_limits.acceleration",

@@ -215,7 +215,7 @@ pub(super) fn placed(list: &[Obstacle], path: &str) -> Result<Vec<geometry::Obst
     list.iter().enumerate().map(placed).collect()
 }
 
-fn bounded(x: &[f64]) -> bool {
+pub(super) fn bounded(x: &[f64]) -> bool {
     x.iter().all(|x| x.abs() <= LARGEST_LENGTH)
 }
 

@@ -3,6 +3,7 @@
 use super::Scenario;
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint};
 use aghf::error::{Error, Result};
+use aghf::model::Model;
 use aghf::relax::{
     ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
     PointDerivatives, Points, PointsDerivatives, RelaxSettings, RunningCost,
@@ -10,6 +11,25 @@ use aghf::relax::{
 use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;
+
+/// The most violated row of constraints at a state $[q; v]$, and its violation, in its unit, which is negative if all
+/// rows are satisfied; `None` without rows.
+pub(super) fn worst_row(
+    constraints: &[AnyConstraint],
+    model: &Model,
+    x: &[f64],
+) -> Result<Option<(f64, RowLabel)>> {
+    let (mut g, mut scales) = (vec![0.0; constraints.dim()], vec![1.0; constraints.dim()]);
+    Evaluator::new(model).at(x)?.value(constraints, &mut g)?;
+    constraints.row_scales(&mut scales);
+    let rows = g.iter().zip(scales).enumerate();
+    let violations = rows.map(|(row, (g, scale))| match constraints.is_equality(row) {
+        true => (row, g.abs() / scale),
+        false => (row, g / scale),
+    });
+    let worst = violations.max_by(|(_, a), (_, b)| a.total_cmp(b));
+    Ok(worst.map(|(row, by)| (by, constraints.label(row, model))))
+}
 
 /// A running cost of any type.
 pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
@@ -55,23 +75,13 @@ impl Scenario {
 
     /// Refuses a boundary state that violates a user-defined constraint.
     pub(super) fn check_own_constraints(&self, key: &str, q: &[f64], v: &[f64]) -> Result<()> {
-        let (own, model) = (&self.own.constraints, &self.model);
-        if own.is_empty() {
-            return Ok(());
-        }
-        let (mut g, mut scales) = (vec![0.0; own.dim()], vec![1.0; own.dim()]);
-        Evaluator::new(model)
-            .at(&[q, v].concat())?
-            .value(own, &mut g)?;
-        own.row_scales(&mut scales);
-        for (row, (g, scale)) in g.iter().zip(scales).enumerate() {
-            let by = if own.is_equality(row) { g.abs() } else { *g } / scale;
-            if by > RelaxSettings::FEASIBLE {
-                let RowLabel { name, unit, .. } = own.label(row, model);
-                let space = if unit.is_empty() { "" } else { " " };
-                let condition = format!("it violates {name} by {by:.3e}{space}{unit}");
-                return Err(Error::input(&self.name, key, condition));
-            }
+        let worst = worst_row(&self.own.constraints, &self.model, &[q, v].concat())?;
+        if let Some((by, RowLabel { name, unit, .. })) = worst
+            && by > RelaxSettings::FEASIBLE
+        {
+            let space = if unit.is_empty() { "" } else { " " };
+            let condition = format!("it violates {name} by {by:.3e}{space}{unit}");
+            return Err(Error::input(&self.name, key, condition));
         }
         Ok(())
     }

@@ -59,10 +59,13 @@ impl Scenario {
     /// The joint that takes longest at the enforced limits of velocity, acceleration and jerk, the limit, and its
     /// duration, s: no motion is shorter. Each joint takes at least the time of its way $d$ at its velocity; from rest
     /// to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity, and
-    /// $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves.
+    /// $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves, or if the goal is a set.
     #[must_use]
     pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
         let file = &self.file;
+        if self.goal.is_some() {
+            return None;
+        }
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
@@ -95,38 +98,61 @@ impl Scenario {
     /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
     /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
     /// at rest that the torques cannot hold. Only constraints of the scenario count, each within the tolerance of the
-    /// search, [`RelaxSettings::FEASIBLE`]; a free final velocity is not checked.
+    /// search, [`RelaxSettings::FEASIBLE`]; a free final velocity is not checked, nor a first guess of the end.
     ///
     /// # Errors
     /// Names the key, the joint or the obstacle, the value and the limit.
     pub fn check_feasible(&self) -> Result<()> {
         let file = &self.file;
-        let ends = [
-            End {
-                keys: ["q_start", "v_start"],
-                q: &file.q_start,
-                v: Some(&file.v_start),
-            },
-            End {
-                keys: ["q_goal", "v_goal"],
-                q: &file.q_goal,
-                v: (!file.free_final_velocity).then_some(&file.v_goal),
-            },
-        ];
-        for end in &ends {
-            let [q_key, v_key] = end.keys;
-            self.check_bounds(Limit::Position, q_key, end.q)?;
-            self.check_bounds(Limit::Velocity, v_key, end.v.unwrap_or_default())?;
+        let start = End {
+            keys: ["q_start", "v_start"],
+            q: &file.q_start,
+            v: Some(&file.v_start),
+        };
+        let ends = [start, self.end_at(&file.q_goal)];
+        let ends = &ends[..if self.goal.is_some() { 1 } else { 2 }];
+        for end in ends {
+            self.check_state(end)?;
         }
         self.check_horizon()?;
-        for end in &ends {
-            self.check_clear(end)?;
-            if let Some(v) = end.v {
-                self.check_own_constraints(end.keys[0], end.q, v)?;
-            }
-            if end.v.is_some_and(rests) {
-                self.check_rest(end)?;
-            }
+        for end in ends {
+            self.check_configuration(end)?;
+        }
+        Ok(())
+    }
+
+    /// A configuration as the end of the motion.
+    fn end_at<'a>(&'a self, q: &'a [f64]) -> End<'a> {
+        let file = &self.file;
+        End {
+            keys: ["q_goal", "v_goal"],
+            q,
+            v: (!file.free_final_velocity).then_some(&file.v_goal),
+        }
+    }
+
+    /// Checks a configuration as [`check_feasible`](Self::check_feasible) does with that at the end.
+    pub(super) fn check_end(&self, q: &[f64]) -> Result<()> {
+        let end = self.end_at(q);
+        self.check_state(&end)?;
+        self.check_configuration(&end)
+    }
+
+    /// Refuses a boundary state beyond a limit of a joint.
+    fn check_state(&self, end: &End<'_>) -> Result<()> {
+        let [q_key, v_key] = end.keys;
+        self.check_bounds(Limit::Position, q_key, end.q)?;
+        self.check_bounds(Limit::Velocity, v_key, end.v.unwrap_or_default())
+    }
+
+    /// Refuses a boundary state in collision, against a user-defined constraint, or at rest beyond the torques.
+    fn check_configuration(&self, end: &End<'_>) -> Result<()> {
+        self.check_clear(end)?;
+        if let Some(v) = end.v {
+            self.check_own_constraints(end.keys[0], end.q, v)?;
+        }
+        if end.v.is_some_and(rests) {
+            self.check_rest(end)?;
         }
         Ok(())
     }

@@ -13,6 +13,12 @@ pub(super) fn one_of<T: Named>(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "oneOf": values.collect::<Vec<_>>() })
 }
 
+/// The schema of a value, or of a list of such values.
+pub(super) fn one_or_more<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let (one, more) = (generator.subschema_for::<T>(), generator.subschema_for::<Vec<T>>());
+    json_schema!({ "anyOf": [one, more] })
+}
+
 /// The gains of the feedback $u - k_p (q - q_{des}) - k_v (v - v_{des})$.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "it describes aghf::motion::Feedback")]

@@ -302,6 +302,7 @@ impl Family {
             q_start,
             v_start,
             q_goal,
+            goal: Vec::new(),
             v_goal,
             free_final_velocity: false,
             continuity: Some(Continuous::Velocity),

@@ -2,6 +2,7 @@
 
 use super::{Check, Intervals, Row, Trajectory, Worst, joint_name, unit_of};
 use crate::{Limit, Scenario};
+use aghf::constraint::RowLabel;
 use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 
@@ -23,7 +24,7 @@ pub(super) fn by_joint(
     intervals: &Intervals,
     tolerance: f64,
 ) -> Result<Vec<Row>> {
-    let mut rows = boundary(scenario, trajectory, tolerance);
+    let mut rows = boundary(scenario, trajectory, tolerance)?;
     rows.extend(consistency(scenario, trajectory, tolerance));
     rows.extend(torques(scenario, trajectory, intervals, tolerance)?);
     rows.extend(limits(scenario, intervals, tolerance));
@@ -32,7 +33,7 @@ pub(super) fn by_joint(
 }
 
 /// Checks the duration and the boundary states.
-fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec<Row> {
+fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Result<Vec<Row>> {
     let (file, duration) = (&scenario.file, trajectory.duration());
     let bounds = match file.free_horizon {
         Some(free) => [free.shortest_s, free.longest_s],
@@ -79,13 +80,20 @@ fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Vec
             continue;
         }
         let mut row = Row::new(check, tolerance);
+        if check == Check::GoalPosition
+            && let Some((off, RowLabel { name, unit, .. })) = scenario.off_goal(found)?
+        {
+            row.take(difference(off, unit, at_s), || name);
+            rows.push(row);
+            continue;
+        }
         for ((joint, found), wanted) in scenario.model.joints().iter().zip(found).zip(wanted) {
             let off = difference((found - wanted).abs(), unit_of(joint, units), at_s);
             row.take(off, || joint_name(joint));
         }
         rows.push(row);
     }
-    rows
+    Ok(rows)
 }
 
 /// Checks that velocities and accelerations are the rates of positions and velocities.

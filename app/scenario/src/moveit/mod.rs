@@ -137,6 +137,7 @@ impl MoveIt {
             q_start,
             v_start: zeros.clone(),
             q_goal,
+            goal: Vec::new(),
             v_goal: zeros,
             free_final_velocity: false,
             continuity: None,

@@ -66,6 +66,7 @@ impl RelaxOptions {
             free_final_velocity: scenario.file.free_final_velocity,
             continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
             free_horizon: scenario.file.free_horizon.map(Into::into),
+            goal: scenario.goal.clone(),
             ..default
         })
     }
