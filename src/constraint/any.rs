@@ -1,8 +1,8 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, PlacedState, RowLabel, SelfClearance,
-    SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, RowLabel,
+    SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Margins, Obstacle, Scene, Shape, Sphere};
@@ -23,6 +23,8 @@ pub enum AnyConstraint<C: Scalar = f64> {
     Cover(CoverClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
+    /// The placement of a frame.
+    Frame(FrameRows<C>),
     /// Any other constraint, evaluated over fewer scalars: see [`DynConstraint`].
     Other(Box<dyn DynConstraint<C>>),
 }
@@ -36,6 +38,7 @@ macro_rules! each {
             AnyConstraint::SelfCollision($it) => $what,
             AnyConstraint::Cover($it) => $what,
             AnyConstraint::Bounds($it) => $what,
+            AnyConstraint::Frame($it) => $what,
             AnyConstraint::Other($it) => $what,
         }
     };

@@ -18,6 +18,7 @@ mod composition;
 mod cover_clearance;
 mod dynamic;
 mod evaluator;
+mod frame_rows;
 mod label;
 mod pair_loads;
 mod self_clearance;
@@ -32,6 +33,7 @@ pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
+pub use frame_rows::{FrameRow, FrameRows};
 pub use label::{RowKind, RowLabel};
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
@@ -44,7 +46,7 @@ pub use weighted_derivatives::WeightedDerivatives;
 pub use crate::geometry::{CollisionSphere, Sphere};
 
 use crate::error::{Error, Result, check_length};
-use crate::model::Model;
+use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant};
 use nalgebra::Vector3;
@@ -141,16 +143,34 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
         let Some(body) = body else {
             return Ok(in_body.map(S::lift));
         };
-        match self.placements.get(body) {
-            Some(placement) => {
-                Ok(apply_to_constant(&placement.rotation, in_body) + placement.translation)
-            }
-            None => Err(Error::Length {
-                what: "bodies of the robot of a constraint",
-                expected: body + 1,
-                found: self.placements.len(),
-            }),
-        }
+        let placement = self.body(body)?;
+        Ok(apply_to_constant(&placement.rotation, in_body) + placement.translation)
+    }
+
+    /// Computes the placement of a frame in the base frame.
+    ///
+    /// # Errors
+    /// The robot does not have the body of the frame.
+    pub fn frame(&self, frame: &Frame<C>) -> Result<Placement<S>> {
+        let within = &frame.placement;
+        let Some(body) = frame.body else {
+            let (rotation, translation) = (within.rotation, within.translation);
+            return Ok(Placement::new(
+                rotation.map(S::lift),
+                translation.map(S::lift),
+            ));
+        };
+        Ok(self.body(body)?.compose_constant(within))
+    }
+
+    /// The placement of a body.
+    #[inline]
+    fn body(&self, body: usize) -> Result<&'a Placement<S>> {
+        self.placements.get(body).ok_or(Error::Length {
+            what: "bodies of the robot of a constraint",
+            expected: body + 1,
+            found: self.placements.len(),
+        })
     }
 }
 

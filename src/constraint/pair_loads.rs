@@ -113,6 +113,35 @@ impl<S: Scalar> PairLoads<S> {
         }
     }
 
+    /// Adds a row that is linear in the positions of points of the first body as seen from the second one, by the sum
+    /// of its gradients `f` in these and their virial $Q = \sum p f^T$. As a spatial force it is `F` with the moment
+    /// $\sum p \times f$; to `K` it adds $c\\, F F^T$, $w (Q^T - \mathrm{tr}\\, Q)$ between angular and angular, and
+    /// $w \sum f_\times$ between linear and angular.
+    pub(super) fn add_forces(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        f: &Vector3<S>,
+        virial: &Matrix3<S>,
+        w: S,
+        c: Option<S>,
+    ) {
+        let load = self.load(bodies);
+        let off = |i: usize, j: usize| virial[(i, j)] - virial[(j, i)];
+        let moment = Vector3::new(off(1, 2), off(2, 0), off(0, 1));
+        load.force += Force::new(moment, *f) * w;
+        let Some(c) = c else { return };
+        let [[aa, al], [la, ll]] = &mut load.coupling;
+        let (m, l) = (moment * c, f * c);
+        let trace = virial.trace() * w;
+        *aa += outer(&m, &moment) + virial.transpose() * w;
+        *al += outer(&m, f);
+        *la += outer(&l, &moment) + cross_matrix(&(f * w));
+        *ll += outer(&l, f);
+        for i in 0..3 {
+            aa[(i, i)] -= trace;
+        }
+    }
+
     /// The sums of two bodies, which are usually those of the previous pair.
     #[inline]
     fn load(&mut self, bodies: [Option<usize>; 2]) -> &mut PairLoad<S> {

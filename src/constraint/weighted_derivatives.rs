@@ -25,8 +25,9 @@ use num_traits::Zero;
 /// $\sum J_j \times f = v_j \times F + (Q - \mathrm{tr}\\, Q)\\, \omega_j$ with the virial $Q = \sum p f^T$. Cost O(N
 /// d).
 ///
-/// The dependence on the distance of two points of different bodies is given by [`add_pair`](Self::add_pair), and adds
-/// up to a force and a coupling, 6 by 6, per pair of bodies.
+/// The dependence on the distance of two points of different bodies is given by [`add_pair`](Self::add_pair), that on
+/// the placement of one body in another by [`add_forces`](Self::add_forces); both add up to a force and a coupling, 6
+/// by 6, per pair of bodies.
 #[derive(Clone, Debug)]
 pub struct WeightedDerivatives<S: Scalar> {
     pub(super) gradient: DVector<S>,
@@ -153,6 +154,28 @@ impl<S: Scalar> WeightedDerivatives<S> {
             self.check_body(body)?;
         }
         self.pairs.add(bodies, p, slope, curvature, self.second);
+        Ok(())
+    }
+
+    /// Adds a row that is linear in the positions `p` of points of the first body as seen from the second one: `force`
+    /// is the sum of its gradients `f` in them, in the base frame, and `virial` the sum of $p f^T$. `w` is the weight of
+    /// the row, `c` that of the product of its gradients, `None` if only the gradient is needed. Without a body the
+    /// points, or what they are seen from, are fixed.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    pub fn add_forces(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        force: &Vector3<S>,
+        virial: &Matrix3<S>,
+        w: S,
+        c: Option<S>,
+    ) -> Result<()> {
+        for body in bodies.into_iter().flatten() {
+            self.check_body(body)?;
+        }
+        self.pairs.add_forces(bodies, force, virial, w, c);
         Ok(())
     }
 

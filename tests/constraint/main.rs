@@ -8,6 +8,7 @@ mod composition;
 mod cover_clearance;
 mod derivatives;
 mod dynamic;
+mod frame_rows;
 mod self_clearance;
 mod solid_clearance;
 mod stage;

@@ -4,7 +4,7 @@ use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRows,
     SelfClearance, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::flow::jacobian::JacobianKind;
 use crate::flow::{Penalised, Penalty, PenaltyWeights};
 use crate::geometry::{Capsule, Shape, Solid};
-use crate::model::Model;
+use crate::model::{Frame, Model};
 use crate::spatial::Placement;
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, Rotation3, Vector3};
@@ -77,7 +77,14 @@ const TOLERANCE: Tolerance = Tolerance {
 };
 
 /// The kinds of constraints on the state, in the order of their construction.
-const KINDS: [&str; 4] = ["spheres", "solids", "self-collision", "bounds"];
+const KINDS: [&str; 6] = [
+    "spheres",
+    "solids",
+    "self-collision",
+    "bounds",
+    "frame",
+    "frame in a frame",
+];
 
 /// A box, a cylinder, a capsule, a ball and a half-space about `mean`, rotated, of sizes in proportion to `reach`.
 fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
@@ -107,6 +114,24 @@ fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
         }
     };
     shapes.into_iter().enumerate().map(place).collect()
+}
+
+/// Rows of every kind on a frame of a body in a reference of another one.
+fn frame_rows(
+    bodies: [Option<usize>; 2],
+    mean: &Vector3<f64>,
+    reach: f64,
+) -> Result<AnyConstraint> {
+    let axes = [Vector3::new(0.4, -0.8, 0.3), Vector3::new(-0.2, 0.5, 1.0)];
+    let place = |i: usize, off| Placement::new(Rotation3::new(axes[i]).into_inner(), off);
+    let frame = Frame::new("frame", bodies[0], place(0, axes[1] * (0.1 * reach)));
+    let reference = Frame::new("reference", bodies[1], place(1, *mean));
+    let side = Vector3::from_element(0.3 * reach);
+    let rows = FrameRows::new(&frame, reference).at_origin().oriented();
+    let rows = rows.in_box(&-side, &side)?.within_distance(0.7 * reach)?;
+    let rows = rows.axis_along(&axes[0], &axes[1])?;
+    let rows = rows.axis_within(&axes[1], &axes[0], 0.8)?;
+    Ok(AnyConstraint::Frame(rows.within_angle(1.2)?))
 }
 
 /// Some pairs of balls of different bodies, neighbours in the tree and others.
@@ -180,6 +205,8 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                     balls,
                 }),
                 AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
+                frame_rows([n.checked_sub(1), None], &mean, reach)?,
+                frame_rows([n.checked_sub(1), n.checked_sub(2)], &mean, reach)?,
             ],
             torque: TorqueLimits(u.iter().enumerate().map(limit).collect()),
             stage: Default::default(),

@@ -2,18 +2,20 @@
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, PlacedState,
-    Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, WeightedDerivatives, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRow,
+    FrameRows, PlacedState, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
 use crate::flow::{ControlCost, Penalised, Penalty, PenaltyWeights, TorquePenalty, penalty};
 use crate::geometry::{Shape, Solid};
+use crate::model::Frame;
 use crate::scalar::{AlgebraOver, Tanh};
 use crate::spatial::Placement;
 use crate::verify::reference::{jacobian, vector};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use num_traits::Zero;
+use num_traits::{One, Zero};
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
@@ -27,6 +29,7 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("spheres", "value and contractions", spheres),
         identity("half-space", "value and contractions", half_space),
         identity("bounds", "value and contractions", bounds),
+        identity("frames", "value and contractions", frames),
         identity("constraints by duals", "contractions of a set", by_duals),
         identity("torque limits", "a cost and its derivatives", torque),
     ]
@@ -228,6 +231,82 @@ fn bounds(p: &RandomInstance) -> Result<Vec<Equality>> {
         x[2 * n - 1] - s[3],
     ];
     kind(p, 2, values)
+}
+
+/// Frames of the last body and of one on another branch in the base, in each other, in a body that carries them, and
+/// of the base in a body, with arbitrary rows.
+fn frames(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (n, s) = (p.dof(), p.extra);
+    let frame =
+        |name: &str, body, i: usize| Frame::new(name, body, *p.model.joints()[i % n].origin());
+    let row = |i: usize| FrameRow {
+        constant: s[i],
+        position: Vector3::new(s[i + 1], s[i + 2], p.w[i]),
+        rotation: Matrix3::from_fn(|j, k| p.xdot[i + j] * p.xddot[j + k] + s[k]),
+        square: p.w[i + 1],
+        scale: s[i + 3],
+        what: "row",
+        unit: "",
+        is_equality: false,
+    };
+    let bodies = [
+        [Some(n - 1), None],
+        [Some(2), Some(3)],
+        [Some(3), Some(n - 1)],
+        [Some(2), Some(0)],
+        [None, Some(3)],
+    ];
+    let mut claims = Vec::new();
+    for (i, [body, of]) in bodies.into_iter().enumerate() {
+        let constraint = FrameRows {
+            frame: frame("frame", body, i),
+            reference: frame("reference", of, i + 1),
+            rows: (0..3).map(row).collect(),
+        };
+        let values = values_of_frame(p, &constraint)?;
+        let ours = rows(p, &constraint, p.x.as_slice())?;
+        claims.push(Equality::vectors("value", &ours, &values.into()));
+        claims.extend(contractions(p, &constraint)?);
+    }
+    Ok(claims)
+}
+
+/// The rows on a frame by 4 by 4 matrices.
+fn values_of_frame(p: &RandomInstance, of: &FrameRows<Gf>) -> Result<Vec<Gf>> {
+    let mut placements = vec![Placement::identity(); p.dof()];
+    forward_kinematics(&p.model, p.node().x_p1(), &mut placements)?;
+    let homogeneous = |placement: &Placement<Gf>| {
+        let mut matrix = DMatrix::identity(4, 4);
+        (matrix.view_mut((0, 0), (3, 3))).copy_from(&placement.rotation);
+        (matrix.view_mut((0, 3), (3, 1))).copy_from(&placement.translation);
+        matrix
+    };
+    let place = |frame: &Frame<Gf>| {
+        let body = frame
+            .body
+            .map_or(DMatrix::identity(4, 4), |b| homogeneous(&placements[b]));
+        body * homogeneous(&frame.placement)
+    };
+    // The inverse has the transposed rotation.
+    let reference = place(&of.reference);
+    let mut inverse = DMatrix::identity(4, 4);
+    let turned = reference.view((0, 0), (3, 3)).transpose();
+    let off = &turned * reference.view((0, 3), (3, 1)) * -Gf::one();
+    (inverse.view_mut((0, 0), (3, 3))).copy_from(&turned);
+    (inverse.view_mut((0, 3), (3, 1))).copy_from(&off);
+    let relative = inverse * place(&of.frame);
+    let value = |row: &FrameRow<Gf>| {
+        let mut sum = row.constant;
+        for i in 0..3 {
+            let d = relative[(i, 3)];
+            sum += row.position[i] * d + row.square * d * d;
+            for j in 0..3 {
+                sum += row.rotation[(i, j)] * relative[(i, j)];
+            }
+        }
+        sum
+    };
+    Ok(of.rows.iter().map(value).collect())
 }
 
 fn by_duals(p: &RandomInstance) -> Result<Vec<Equality>> {
