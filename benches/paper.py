@@ -5,7 +5,7 @@
     cargo build --release
     python3 benches/paper.py --quick       # the known sets of parameters: two minutes
     python3 benches/paper.py               # searches the grids of Tables IX to XIII first: 10 to 170 core hours
-    python3 benches/paper.py --variants    # the variants of the flow and the relaxation instead: 20 minutes
+    python3 benches/paper.py --variants    # the variants of the flow and the direct method instead: 20 minutes
 
 The searches are those of `aghf sweep`, are resumed after an interruption, and can be distributed over machines by its
 `--shard`. Then every scenario is solved with the best sets, one after the other on one core, and
@@ -67,7 +67,7 @@ PAPER = {
     "Digit, obstacles": {"degree": 6, "k": 1e7, "s_max": 1.0, "k_cons": 1e5, "c_cons": 200.0},
 }
 
-METHODS = ["flow", "rest", "duals", "two_phases", "relax"]
+METHODS = ["flow", "rest", "duals", "two_phases", "direct"]
 SWING_UPS = ["acrobot_swingup", "pendubot_swingup", "cart_pole_swingup"]
 PASSIVE = {"underactuated": [*SWING_UPS, "rotorcraft_shift_01", "rotorcraft_flip_01"]}
 FAMILIES = {"pendulums": PENDULUMS, **FREE, **OBSTACLES, **HARDER, **PASSIVE}
@@ -304,15 +304,15 @@ def draw_times(number: int, times: dict[str, list[dict]], path: Path) -> None:
 def solve_by(method: str, name: str, passive: bool, limit: float, records: list[dict]) -> dict:
     """The summary of a solve on one thread that is stopped after `limit` seconds; `records` gets those of a flow.
 
-    The relaxation has one start, so that it begins at the first guess of the flows to rest. With passive joints all
+    The direct method has one start, so that it begins at the first guess of the flows to rest. With passive joints all
     of them have their default number of starts instead."""
     print(f"{name}, {method}", file=sys.stderr)
-    if method != "relax":
+    if method != "direct":
         return aghf.solve(name, method=method, time_limit_s=limit, on_iteration=records.append).summary
     end = time.monotonic() + limit
 
     def stop(_: dict) -> None:
-        # With `time_limit_s` the relaxation would try starts until then.
+        # With `time_limit_s` the direct method would try starts until then.
         if time.monotonic() > end:
             raise KeyboardInterrupt
 
@@ -349,7 +349,7 @@ def compare_variants(families: dict[str, list[str]], limit: float, out: Path) ->
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="no searches; two scenarios per family, 10 s each")
-    parser.add_argument("--variants", action="store_true", help="compare the variants of the flow and the relaxation")
+    parser.add_argument("--variants", action="store_true", help="compare the variants of the flow and the direct method")
     parser.add_argument("--only", default="", metavar="NAME", help="scenarios that begin with this; no Figures 4 and 5")
     parser.add_argument("--grid", action="append", help="search this sweep [default: the tables, with --quick none]")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/paper or out/variants")

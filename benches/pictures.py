@@ -91,7 +91,7 @@ def first_motion():
 
 
 def methods():
-    """The second joint of the double pendulum along the flow and by the relaxation."""
+    """The second joint of the double pendulum along the flow and by the direct method."""
     name = "pendulum_2_swingup"
     figure, ax = plt.subplots(figsize=(6.4, 3.2), layout="constrained")
     for s, colour in [("1e-9", ORANGE), ("100", BLUE)]:
@@ -99,7 +99,7 @@ def methods():
         label = f"published flow, s_max = {s}: effort {summary['control_effort']:.0f}"
         ax.plot(motion["t"], motion["q_joint_2"], color=colour, label=label)
     motion, summary = solved(name, "--starts", "1")
-    ax.plot(motion["t"], motion["q_joint_2"], color=GREEN, label=f"relaxation: effort {summary['control_effort']:.0f}")
+    ax.plot(motion["t"], motion["q_joint_2"], color=GREEN, label=f"direct: effort {summary['control_effort']:.0f}")
     ax.set(xlabel="t, s", ylabel="q of joint_2, rad")
     ax.legend(fontsize=8)
     return figure

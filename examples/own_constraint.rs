@@ -1,13 +1,13 @@
-//! A constraint of one's own, kept by the relaxation and by the flow: the tool of an arm stays below a height, and the
+//! A constraint of one's own, kept by the direct method and by the flow: the tool of an arm stays below a height, and the
 //! joints stay within their limits. Prints for both methods which rows come closest to their bounds, and how close.
 
 use aghf::constraint::{
     Bounds, CollisionSphere, Constraint, Constraints, PlacedState, RowKind, RowLabel, TorqueLimits,
 };
+use aghf::direct::{Direct, DirectSettings};
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::model::Model;
 use aghf::motion::{Problem, violations};
-use aghf::relax::{RelaxSettings, Relaxation};
 use aghf::scalar::AlgebraOver;
 use aghf::urdf::builtin_robot;
 
@@ -40,13 +40,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tool = CollisionSphere::at_link(model, "end_effector_link", 0.0)?;
     let state = (Below { tool, height: 0.3 }, Bounds::positions(model), Bounds::velocities(model));
     let kept = Constraints { state, torque: TorqueLimits::of(model), stage: Default::default() };
-    let relaxed = Relaxation::new(&problem).constraints(&kept).settings(RelaxSettings::constrained()).solve()?;
+    let direct = Direct::new(&problem).constraints(&kept).settings(DirectSettings::constrained()).solve()?;
     let penalty = Penalty { k_cons: 1e6, c_cons: 50.0 };
     let weights = PenaltyWeights { state: penalty, torque: penalty };
     let penalised = Penalised { constraints: kept, weights };
     let flowed = Flow::new(&problem, FlowSettings::new(9, 1e4, 1.0)).constraints(&penalised).run()?;
     assert_eq!(flowed.failure, None);
-    for (method, curve) in [("relaxation", &relaxed.curve), ("flow", &flowed.curve)] {
+    for (method, curve) in [("direct", &direct.curve), ("flow", &flowed.curve)] {
         let mut rows = violations(model, curve, &penalised.constraints, 2000)?;
         rows.sort_by(|a, b| b.by.total_cmp(&a.by));
         println!("{method}: the rows with the least left");

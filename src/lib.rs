@@ -7,7 +7,7 @@
 //!
 //! # Two methods
 //!
-//! [`relax`] minimises the control effort, or any [running cost](guide::running_cost), over motions in a polynomial
+//! [`direct`] minimises the control effort, or any [running cost](guide::running_cost), over motions in a polynomial
 //! basis, by a primal-dual interior-point method with exact Hessians. Its minimum is the limit of the flow for an
 //! infinite penalty. Use it to find motions. [`flow`] is the flow itself, as published and to rest. Use it to study the
 //! flow.
@@ -29,7 +29,7 @@
 //! # The modules
 //!
 //! Each depends only on those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`],
-//! [`urdf`], [`curve`], [`constraint`], [`ode`], [`motion`], [`flow`], [`plan`], [`relax`], [`verify`]; [`guide`] has
+//! [`urdf`], [`curve`], [`constraint`], [`cost`], [`ode`], [`motion`], [`flow`], [`plan`], [`direct`], [`verify`]; [`guide`] has
 //! the pages of the book.
 //!
 //! Without default features the crate contains robots, their dynamics and the derivatives of the dynamics. The feature
@@ -44,7 +44,11 @@
 #[cfg(feature = "solvers")]
 pub mod constraint;
 #[cfg(feature = "solvers")]
+pub mod cost;
+#[cfg(feature = "solvers")]
 pub mod curve;
+#[cfg(feature = "solvers")]
+pub mod direct;
 pub mod dynamics;
 #[doc(hidden)]
 pub mod error;
@@ -68,10 +72,11 @@ pub mod nlp;
 pub mod ode;
 #[cfg(feature = "solvers")]
 pub mod plan;
-#[cfg(feature = "solvers")]
-pub mod relax;
 pub mod scalar;
 pub mod spatial;
+#[doc(hidden)]
+#[cfg(feature = "solvers")]
+pub mod transcription;
 pub mod urdf;
 #[cfg(feature = "solvers")]
 pub mod verify;

@@ -43,7 +43,7 @@ class Solution:
     scenario : dict
         The solved scenario.
     minima : list of dict
-        For the relaxation: the costs of the minima, with the number of starts that led to each.
+        For the direct method: the costs of the minima, with the number of starts that led to each.
     """
 
     def __init__(self, own: _aghf.Solution) -> None:
@@ -149,7 +149,7 @@ def solve(
     scenario : str, os.PathLike or Mapping
         A built-in or generated scenario by its name, the path of a file, or the keys of a scenario.
     running_cost : RunningCost, optional
-        Replaces the running cost of the scenario; see `check_cost`. Only for the relaxation.
+        Replaces the running cost of the scenario; see `check_cost`. Only for the direct method.
     constraints : iterable of Constraint, optional
         Enforced in addition to those of the scenario, also for success; see `check_constraint`.
     on_iteration : callable, optional

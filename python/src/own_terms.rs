@@ -1,8 +1,8 @@
 //! Running costs and constraints written in Python.
 
 use aghf::constraint::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
+use aghf::cost::{RunningCost, StageDerivatives, StageInput};
 use aghf::model::Model;
-use aghf::relax::{RunningCost, StageDerivatives, StageInput};
 use aghf::scalar::{AlgebraOver, LANES, Scalar, Wide};
 use aghf::{Error, Result};
 use nalgebra::{DMatrix, DVector};

@@ -10,7 +10,7 @@ use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{Record, RelaxOptions, Scenario, Solve, SolveOptions, SolveReport};
+use aghf_scenario::{DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -118,7 +118,7 @@ fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResul
             told.set_item("action", rest.action)?;
             told.set_item("gradient_norm", rest.gradient_norm)?;
         }
-        Record::Relax(iteration) => {
+        Record::Direct(iteration) => {
             told.set_item("start", iteration.start)?;
             told.set_item("horizon", iteration.horizon)?;
             told.set_item("degree", iteration.degree)?;
@@ -143,7 +143,7 @@ fn solve_many(
         let (scenario, own) = read(name, text.as_deref(), options)?;
         let own = match own {
             // The solves share the cores.
-            SolveOptions::Relax(own) => RelaxOptions {
+            SolveOptions::Direct(own) => DirectOptions {
                 threads: Some(1),
                 ..own
             }

@@ -19,7 +19,7 @@ def test_the_check_of_a_robot():
 def test_a_sweep(tmp_path):
     path = tmp_path / "small.toml"
     path.write_text(
-        'method = "relax"\nscenarios = ["pendulum_2_swingup"]\ndegree = [9, 12]\nstarts = [1]\ntime_limit_s = 60\n',
+        'method = "direct"\nscenarios = ["pendulum_2_swingup"]\ndegree = [9, 12]\nstarts = [1]\ntime_limit_s = 60\n',
         encoding="utf-8",
     )
     table = aghf.sweep(path, threads=2)

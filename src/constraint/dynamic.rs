@@ -12,7 +12,7 @@ use std::fmt::Debug;
 ///
 /// It is implemented for every constraint over `f64` constants that implements `Clone` and `Debug`. A generic method
 /// cannot be called through a pointer, so a boxed constraint is evaluated only over the scalars of the flow, the
-/// relaxation and [`verify::duals`](crate::verify::duals) (`f64`, `Lanes<f64, 4>`, `Dual64` and `DualSVec64<8>`) and
+/// direct method and [`verify::duals`](crate::verify::duals) (`f64`, `Lanes<f64, 4>`, `Dual64` and `DualSVec64<8>`) and
 /// returns an error for any other. The derivatives of the constraint itself are not restricted: they are computed
 /// behind the pointer.
 pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {

@@ -357,7 +357,7 @@ impl StageConstraints {
             return Ok(());
         }
         let condition =
-            "a flow keeps limits of position, velocity and torque, the relaxation these as well";
+            "a flow keeps limits of position, velocity and torque, the direct method these as well";
         Err(Error::input(
             robot,
             "limits of acceleration and jerk, rows in (t, q, v, a, u)",

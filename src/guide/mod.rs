@@ -13,7 +13,7 @@
 //! | the [Lagrangian, metric or drift](lagrangian) of the flow | [`Lagrangian`](crate::flow::Lagrangian), [`Metric`](crate::flow::Metric), [`Drift`](crate::flow::Drift) | dual numbers, the field |
 //! | a [constraint](mod@constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
 //! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
-//! | the [running cost](mod@running_cost) of the relaxation | a closure, or [`RunningCost`](crate::relax::RunningCost) | dual numbers |
+//! | the [running cost](mod@running_cost) of the direct method | a closure, or [`RunningCost`](crate::cost::RunningCost) | dual numbers |
 //! | the [scalar](mod@scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
 //! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
 //! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |

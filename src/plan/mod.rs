@@ -1,4 +1,4 @@
-//! Paths around obstacles: a sampling planner in configuration space, for starts of the relaxation.
+//! Paths around obstacles: a sampling planner in configuration space, for starts of the direct method.
 //!
 //! The result is a path, not a motion: configurations that are joined by straight lines, each free at rest. A
 //! configuration is free if every row of the constraints on the state is within its bound at `(q, v = 0)`, which covers

@@ -52,7 +52,7 @@
 //! | the flow of any Lagrangian in any metric, with weights, duals and running costs | field, duals | [`check_flow`](duals::check_flow), [`check_general_flow`](duals::check_general_flow), [`prove`] |
 //! | the Lagrangian of the weak form of the flow and its metric; the derivatives of the action of a curve | field; the Lagrangian also by duals | [`check_weak_form`](duals::check_weak_form), [`prove`] |
 //! | weighted derivatives of constraints, the constrained flow | all three | [`check_constraints`](duals::check_constraints), [`prove`], oracle |
-//! | gradient and Hessian of the relaxation | field; gradient also against the flow | [`prove`], [`check_relaxation`](duals::check_relaxation) |
+//! | gradient and Hessian of the direct method | field; gradient also against the flow | [`prove`], [`check_direct`](duals::check_direct) |
 //! | the dynamics are those of the robot in the URDF | Pinocchio | oracle |
 //! | distances from boxes, cylinders, capsules and balls | Parry | oracle |
 //! | their derivatives, and those of clearances | field, duals | [`check_constraints`](duals::check_constraints), [`prove`] |

@@ -2,8 +2,8 @@
 #![allow(dead_code)] // every test file uses its own part of it
 
 pub mod constraint;
+pub mod direct;
 pub mod ode;
-pub mod relax;
 pub mod scenario;
 
 use aghf::dynamics::{Data, crba, rnea};

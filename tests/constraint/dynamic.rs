@@ -1,16 +1,16 @@
 //! Constraints behind pointers.
 
 use crate::common::constraint::Slow;
-use crate::common::relax::solved_within;
+use crate::common::direct::solved_within;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{
     AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator,
     Sphere, SphereClearance, TorqueLimits, Weights,
 };
+use aghf::direct::DirectSettings;
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::model::{Model, random_tree};
-use aghf::relax::RelaxSettings;
 use nalgebra::Vector3;
 use num_dual::HyperDual64;
 
@@ -95,9 +95,9 @@ fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
     }
 }
 
-/// The flow, with every Jacobian, and the relaxation give the same results for boxed constraints as for unboxed ones.
+/// The flow, with every Jacobian, and the direct method give the same results for boxed constraints as for unboxed ones.
 #[test]
-fn flow_and_relaxation_take_boxed_constraints() {
+fn flow_and_direct_take_boxed_constraints() {
     let scenario = Scenario::load("pendulum_1_swingup");
     let problem = scenario.problem();
     let penalty = Penalty {
@@ -132,10 +132,10 @@ fn flow_and_relaxation_take_boxed_constraints() {
             "{name}"
         );
     }
-    let settings = RelaxSettings {
+    let settings = DirectSettings {
         degree: 8,
         starts: 1,
-        ..RelaxSettings::constrained()
+        ..DirectSettings::constrained()
     };
     let boxed = Constraints {
         state: list(30.0),

@@ -1,6 +1,6 @@
-//! The flow to rest: its end is that of the relaxation, satisfies the constraints, and is reported correctly.
+//! The flow to rest: its end is that of the direct method, satisfies the constraints, and is reported correctly.
 
-use crate::common::relax::solved;
+use crate::common::direct::solved;
 use crate::common::robot;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{
@@ -8,12 +8,12 @@ use aghf::constraint::{
     TorqueLimits,
 };
 use aghf::curve::{Curve, gauss_legendre};
+use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::flow::rest::{FlowToRest, RestMetric, RestSettings, RestSolution};
 use aghf::flow::weak::{Action, ActionDerivatives, AnalyticLagrangian, StateGrid};
 use aghf::model::Model;
 use aghf::motion::Problem;
-use aghf::relax::RelaxSettings;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
@@ -78,7 +78,7 @@ fn effort(model: &Model, curve: &Curve) -> f64 {
         .sum()
 }
 
-/// Curves of the flow at rest have no slip, so they are feasible for the relaxation, which started there finds the same
+/// Curves of the flow at rest have no slip, so they are feasible for the direct method, which started there finds the same
 /// least effort.
 #[test]
 fn it_rests_where_the_effort_is_least() {
@@ -107,14 +107,14 @@ fn it_rests_where_the_effort_is_least() {
             problem.goal(),
             1e-12
         );
-        let relaxed = solved(
+        let direct = solved(
             &problem,
-            &RelaxSettings {
+            &DirectSettings {
                 degree,
                 segments,
                 quadrature_tolerance: 1e-9,
                 start: Some(solution.curve.clone()),
-                ..RelaxSettings::default()
+                ..DirectSettings::default()
             },
         );
         // The two quadratures have other points, so both motions are measured by a third one.

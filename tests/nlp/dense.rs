@@ -1,11 +1,11 @@
 //! Dense nonlinear programs, with derivatives by duals.
 
 use aghf::Result;
+use aghf::cost::HyperDual64;
 use aghf::linalg::BlockTridiagonal;
 use aghf::nlp::{
     Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve,
 };
-use aghf::relax::HyperDual64;
 use nalgebra::{DMatrix, DVector};
 
 /// The objective and the rows as functions of the unknowns.

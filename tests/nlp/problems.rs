@@ -5,8 +5,8 @@
 //! each objective that is not positive.
 
 use crate::dense::{Dense, accurate};
+use aghf::cost::HyperDual64;
 use aghf::nlp::{Options, Solution, Status};
-use aghf::relax::HyperDual64;
 use num_dual::DualNum;
 
 /// The accuracy of multipliers. The end of a search is measured relative to the condensed matrix, whose entries along

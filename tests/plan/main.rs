@@ -1,4 +1,4 @@
-//! Planned paths, and planned starts of the relaxation.
+//! Planned paths, and planned starts of the direct method.
 
 #[macro_use]
 #[path = "../common/mod.rs"]

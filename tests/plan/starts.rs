@@ -1,15 +1,15 @@
-//! The relaxation from planned starts.
+//! The direct method from planned starts.
 
-use crate::common::relax::solved_within;
+use crate::common::direct::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
-use aghf::relax::{FreeHorizon, PlannedStarts, RelaxSettings, RelaxSolution, Relaxation};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, PlannedStarts};
 
 fn solve(
     state: Vec<AnyConstraint>,
     planned_starts: PlannedStarts,
     threads: usize,
-) -> RelaxSolution {
+) -> DirectSolution {
     let model = point();
     let problem = across(&model);
     let kept = Constraints {
@@ -17,17 +17,17 @@ fn solve(
         torque: TorqueLimits(Vec::new()),
         stage: Default::default(),
     };
-    let settings = RelaxSettings {
+    let settings = DirectSettings {
         degree: 9,
         planned_starts,
         threads,
-        ..RelaxSettings::constrained()
+        ..DirectSettings::constrained()
     };
     solved_within(&problem, &settings, &kept)
 }
 
 /// The largest number of a start.
-fn last_start(found: &RelaxSolution) -> Option<usize> {
+fn last_start(found: &DirectSolution) -> Option<usize> {
     found.iterations.iter().filter_map(|i| i.start).max()
 }
 
@@ -99,14 +99,14 @@ fn a_planned_first_start_keeps_what_is_asked() {
         stage: Default::default(),
     };
     let solve = |iterations| {
-        let settings = RelaxSettings {
+        let settings = DirectSettings {
             planned_starts: PlannedStarts::First,
             iterations,
-            ..RelaxSettings::constrained()
+            ..DirectSettings::constrained()
         };
-        let solver = Relaxation::new(&problem).constraints(&kept);
+        let solver = Direct::new(&problem).constraints(&kept);
         let found = solver.settings(settings).solve().expect("valid");
-        assert!(found.largest_violation <= RelaxSettings::FEASIBLE);
+        assert!(found.largest_violation <= DirectSettings::FEASIBLE);
         assert_eq!(last_start(&found), Some(0));
         found
     };
@@ -132,13 +132,13 @@ fn a_planned_first_start_has_the_time_that_it_needs() {
             torque: TorqueLimits(vec![Some(3.0); 2]),
             stage: Default::default(),
         };
-        let settings = RelaxSettings {
+        let settings = DirectSettings {
             planned_starts: PlannedStarts::First,
             longest_horizon: longest,
             tolerance: 0.3,
-            ..RelaxSettings::constrained()
+            ..DirectSettings::constrained()
         };
-        let solver = Relaxation::new(&problem).constraints(&kept);
+        let solver = Direct::new(&problem).constraints(&kept);
         let found = solver.settings(settings).solve().expect("valid");
         found.curve.horizon()
     };
@@ -162,14 +162,14 @@ fn a_planned_start_has_the_time_that_it_needs() {
         torque: TorqueLimits(vec![Some(30.0); 2]),
         stage: Default::default(),
     };
-    let settings = RelaxSettings {
+    let settings = DirectSettings {
         degree: 9,
         free_horizon: Some(FreeHorizon {
             shortest: 0.1,
             longest: 50.0,
             weight: 100.0,
         }),
-        ..RelaxSettings::constrained()
+        ..DirectSettings::constrained()
     };
     let found = solved_within(&problem, &settings, &kept);
     assert!(found.converged, "{}", found.largest_violation);
@@ -183,7 +183,7 @@ fn a_planned_start_has_the_time_that_it_needs() {
         planned.horizon
     );
     assert!(
-        planned.violation <= RelaxSettings::FEASIBLE,
+        planned.violation <= DirectSettings::FEASIBLE,
         "{}",
         planned.violation
     );

@@ -11,7 +11,7 @@ use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
 use aghf::verify::duals::{
     BOUND, CheckOptions, Finding, LARGEST_BOUND, LARGEST_BOUND_MULTIPLIED,
-    LARGEST_DIFFERENCE_BOUND, State, check_all, check_jacobian, check_relaxation,
+    LARGEST_DIFFERENCE_BOUND, State, check_all, check_direct, check_jacobian,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -61,7 +61,7 @@ fn everything_passes_on_every_robot() {
 fn the_relaxation_goes_where_the_flow_goes() {
     let trees = (0..4).map(|seed| tree(6, seed));
     for model in robots().into_iter().chain(trees) {
-        let findings = check_relaxation(&model, &options(2, 5)).expect("a loaded model");
+        let findings = check_direct(&model, &options(2, 5)).expect("a loaded model");
         assert_eq!(findings.len(), 3);
         for finding in findings {
             assert!(finding.passes(), "{}: {finding:?}", model.name());
@@ -152,7 +152,7 @@ fn a_curve_across_a_singular_mass_matrix_is_no_error() {
         }
     });
     let model = Model::from_joints("two ball joints", specs.collect()).expect("there are joints");
-    for finding in check_relaxation(&model, &options(20, 1)).expect("a loaded model") {
+    for finding in check_direct(&model, &options(20, 1)).expect("a loaded model") {
         assert!(finding.passes(), "{finding:?}");
         // Allowed near such a configuration, but still small enough to detect errors.
         assert!(finding.bound <= 1e-6, "{finding:?}");

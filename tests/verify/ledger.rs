@@ -182,25 +182,25 @@ fn a_stale_link_is_found() {
     let text = "pub fn free<S>(x: S) {\n    fn inner() {}\n}\n\npub struct Square<S> {\n    x: S,\n}\n
 impl<C, S: Over<C>> Cost<S> for Square<S>\nwhere\n    S: Copy,\n{\n    fn value(&self) {}\n}\n
 impl Other {\n    fn derivatives(&self) -> Square<f64> {}\n}\n\npub trait Cost<S> {\n    fn value(&self);\n}\n";
-    let good = |path| holds(text, "src/relax/cost.rs", path).is_ok();
+    let good = |path| holds(text, "src/direct/cost.rs", path).is_ok();
     for path in [
-        "aghf::relax::free",
-        "aghf::relax::Square",
-        "aghf::relax::cost::Square::value",
-        "aghf::relax::Cost::value",
-        "aghf::relax::Other::derivatives",
+        "aghf::direct::free",
+        "aghf::direct::Square",
+        "aghf::direct::cost::Square::value",
+        "aghf::direct::Cost::value",
+        "aghf::direct::Other::derivatives",
     ] {
         assert!(good(path), "{path}");
     }
     for path in [
-        "aghf::relax::inner",
-        "aghf::relax::fre",
-        "aghf::relax::value",
+        "aghf::direct::inner",
+        "aghf::direct::fre",
+        "aghf::direct::value",
         "aghf::flow::free",
-        "aghf::relax::Square::derivatives",
-        "aghf::relax::Cost::derivatives",
-        "aghf::relax::Squar::value",
-        "other::relax::free",
+        "aghf::direct::Square::derivatives",
+        "aghf::direct::Cost::derivatives",
+        "aghf::direct::Squar::value",
+        "other::direct::free",
     ] {
         assert!(!good(path), "{path}");
     }

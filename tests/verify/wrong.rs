@@ -3,9 +3,9 @@
 use crate::common::robot;
 use aghf::Result;
 use aghf::constraint::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use aghf::cost::{HyperDual64, RunningCost, StageDerivatives, StageInput};
 use aghf::flow::Node;
 use aghf::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
-use aghf::relax::{HyperDual64, RunningCost, StageDerivatives, StageInput};
 use aghf::scalar::AlgebraOver;
 use aghf::verify::duals::{
     CheckOptions, Finding, check_all, check_constraint, check_jacobian, check_running_cost,

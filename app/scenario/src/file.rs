@@ -2,8 +2,8 @@
 
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
+use super::goal::{Goal, goal_set};
 use super::group::hold_others;
-use super::goal::Goal;
 use super::json::{by_name, one_or_more, read_json};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
@@ -16,6 +16,7 @@ use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
 use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
+use aghf::direct::GoalSet;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::input::name_of;
@@ -82,21 +83,25 @@ pub struct ScenarioFile {
     pub q_start: Vec<f64>,
     /// Velocity at the start.
     pub v_start: Vec<f64>,
-    /// Configuration at the end; with `goal` a first guess of it.
+    /// Configuration at the end; with `goal` a first guess of it, by default that at the start.
     #[serde(default)]
     pub q_goal: Vec<f64>,
     /// Velocity at the end; with `goal` zero by default.
     #[serde(default)]
     pub v_goal: Vec<f64>,
-    /// For the relaxation: a set of poses of a frame, or a list of sets of which the motion ends in the one that costs
+    /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that costs
     /// least. The configuration at the end is then an unknown.
-    #[serde(default, deserialize_with = "one_or_more", skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        default,
+        deserialize_with = "one_or_more",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     #[schemars(schema_with = "schema::one_or_more::<Goal>")]
     pub goal: Vec<Goal>,
-    /// For the relaxation: true if the final velocity is free; `v_goal` then serves only as the first guess.
+    /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
-    /// For the relaxation: the highest derivative that is continuous. If that is the acceleration, it is zero at an end
+    /// For the direct method: the highest derivative that is continuous. If that is the acceleration, it is zero at an end
     /// at which all velocities are; by default `acceleration`, with passive joints `velocity`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_of::<Continuous>")]
@@ -105,7 +110,7 @@ pub struct ScenarioFile {
     /// effort, and reports this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub running_cost: Option<RunningCostWeights>,
-    /// For the relaxation: the bounds and the weight of a free horizon; the search starts from `horizon_s`.
+    /// For the direct method: the bounds and the weight of a free horizon; the search starts from `horizon_s`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
     /// The obstacles to keep clear of.
@@ -168,6 +173,8 @@ pub struct Scenario {
     pub robot_xxh64: String,
     /// The text of the robot and its origin.
     pub source: RobotSource,
+    /// The goal, if it is a set.
+    pub goal: Option<GoalSet>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
 }
@@ -235,6 +242,7 @@ impl Scenario {
                 robot
             }
         };
+        let goal = goal_set(&mut file, &model, path)?;
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -288,7 +296,7 @@ impl Scenario {
         (file.enforced_limits).read(&model, &source, folder, path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;
-        Ok(Self {
+        let mut scenario = Self {
             name: name_of(path),
             file,
             model,
@@ -298,8 +306,11 @@ impl Scenario {
             robot_place,
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
+            goal,
             own: OwnTerms::default(),
-        })
+        };
+        scenario.find_ends(path)?;
+        Ok(scenario)
     }
 
     /// The trajectory optimisation problem of this scenario.
@@ -308,10 +319,12 @@ impl Scenario {
     /// As [`Problem::new`].
     pub fn problem(&self) -> Result<Problem<'_>> {
         let state = |q: &[f64], v: &[f64]| [q, v].concat();
+        let end = self.goal.as_ref().and_then(|goal| goal.ends.first());
+        let q_goal = end.map_or(&self.file.q_goal, |end| &end.q);
         Problem::new(
             &self.model,
             state(&self.file.q_start, &self.file.v_start),
-            state(&self.file.q_goal, &self.file.v_goal),
+            state(q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
     }

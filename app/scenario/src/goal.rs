@@ -1,9 +1,10 @@
 //! A goal that is a set of poses of a frame.
 
-use super::Scenario;
 use super::obstacles::{Pose, bounded};
 use super::own_terms::worst_row;
+use super::{Scenario, ScenarioFile};
 use aghf::constraint::{AnyConstraint, FrameRows, RowLabel};
+use aghf::direct::{GoalEnd, GoalSet};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{Frame, Model};
 use aghf::spatial::Placement;
@@ -95,7 +96,10 @@ impl Goal {
             }
             (Some(position), None) => {
                 if !bounded(&position) {
-                    return Err(refuse("position_m", "it needs three finite numbers".to_owned()));
+                    return Err(refuse(
+                        "position_m",
+                        "it needs three finite numbers".to_owned(),
+                    ));
                 }
                 let rows = at(Placement::new(Matrix3::identity(), Vector3::from(position)));
                 match self.tolerance_m {
@@ -105,7 +109,9 @@ impl Goal {
                 }
             }
             (None, Some(within)) => {
-                let half = within.size_m.map(|size| 0.5 * size.unwrap_or(f64::INFINITY));
+                let half = within
+                    .size_m
+                    .map(|size| 0.5 * size.unwrap_or(f64::INFINITY));
                 if let Some(size) = half.iter().find(|half| !(**half >= 0.0)) {
                     let condition = format!("an edge has {} m", plain(2.0 * size));
                     return Err(refuse("box.size_m", condition));
@@ -140,13 +146,21 @@ impl Goal {
                     position_m: [0.0; 3],
                     orientation_xyzw: self.orientation_xyzw,
                 };
-                let pose = pose.placement().map_err(|e| refuse("orientation_xyzw", e))?;
+                let pose = pose
+                    .placement()
+                    .map_err(|e| refuse("orientation_xyzw", e))?;
                 match self.tolerance_rad {
                     None => Ok(at(pose).oriented()),
                     Some(angle) => at(pose).within_angle(angle),
                 }
             }
-            (None, Some(AxisDirection { of_frame, direction })) => {
+            (
+                None,
+                Some(AxisDirection {
+                    of_frame,
+                    direction,
+                }),
+            ) => {
                 let rows = at(Placement::identity());
                 let both = [of_frame, direction].map(|v| Vector3::from(*v));
                 match self.tolerance_rad {
@@ -160,12 +174,58 @@ impl Goal {
             }
             (None, None) => return Ok(None),
         };
-        let key = if self.axis.is_some() { "axis" } else { "tolerance_rad" };
+        let key = if self.axis.is_some() {
+            "axis"
+        } else {
+            "tolerance_rad"
+        };
         rows.map(Some).map_err(|e| refuse(key, e.to_string()))
     }
 }
 
+/// The alternatives of the goal, without ends; `None` without a goal. The state at the end is by default
+/// that at the start, at rest.
+pub(super) fn goal_set(
+    file: &mut ScenarioFile,
+    model: &Model,
+    path: &str,
+) -> Result<Option<GoalSet>> {
+    if file.goal.is_empty() {
+        return Ok(None);
+    }
+    let mut alternatives = Vec::new();
+    for (i, goal) in file.goal.iter().enumerate() {
+        let key = if file.goal.len() == 1 {
+            "goal".to_owned()
+        } else {
+            format!("goal[{i}]")
+        };
+        alternatives.push(goal.rows(model, &key, path)?);
+    }
+    if file.q_goal.is_empty() {
+        file.q_goal.clone_from(&file.q_start);
+    }
+    if file.v_goal.is_empty() {
+        file.v_goal.resize(model.dof(), 0.0);
+    }
+    Ok(Some(GoalSet {
+        alternatives,
+        ends: Vec::new(),
+    }))
+}
+
 impl Scenario {
+    /// Finds the ends of starts.
+    pub(super) fn find_ends(&mut self, _path: &str) -> Result<()> {
+        if let Some(goal) = &mut self.goal {
+            goal.ends.push(GoalEnd {
+                q: self.file.q_goal.clone(),
+                alternative: 0,
+            });
+        }
+        Ok(())
+    }
+
     /// The most violated row of the goal at a final configuration, of the alternative that is violated least, and its
     /// violation in m or rad, which is negative inside; `None` if the goal is no set.
     pub(super) fn off_goal(&self, q: &[f64]) -> Result<Option<(f64, RowLabel)>> {

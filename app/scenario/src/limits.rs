@@ -24,10 +24,10 @@ pub struct EnforcedLimits {
     pub velocity: Enforced,
     /// The torque and force limits.
     pub torque: Enforced,
-    /// For the relaxation: the largest accelerations, rad/s^2 or m/s^2; none by default.
+    /// For the direct method: the largest accelerations, rad/s^2 or m/s^2; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<RateLimits>,
-    /// For the relaxation: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
+    /// For the direct method: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerk: Option<RateLimits>,
 }

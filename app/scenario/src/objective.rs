@@ -1,8 +1,9 @@
-//! The keys of a scenario that change the objective of the relaxation from least control effort between two states.
+//! The keys of a scenario that change the objective of the direct method from least control effort between two states.
 
 use super::{IgnoredPair, Method, RobotShape, Scenario, ScenarioFile};
+use aghf::cost::WeightedSquares;
+use aghf::direct::FreeHorizon;
 use aghf::error::{Error, Result};
-use aghf::relax::{FreeHorizon, WeightedSquares};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +76,7 @@ pub enum Continuous("continuity") {
 }
 
 impl ScenarioFile {
-    /// The highest continuous derivative of motions by the relaxation.
+    /// The highest continuous derivative of motions by the direct method.
     #[must_use]
     pub fn continuity(&self) -> Continuous {
         let default = match self.passive.is_empty() {
@@ -181,7 +182,7 @@ impl Scenario {
         Some(note.to_owned())
     }
 
-    /// Refuses keys that the method does not support: those of the relaxation alone, and passive joints in the
+    /// Refuses keys that the method does not support: those of the direct method alone, and passive joints in the
     /// published flow.
     pub(super) fn check_for(&self, method: Method) -> Result<()> {
         let file = &self.file;
@@ -198,8 +199,8 @@ impl Scenario {
             ("running cost of one's own", self.own.running_cost.is_some()),
         ];
         let unknown = keys.iter().find(|(_, given)| *given);
-        if let (Some((key, _)), true) = (unknown, method != Method::Relax) {
-            let condition = format!("the method '{method}' does not know it, only 'relax' does");
+        if let (Some((key, _)), true) = (unknown, method != Method::Direct) {
+            let condition = format!("the method '{method}' does not know it, only 'direct' does");
             return Err(Error::input(&self.name, *key, condition));
         }
         if method == Method::Flow && !file.passive.is_empty() {

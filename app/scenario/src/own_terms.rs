@@ -2,12 +2,13 @@
 
 use super::Scenario;
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint};
+use aghf::cost::{
+    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
+    PointDerivatives, Points, PointsDerivatives, RunningCost,
+};
+use aghf::direct::DirectSettings;
 use aghf::error::{Error, Result};
 use aghf::model::Model;
-use aghf::relax::{
-    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
-    PointDerivatives, Points, PointsDerivatives, RelaxSettings, RunningCost,
-};
 use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;
@@ -63,12 +64,12 @@ impl Scenario {
         self.own.constraints.push(constraint);
     }
 
-    /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the relaxation supports them.
+    /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the direct method supports them.
     pub fn add_stage_constraint(&mut self, constraint: impl StageConstraint + 'static) {
         self.own.stage.push(Arc::new(constraint));
     }
 
-    /// Replaces the running cost of the scenario. Only the relaxation supports this.
+    /// Replaces the running cost of the scenario. Only the direct method supports this.
     pub fn set_running_cost(&mut self, cost: SharedCost) {
         self.own.running_cost = Some(cost);
     }
@@ -77,7 +78,7 @@ impl Scenario {
     pub(super) fn check_own_constraints(&self, key: &str, q: &[f64], v: &[f64]) -> Result<()> {
         let worst = worst_row(&self.own.constraints, &self.model, &[q, v].concat())?;
         if let Some((by, RowLabel { name, unit, .. })) = worst
-            && by > RelaxSettings::FEASIBLE
+            && by > DirectSettings::FEASIBLE
         {
             let space = if unit.is_empty() { "" } else { " " };
             let condition = format!("it violates {name} by {by:.3e}{space}{unit}");

@@ -2,15 +2,15 @@
 
 use super::feasibility::three_digits;
 use super::{HorizonBounds, Limit, Scenario};
+use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::geometry::{Collider, Part};
 use aghf::model::Model;
-use aghf::relax::RelaxSettings;
 use aghf::spatial::Placement;
 
 /// The largest accepted violation of a constraint, in its own unit, as in the search.
-const TOLERANCE: f64 = RelaxSettings::FEASIBLE;
+const TOLERANCE: f64 = DirectSettings::FEASIBLE;
 
 /// The joint that takes longest from `start` to `goal`, `N` entries each, at the velocity limits of `model`, and its
 /// duration, s: the shortest horizon of any motion between them within these limits. `None` if no joint with a velocity
@@ -98,7 +98,7 @@ impl Scenario {
     /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
     /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
     /// at rest that the torques cannot hold. Only constraints of the scenario count, each within the tolerance of the
-    /// search, [`RelaxSettings::FEASIBLE`]; a free final velocity is not checked, nor a first guess of the end.
+    /// search, [`DirectSettings::FEASIBLE`]; a free final velocity is not checked, nor a first guess of the end.
     ///
     /// # Errors
     /// Names the key, the joint or the obstacle, the value and the limit.

@@ -2,14 +2,14 @@
 
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
-use super::summary::{Details, RelaxDetails, Summary, Verdict};
-use super::{CurveFile, Feasibility, Method, Provenance, RelaxOptions, Scenario, SolveOptions};
+use super::summary::{Details, DirectDetails, Summary, Verdict};
+use super::{CurveFile, DirectOptions, Feasibility, Method, Provenance, Scenario, SolveOptions};
 use aghf::curve::Curve;
+use aghf::direct::{Direct, DirectSettings, DirectSolution, Iteration};
 use aghf::error::Result;
 use aghf::flow::rest::RestRecord;
 use aghf::flow::{EffortSummary, FlowRecord, effort_of};
 use aghf::motion::{Feedback, Interrupt, Stopped, replay_error, simulate};
-use aghf::relax::{Iteration, RelaxSettings, RelaxSolution, Relaxation};
 use std::time::Instant;
 
 /// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact.
@@ -25,8 +25,8 @@ pub enum Record {
     Flow(FlowRecord),
     /// Progress of a flow to rest.
     Rest(RestRecord),
-    /// Progress of the relaxation.
-    Relax(Iteration),
+    /// Progress of the direct method.
+    Direct(Iteration),
 }
 
 /// The result of a solve.
@@ -51,21 +51,21 @@ pub struct SolveReport {
 pub struct Trace {
     /// The initial curve of the motion; `None` for a flow to rest.
     pub first_guess: Option<Curve>,
-    /// For the relaxation: the curves of the first few [minima](RelaxSolution::minima), that of the motion included.
+    /// For the direct method: the curves of the first few [minima](DirectSolution::minima), that of the motion included.
     pub minima: Vec<Curve>,
-    /// For the relaxation: the number of the start that led to the motion.
+    /// For the direct method: the number of the start that led to the motion.
     pub best_start: Option<usize>,
 }
 
 /// A solve of a scenario, whose result is tested by forward simulation.
 ///
 /// ```
-/// use aghf_scenario::{RelaxOptions, Scenario, Solve};
+/// use aghf_scenario::{DirectOptions, Scenario, Solve};
 ///
 /// let scenario = Scenario::load("pendulum_1_swingup")?;
 /// let mut iterations = 0;
 /// let report = Solve::new(&scenario)
-///     .options(RelaxOptions { starts: Some(2), ..RelaxOptions::default() })
+///     .options(DirectOptions { starts: Some(2), ..DirectOptions::default() })
 ///     .observe(|_| iterations += 1)
 ///     .run()?;
 /// assert!(report.summary.success);
@@ -128,7 +128,7 @@ impl<'a> Solve<'a> {
         scenario.check_for(options.method())?;
         let observe = &mut *observe;
         let found = match &options {
-            SolveOptions::Relax(own) => solve_by_relaxation(scenario, own, interrupt, observe)?,
+            SolveOptions::Direct(own) => solve_directly(scenario, own, interrupt, observe)?,
             SolveOptions::Flow(own) => solve_by_flow(scenario, own, interrupt, observe)?,
             SolveOptions::Rest(own) | SolveOptions::Duals(own) | SolveOptions::TwoPhases(own) => {
                 let method = options.method();
@@ -139,21 +139,21 @@ impl<'a> Solve<'a> {
     }
 }
 
-fn solve_by_relaxation(
+fn solve_directly(
     scenario: &Scenario,
-    options: &RelaxOptions,
+    options: &DirectOptions,
     interrupt: Interrupt,
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = &RelaxSettings {
+    let settings = &DirectSettings {
         interrupt,
         ..options.settings(scenario)?
     };
     let started = Instant::now();
     let constraints = scenario.constraints();
-    let observe = &mut |iteration: &Iteration| observe(&Record::Relax(*iteration));
-    let solution = Relaxation::new(&problem)
+    let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
+    let solution = Direct::new(&problem)
         .cost(scenario.running_cost()?)
         .constraints(&constraints)
         .settings(settings.clone())
@@ -165,7 +165,7 @@ fn solve_by_relaxation(
         Some(stopped) => format!("{stopped}: the motion is the best until then; {missed}"),
         None => missed,
     });
-    let RelaxSolution {
+    let DirectSolution {
         curve, iterations, ..
     } = solution;
     let trace = Trace {
@@ -175,7 +175,7 @@ fn solve_by_relaxation(
     };
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
-    let details = Details::Relax(RelaxDetails {
+    let details = Details::Direct(DirectDetails {
         horizon_s: horizon,
         cost: solution.cost + time.unwrap_or(0.0),
         tolerance: settings.tolerance,
@@ -194,7 +194,7 @@ fn solve_by_relaxation(
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
     });
-    let history = iterations.into_iter().map(Record::Relax).collect();
+    let history = iterations.into_iter().map(Record::Direct).collect();
     // No reported value depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
     Ok(Solution {
@@ -209,9 +209,9 @@ fn solve_by_relaxation(
     })
 }
 
-/// The reason why a relaxation found no minimum, if it found none.
-fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<String> {
-    let RelaxSolution {
+/// The reason why a direct solve found no minimum, if it found none.
+fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<String> {
+    let DirectSolution {
         converged,
         gradient_norm,
         quadrature_error,
@@ -220,7 +220,7 @@ fn failure_of(solution: &RelaxSolution, settings: &RelaxSettings) -> Option<Stri
         start_costs,
         ..
     } = solution;
-    if *largest_violation > RelaxSettings::FEASIBLE {
+    if *largest_violation > DirectSettings::FEASIBLE {
         if solution.stopped.is_some() {
             return Some("no motion within the constraints was found".to_owned());
         }
@@ -297,7 +297,7 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
     let feasibility = Feasibility::of(scenario, &curve)?;
     let method = options.method();
     let tolerance = match method {
-        Method::Relax => RelaxSettings::FEASIBLE,
+        Method::Direct => DirectSettings::FEASIBLE,
         Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => LIMIT_TOLERANCE,
     };
     let feasible = feasibility.holds(tolerance);
@@ -308,9 +308,9 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
         None => "the forward simulation with feedback stopped before its end".to_owned(),
     });
     let completed = failure.is_none();
-    // After a flow the simulation decides as well. After the relaxation it only measures sensitivity, except with
+    // After a flow the simulation decides as well. After the direct method it only measures sensitivity, except with
     // passive joints, where it shows whether zero torque there suffices.
-    let simulated = method != Method::Relax || !passive.is_empty();
+    let simulated = method != Method::Direct || !passive.is_empty();
     // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
     let ended = completed || method != Method::Flow;
     let verdict = match ended && feasible && (reached || !simulated) {

@@ -15,7 +15,10 @@ pub(super) fn one_of<T: Named>(_: &mut SchemaGenerator) -> Schema {
 
 /// The schema of a value, or of a list of such values.
 pub(super) fn one_or_more<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    let (one, more) = (generator.subschema_for::<T>(), generator.subschema_for::<Vec<T>>());
+    let (one, more) = (
+        generator.subschema_for::<T>(),
+        generator.subschema_for::<Vec<T>>(),
+    );
     json_schema!({ "anyOf": [one, more] })
 }
 

@@ -1,10 +1,10 @@
 //! The result of a solve in numbers.
 
 use super::{CurveFile, Feasibility, Method, Provenance};
+use aghf::direct::{DegreeRefinement, LocalMinimum};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::motion::{Feedback, Guess};
 use aghf::ode::IntegratorKind;
-use aghf::relax::{DegreeRefinement, LocalMinimum};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 
@@ -98,8 +98,8 @@ pub enum Details {
     Flow(FlowDetails),
     /// Details of a flow to rest.
     Rest(RestDetails),
-    /// Details of the relaxation.
-    Relax(RelaxDetails),
+    /// Details of the direct method.
+    Direct(DirectDetails),
 }
 
 /// The parameters and the work of a flow.
@@ -170,9 +170,9 @@ pub struct RestDetails {
     pub dual_updates: usize,
 }
 
-/// The result and the work of a relaxation.
+/// The result and the work of a direct solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct RelaxDetails {
+pub struct DirectDetails {
     /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
     pub horizon_s: f64,
     /// The minimised cost: the control effort or the running cost, and the cost of a free horizon.

@@ -25,7 +25,7 @@ crate::names::named_enum! {
 /// The metric of a flow to rest. It changes the path, but not the condition at its end, where the gradient vanishes.
 pub enum RestMetric("metric") {
     /// The Gauss-Newton metric of the action, which is the Hessian without what the curvature of the dynamics adds to
-    /// it, relative to the action, and the Gram matrix of the velocities: as in the relaxation.
+    /// it, relative to the action, and the Gram matrix of the velocities: as in the direct method.
     Action = "action",
     /// The metric of the flow, (11).
     Flow = "flow",

@@ -6,19 +6,19 @@
 //! term in them would be hidden by the others.
 
 mod constraints;
+mod direct;
 mod dynamics;
 mod general_flow;
 mod jacobians;
-mod relaxation;
 mod running_cost;
 mod tensors;
 mod weak_form;
 
 pub use constraints::{check_constraint, check_constraints};
+pub use direct::check_direct;
 pub use dynamics::{check_dynamics, check_dynamics_at};
 pub use general_flow::{FlowUnderTest, check_flow, check_general_flow};
 pub use jacobians::{check_jacobian, check_jacobian_at, check_jacobians};
-pub use relaxation::check_relaxation;
 pub use running_cost::check_running_cost;
 pub(super) use weak_form::Written;
 pub use weak_form::check_weak_form;
@@ -69,7 +69,7 @@ pub const BOUND: f64 = 1e-9;
 /// in double precision, and is reported.
 pub const LARGEST_BOUND: f64 = 1e-5;
 /// The largest bound for quantities that are divided by the mass matrix twice and then multiplied by it twice, such as
-/// the weak form of the relaxation.
+/// the weak form of the direct method.
 pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
 /// Entries below this fraction of the inertia may be rounding errors of zero: with [`BOUND`], 50 units of rounding pass
 /// there, as in sums of several products.
@@ -362,7 +362,7 @@ impl Findings {
 
 /// Checks all analytic derivatives: those of the dynamics, the two forms of $\Omega$ with each other, every Jacobian of
 /// [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, those of
-/// constraints, and the gradient of the relaxation with the flow. Dual numbers of the control form are in turn compared
+/// constraints, and the gradient of the direct method with the flow. Dual numbers of the control form are in turn compared
 /// with dual numbers of Algorithm B1.
 ///
 /// # Errors
@@ -373,6 +373,6 @@ pub fn check_all(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> 
     findings.extend(check_general_flow(model, options)?);
     findings.extend(check_weak_form(model, options)?);
     findings.extend(check_constraints(model, options)?);
-    findings.extend(check_relaxation(model, options)?);
+    findings.extend(check_direct(model, options)?);
     Ok(findings)
 }

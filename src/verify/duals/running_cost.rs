@@ -1,10 +1,10 @@
 //! Checks of the derivatives of user-defined running costs.
 
 use super::{At, BOUND, CheckOptions, Finding, Findings, Tolerance, VANISHING};
+use crate::cost::{AutodiffCost, HyperDual64, RunningCost, StageDerivatives, StageInput};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
-use crate::relax::{AutodiffCost, HyperDual64, RunningCost, StageDerivatives, StageInput};
 use nalgebra::DMatrix;
 
 /// Compares value, gradient and Hessian of a [`RunningCost`] with analytic derivatives with hyper-dual numbers of the

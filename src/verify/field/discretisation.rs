@@ -1,8 +1,8 @@
 //! A discretised curve with random numbers.
 
 use super::{Gf, RandomInstance};
-use crate::relax::Grid;
 use crate::scalar::AlgebraOver;
+use crate::transcription::Grid;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

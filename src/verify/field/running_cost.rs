@@ -1,13 +1,13 @@
-//! The relaxation with a user-defined running cost and a free horizon.
+//! The direct method with a user-defined running cost and a free horizon.
 
 use super::discretisation::{Discretisation, numbers};
 use super::{Equality, Gf, Identity, RandomInstance};
-use crate::error::Result;
-use crate::relax::{
-    ChainRule, ControlEffort, Derivatives, HorizonDerivatives, Objective, Point as CurvePoint,
-    PointCost, PointDerivatives, StageDerivatives,
+use crate::cost::{
+    ChainRule, ControlEffort, Point as CurvePoint, PointCost, PointDerivatives, StageDerivatives,
 };
+use crate::error::Result;
 use crate::scalar::AlgebraOver;
+use crate::transcription::{Derivatives, HorizonDerivatives, Objective};
 use crate::verify::reference::{gradient, inverse_dynamics, jacobian, rate, unit, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
@@ -22,7 +22,7 @@ pub(super) fn identities() -> Vec<Identity> {
             claims: chain_rule,
         },
         Identity {
-            label: "relaxation horizon",
+            label: "direct horizon",
             statement: "the derivatives of J in T are those by duals, nested ones for the second and mixed ones",
             convention: "l = t |u|^2 and |u|^2; any functions, weights and coefficients that are affine in T",
             claims: horizon,

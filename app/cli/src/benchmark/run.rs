@@ -5,7 +5,7 @@ use crate::output::verdict;
 use aghf::error::{Error, Result};
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
-use aghf_scenario::{RelaxOptions, Solve, Verdict};
+use aghf_scenario::{DirectOptions, Solve, Verdict};
 use serde::{Deserialize, Serialize};
 use std::fs::OpenOptions;
 use std::path::Path;
@@ -117,9 +117,9 @@ fn solve(problem: &Problem) -> Result<Row> {
         return Ok(row);
     }
     // As `aghf solve` without options, on one thread.
-    let options = RelaxOptions {
+    let options = DirectOptions {
         threads: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     let report = Solve::new(&scenario).options(options).run()?;
     let summary = &report.summary;

@@ -1,7 +1,7 @@
 //! The progress line of a solve on a terminal.
 
+use aghf::direct::{DirectSettings, Iteration};
 use aghf::error::Result;
-use aghf::relax::{Iteration, RelaxSettings};
 use aghf_scenario::{Record, Scenario, SolveOptions};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
@@ -34,7 +34,7 @@ impl Progress {
                 let settings = own.settings(scenario, options.method())?;
                 (spinner(), settings.starts)
             }
-            SolveOptions::Relax(own) => (spinner(), own.settings(scenario)?.starts),
+            SolveOptions::Direct(own) => (spinner(), own.settings(scenario)?.starts),
         };
         Ok(Self {
             bar,
@@ -55,21 +55,21 @@ impl Progress {
                 "degree {}, action {:.4e}, gradient {:.1e}",
                 r.degree, r.action, r.gradient_norm
             ),
-            Record::Relax(iteration) => self.of_relaxation(iteration),
+            Record::Direct(iteration) => self.of_direct(iteration),
         };
         self.bar.set_message(message);
         self.bar.inc(1);
     }
 
-    /// The progress of a relaxation.
-    fn of_relaxation(&mut self, iteration: &Iteration) -> String {
+    /// The progress of a direct solve.
+    fn of_direct(&mut self, iteration: &Iteration) -> String {
         let Iteration {
             cost, violation, ..
         } = *iteration;
         self.begun = iteration
             .start
             .map_or(self.begun, |i| self.begun.max(i + 1));
-        if violation <= RelaxSettings::FEASIBLE {
+        if violation <= DirectSettings::FEASIBLE {
             self.least = Some(self.least.map_or(cost, |least| least.min(cost)));
         }
         let stage = match iteration.start {

@@ -1,7 +1,7 @@
 //! Lines for the stages of a search, for output without a terminal.
 
 use super::tell;
-use aghf::relax::Iteration;
+use aghf::direct::Iteration;
 use aghf_scenario::Record;
 
 /// Prints the stages of a search to the standard error.
@@ -12,7 +12,7 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// Updates the stages with a record. A stage of the relaxation is one start at one degree; one of the flow is a
+    /// Updates the stages with a record. A stage of the direct method is one start at one degree; one of the flow is a
     /// value of `s`.
     pub fn observe(&mut self, record: &Record) {
         let iteration = match record {
@@ -30,7 +30,7 @@ impl Stages {
                 ));
                 return;
             }
-            Record::Relax(iteration) => iteration,
+            Record::Direct(iteration) => iteration,
         };
         let key = |i: &Iteration| (i.start, i.horizon, i.segments, i.degree);
         match &mut self.current {

@@ -1,12 +1,12 @@
 //! Tables for people.
 
+use aghf::direct::DegreeRefinement;
 use aghf::error::Result;
 use aghf::model::Model;
-use aghf::relax::DegreeRefinement;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, FAMILIES, FlowDetails, Limit, RelaxDetails, RestDetails, RobotShape, Scenario,
+    Details, DirectDetails, FAMILIES, FlowDetails, Limit, RestDetails, RobotShape, Scenario,
     Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
@@ -47,7 +47,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let (settings, rows) = match &s.details {
         Details::Flow(d) => flow_rows(d),
         Details::Rest(d) => rest_rows(d),
-        Details::Relax(d) => relax_rows(d),
+        Details::Direct(d) => direct_rows(d),
     };
     let degree = match s.segments {
         1 => format!("degree {}", s.degree),
@@ -145,8 +145,8 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
     (settings, rows)
 }
 
-/// The parameters and the results that only a relaxation has.
-fn relax_rows(d: &RelaxDetails) -> (String, Vec<(&'static str, String)>) {
+/// The parameters and the results that only a direct solve has.
+fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "tolerance {:e}, {} starts",
         d.tolerance,

@@ -22,7 +22,7 @@ pub(super) fn plots_of_search(outcome: &SolveReport) -> Result<Vec<Plot>> {
     for (i, record) in iterations_of(outcome).enumerate() {
         let i = i as f64;
         match record {
-            Record::Relax(iteration) => {
+            Record::Direct(iteration) => {
                 costs.push((i, iteration.cost));
                 gradients.push((i, iteration.gradient_norm));
                 violations.push((i, iteration.violation));

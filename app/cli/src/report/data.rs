@@ -6,10 +6,10 @@ use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
 use aghf::curve::Curve;
+use aghf::direct::LocalMinimum;
 use aghf::error::Result;
 use aghf::model::{JointKind, Model};
 use aghf::motion::Sample;
-use aghf::relax::LocalMinimum;
 use aghf_scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
 use serde::Serialize;
 
@@ -191,7 +191,7 @@ fn made_by(motion: &Motion<'_>) -> String {
 
 fn minima_of(summary: &Summary) -> &[LocalMinimum] {
     match &summary.details {
-        Details::Relax(relax) => &relax.minima,
+        Details::Direct(direct) => &direct.minima,
         Details::Flow(_) | Details::Rest(_) => &[],
     }
 }
@@ -296,7 +296,7 @@ fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<O
 pub(super) fn iterations_of(outcome: &SolveReport) -> impl Iterator<Item = &Record> {
     let best = outcome.trace.best_start;
     outcome.history.iter().filter(move |record| match record {
-        Record::Relax(i) => i.start.is_none() || i.start == best,
+        Record::Direct(i) => i.start.is_none() || i.start == best,
         Record::Flow(_) | Record::Rest(_) => true,
     })
 }

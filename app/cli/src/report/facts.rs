@@ -24,7 +24,7 @@ impl SolveFacts {
         let (cost, gradient_norm) = match &s.details {
             Details::Flow(flow) => (flow.action, None),
             Details::Rest(rest) => (rest.action, Some(rest.gradient_norm)),
-            Details::Relax(relax) => (relax.cost, Some(relax.gradient_norm)),
+            Details::Direct(direct) => (direct.cost, Some(direct.gradient_norm)),
         };
         let all = [
             ("summary", Some(path.to_owned())),

@@ -28,8 +28,8 @@ const SWEEPS: [(&str, &str); 9] = sweeps!(
     "table_13_digit_obstacles",
     "table_09_quick",
     "table_10_quick",
-    "relax_quick",
-    "relax_limits_quick"
+    "direct_quick",
+    "direct_limits_quick"
 );
 
 /// The largest number of sets of a grid, all of whose rows are kept in memory.
@@ -71,7 +71,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Loads the sweep that is built in under this name, otherwise the one in the file at this path; for a folder, all
-    /// scenarios in it by the relaxation with default options.
+    /// scenarios in it by the direct method with default options.
     ///
     /// # Errors
     /// Names the file, the key and the fault.
@@ -179,7 +179,7 @@ impl Sweep {
         self.file.grid.point(set.point)
     }
 
-    /// The options with which one set is solved. They have no time limit, because a relaxation would use all of it for
+    /// The options with which one set is solved. They have no time limit, because a direct solve would use all of it for
     /// further starts.
     ///
     /// # Errors

@@ -32,7 +32,7 @@ pub struct Head {
     pub robot: Option<String>,
     /// The treatment of mimic joints; by default that of the scenario.
     pub mimic: Option<Mimic>,
-    /// The wall time after which a solve is stopped, s. Unlike the option of a solve it leaves a relaxation no time for
+    /// The wall time after which a solve is stopped, s. Unlike the option of a solve it leaves a direct solve no time for
     /// further starts.
     pub time_limit_s: f64,
 }
@@ -51,12 +51,12 @@ impl SweepFile {
     /// The wall time, s, of one solve in the sweep of [all](Self::of_all) scenarios of a folder.
     const TIME_LIMIT_S: f64 = 60.0;
 
-    /// The sweep of all scenarios of its folder by the relaxation with default options.
+    /// The sweep of all scenarios of its folder by the direct method with default options.
     #[must_use]
     pub fn of_all(name: String) -> Self {
         Self {
             head: Head {
-                method: Method::Relax,
+                method: Method::Direct,
                 name: Some(name),
                 scenarios: vec![".".to_owned()],
                 robot: None,

@@ -110,7 +110,7 @@ impl Grid {
 
     /// The options of a solve with these keys.
     pub(super) fn options(method: Method, mut keys: Map<String, Value>) -> Result<SolveOptions> {
-        if method == Method::Relax {
+        if method == Method::Direct {
             // The sets of a sweep share the cores.
             keys.entry("threads").or_insert(json!(1));
         }

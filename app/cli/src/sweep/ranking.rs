@@ -29,7 +29,7 @@ pub struct Ranked {
     /// Median wall time of a solve, s.
     pub median_seconds: Option<f64>,
     /// The time for the ranking, s, infinite without a success: the mean for a flow, as in the paper; the median for
-    /// the relaxation, because a single solve that needs many more starts than the others would dominate the mean.
+    /// the direct method, because a single solve that needs many more starts than the others would dominate the mean.
     #[serde(skip)]
     pub seconds: f64,
     /// The mean of efforts, costs and actions, the largest error and the smallest clearance, one column each.
@@ -125,7 +125,7 @@ fn summarise(scenario: &str, method: Method, rows: &[&Row]) -> Ranked {
     let solve_seconds = (!times.is_empty()).then(|| mean(&times));
     let median_seconds = median(times);
     let time = match method {
-        Method::Relax => median_seconds,
+        Method::Direct => median_seconds,
         Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => solve_seconds,
     };
     let mut results = Map::new();

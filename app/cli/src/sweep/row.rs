@@ -1,7 +1,7 @@
 //! The result of one solve of a sweep.
 
 use super::{ParameterSet, Sweep};
-use aghf::relax::RelaxSettings;
+use aghf::direct::DirectSettings;
 use aghf_scenario::{Method, SolveReport};
 use csv::StringRecord;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub enum RowOutcome {
     GoalMissed,
     /// The motion reaches the goal, but collides or violates an enforced limit.
     Infeasible,
-    /// The flow did not complete, the relaxation did not reach a minimum, or the scenario is infeasible.
+    /// The flow did not complete, the direct method did not reach a minimum, or the scenario is infeasible.
     Failed,
     /// The time limit was reached.
     TimeLimit,
@@ -80,7 +80,7 @@ const COMMON: [&str; 5] = [
 /// Those of one method.
 fn results_of(method: Method) -> &'static [&'static str] {
     match method {
-        Method::Relax => &[
+        Method::Direct => &[
             "cost",
             "horizon_s",
             "gradient_norm",
@@ -188,8 +188,8 @@ impl Row {
         if report.stopped.is_some() || s.solve_seconds >= sweep.file.head.time_limit_s {
             return Self::late(sweep, set, s.solve_seconds);
         }
-        let relaxed = s.method == Method::Relax;
-        let violated = relaxed && !s.feasibility.holds(RelaxSettings::FEASIBLE);
+        let direct = s.method == Method::Direct;
+        let violated = direct && !s.feasibility.holds(DirectSettings::FEASIBLE);
         let mut row = Self::failed(sweep, set, "", s.solve_seconds);
         row.reason = s.failure.as_deref().map(one_line);
         row.outcome = if s.success {

@@ -1,9 +1,9 @@
 //! Solves of the sets of a sweep on all cores.
 
 use super::{ParameterSet, Row, Sweep};
+use aghf::direct::DirectSettings;
 use aghf::error::{Error, Result, check_count};
 use aghf::motion::Interrupt;
-use aghf::relax::RelaxSettings;
 use aghf_scenario::Solve;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub fn run(
     done: &(dyn Fn(Row) -> Result<()> + Sync),
 ) -> Result<()> {
     if let Some(jobs) = jobs {
-        check_count("jobs", jobs, 1..=RelaxSettings::MOST_THREADS)?;
+        check_count("jobs", jobs, 1..=DirectSettings::MOST_THREADS)?;
     }
     let threads = ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
     let pool = threads

@@ -107,7 +107,7 @@ fn lists_of_a_sweep_have_bounds() {
         ),
     ] {
         let text =
-            format!("method = 'relax'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
+            format!("method = 'direct'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
         std::fs::write(folder.join("s.toml"), text).expect("writable");
         assert_bad_input(&folder, &["sweep", "s.toml"], &format!("s.toml: {words}"));
     }

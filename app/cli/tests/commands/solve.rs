@@ -113,7 +113,7 @@ fn without_arguments_it_plans_over_the_table() {
     for (key, value) in [
         ("scenario", "kinova_table_01"),
         ("robot", "kinova_gen3"),
-        ("method", "relax"),
+        ("method", "direct"),
     ] {
         assert_eq!(summary[key], value);
     }
@@ -184,8 +184,8 @@ fn options_override_the_scenario_and_show_in_the_summary() {
 }
 
 #[test]
-fn options_of_the_relaxation_show_in_the_summary() {
-    let folder = empty_folder("relax_options");
+fn options_of_the_direct_method_show_in_the_summary() {
+    let folder = empty_folder("direct_options");
     let arguments = "solve pendulum_1_swingup --degree 10 --tolerance 1e-7 --starts 3 --json";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
@@ -202,7 +202,7 @@ fn options_of_the_relaxation_show_in_the_summary() {
 
 #[test]
 fn segments_and_an_adaptive_degree_show_in_the_summary() {
-    let folder = empty_folder("relax_pieces");
+    let folder = empty_folder("direct_pieces");
     let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);

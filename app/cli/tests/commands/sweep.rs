@@ -16,9 +16,9 @@ k = [1e4, 1e5, 1e7]
 s_max = [1e-2, 1e-1, 1, 10, 50]
 "#;
 
-/// 60 sets of the relaxation, as fast.
-const RELAX: &str = r#"
-method = "relax"
+/// 60 sets of the direct method, as fast.
+const DIRECT: &str = r#"
+method = "direct"
 scenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]
 time_limit_s = 600
 degree = [5, 6, 7]
@@ -70,8 +70,8 @@ fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
 }
 
 #[test]
-fn so_does_one_of_the_relaxation() {
-    let whole = killed("relax", RELAX);
+fn so_does_one_of_the_direct_solve() {
+    let whole = killed("direct", DIRECT);
     let good = whole.iter().filter(|line| line.contains(",success,"));
     assert_eq!(good.count(), 60);
 }
@@ -384,7 +384,7 @@ fn shards_are_joined_to_the_whole() {
 
 #[test]
 fn a_set_that_runs_out_of_time_is_a_row() {
-    for (test, grid, columns) in [("time", GRID, [3, 9]), ("relax_time", RELAX, [3, 13])] {
+    for (test, grid, columns) in [("time", GRID, [3, 9]), ("direct_time", DIRECT, [3, 13])] {
         let folder = folder_with(test, &grid.replace("600", "1e-9"));
         let rows = timeless(&sweep(&folder, &[], "results.csv"));
         assert_eq!(rows.len(), 61);

@@ -78,7 +78,7 @@ fn the_page_is_served_to_this_machine_and_nothing_else_is() {
 #[test]
 fn two_motions_are_on_one_page() {
     let folder = empty_folder("report_compared");
-    for (out, method) in [("relaxed", "relax"), ("flowed", "flow")] {
+    for (out, method) in [("direct", "direct"), ("flowed", "flow")] {
         let run = aghf(
             &folder,
             &[
@@ -95,7 +95,7 @@ fn two_motions_are_on_one_page() {
     }
     let compare = [
         "compare",
-        "relaxed",
+        "direct",
         "flowed/summary.json",
         "-o",
         "both.html",
@@ -103,14 +103,14 @@ fn two_motions_are_on_one_page() {
     let run = aghf(&folder, &compare);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let page = std::fs::read_to_string(folder.join("both.html")).expect("it is there");
-    for words in ["\"relax\"", "\"flow\"", "aghf solve flowed/summary.json"] {
+    for words in ["\"direct\"", "\"flow\"", "aghf solve flowed/summary.json"] {
         assert!(page.contains(words), "{words}");
     }
     assert_bad_input(&folder, &compare, "both.html; it exists already");
     std::fs::create_dir(folder.join("empty")).expect("writable");
     assert_bad_input(
         &folder,
-        &["compare", "relaxed", "empty", "-o", "other.html"],
+        &["compare", "direct", "empty", "-o", "other.html"],
         "empty: summary; summary.json",
     );
 }

@@ -11,7 +11,7 @@ use aghf::urdf::{
 use aghf_cli::output::{evaluate, robot_table};
 use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
-use aghf_scenario::{MoveIt, MoveItHorizon, RelaxOptions, Scenario, ScenarioFile, Solve, Solved};
+use aghf_scenario::{DirectOptions, MoveIt, MoveItHorizon, Scenario, ScenarioFile, Solve, Solved};
 use nalgebra::{DMatrix, Vector3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -118,10 +118,10 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
         && rows <= 100
         && bytes.len().is_multiple_of(8)
     {
-        let options = RelaxOptions {
+        let options = DirectOptions {
             degree: Some(6),
             time_limit_s: Some(0.0),
-            ..RelaxOptions::default()
+            ..DirectOptions::default()
         };
         // A search that fails is an answer as well.
         let _ = Solve::new(&scenario).options(options.clone()).run();

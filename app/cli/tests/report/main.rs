@@ -12,7 +12,7 @@ mod output {
 }
 
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{RelaxOptions, Scenario, Solve, SolveReport};
+use aghf_scenario::{DirectOptions, Scenario, Solve, SolveReport};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
@@ -20,9 +20,9 @@ use std::path::{Path, PathBuf};
 
 /// The solve of a scenario from some starts.
 fn solved(scenario: &Scenario, starts: usize) -> SolveReport {
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(starts),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     Solve::new(scenario)
         .options(options.clone())

@@ -13,9 +13,9 @@ k = [1e3, 1e5, 1e7]
 s_max = [1, 10]
 "#;
 
-/// A list of everything that can be swept of the relaxation.
+/// A list of everything that can be swept of the direct method.
 pub const FULL: &str = r#"
-method = "relax"
+method = "direct"
 scenarios = ["kinova_obstacles_01"]
 time_limit_s = 600
 degree = [9, 16]

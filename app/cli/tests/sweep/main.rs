@@ -1,6 +1,6 @@
 //! Sweeps: their files, their runs and their tables.
 
+mod direct;
 mod files;
 mod refused;
-mod relax;
 mod run;

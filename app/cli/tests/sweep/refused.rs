@@ -118,7 +118,7 @@ fn bad_sweep_files_are_refused_by_name_and_key() {
 }
 
 #[test]
-fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
+fn bad_sweeps_of_the_direct_method_are_refused_by_name_and_key() {
     // So many numbers of starts that the grid is too large.
     let many: Vec<_> = (1..=10_000).map(|n: usize| n.to_string()).collect();
     let many = format!("starts = [{}]", many.join(", "));
@@ -127,7 +127,7 @@ fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
         (
             "600",
             "600\nk = [1]",
-            "k: it is no key of a sweep (; no option of the method 'relax' (degree, segments,",
+            "k: it is no key of a sweep (; no option of the method 'direct' (degree, segments,",
         ),
         ("600", "600\np = [9]", "p: it is no key of a sweep"),
         ("600", "600\nwaves = [9]", "waves: it is no key of a sweep"),
@@ -231,7 +231,7 @@ fn bad_sweeps_of_the_relaxation_are_refused_by_name_and_key() {
             "sweep: the grid has more than 1000000 sets",
         ),
     ] {
-        problems.extend(problem("bad_relax", FULL, from, to, words));
+        problems.extend(problem("bad_direct", FULL, from, to, words));
     }
     assert!(problems.is_empty(), "{problems:#?}");
 }

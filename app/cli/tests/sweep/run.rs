@@ -6,7 +6,7 @@ use aghf_cli::sweep::{
     Ranked, Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_table, write_ranking,
     write_rows,
 };
-use aghf_scenario::{Method, RelaxOptions};
+use aghf_scenario::{DirectOptions, Method};
 use serde_json::{Value, json};
 
 /// A row with a value in every column but one.
@@ -30,8 +30,8 @@ fn a_json_file_has_what_a_csv_has() {
             .replace("pendulum_2_swingup", "kinova_obstacles_01")
             .replace(", \"pendulum_3_swingup\"", ""),
     );
-    let relax = load("json", FULL);
-    for (grid, columns) in [(flow, 19), (relax, 30)] {
+    let direct = load("json", FULL);
+    for (grid, columns) in [(flow, 19), (direct, 30)] {
         let grid = grid.expect("good");
         let full = full(&grid, 1);
         let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];
@@ -165,7 +165,7 @@ fn the_ranking_is_by_success_then_time() {
 }
 
 #[test]
-fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
+fn the_tables_of_the_paper_and_some_of_the_direct_method_are_built_in() {
     let tables = [
         ("table_09_pendulums", 5, 7 * 8 * 10),
         ("table_10_kinova", 5, 7 * 7 * 17),
@@ -174,8 +174,8 @@ fn the_tables_of_the_paper_and_some_of_the_relaxation_are_built_in() {
         ("table_13_digit_obstacles", 2, 7 * 6 * 9 * 6 * 3),
         ("table_09_quick", 5, 12),
         ("table_10_quick", 5, 12),
-        ("relax_quick", 5, 6),
-        ("relax_limits_quick", 9, 6),
+        ("direct_quick", 5, 6),
+        ("direct_limits_quick", 9, 6),
     ];
     assert!(builtin_sweeps().eq(tables.iter().map(|t| t.0)));
     for (name, scenarios, sets) in tables {
@@ -196,7 +196,7 @@ fn the_identity_and_the_columns_have_the_names_of_the_parameters() {
     assert!(grid.keys().eq(["degree", "k", "s_max"]));
     let named = GRID.replace("600", "600\nname = \"other\"");
     assert_eq!(identity(&named), of_flow);
-    assert_eq!(identity(FULL)["method"], "relax");
+    assert_eq!(identity(FULL)["method"], "direct");
     let grid = load("identity", GRID).expect("good");
     let row = Row::failed(&grid, &grid.sets[0], "", 0.0);
     let text = String::from_utf8(csv_of([&row], true).expect("it is flat")).expect("text");
@@ -218,14 +218,14 @@ fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
     assert!(gains.eq([10.0, 20.0, 10.0, 20.0]));
     let horizons = text
         .replace("feedback.kp = [10, 20]", "horizon_s = [2, 2.5]")
-        .replace("duals", "relax");
+        .replace("duals", "direct");
     let sweep = load("horizons", &horizons.replace("k = [1e4, 1e6]\n", "")).expect("good");
     let row = Row::failed(&sweep, &sweep.sets[1], "", 0.0);
     assert_eq!(row.parameters["horizon_s"], 2.5);
     assert!(!row.results.contains_key("horizon_s"));
 }
 
-/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the relaxation as
+/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the direct method as
 /// it is.
 #[test]
 fn a_folder_is_swept_and_stands_for_its_scenarios() {
@@ -249,16 +249,16 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     assert_eq!(names(&sweep), expected);
     assert_eq!(
         (sweep.name.as_str(), sweep.method()),
-        ("problems", Method::Relax)
+        ("problems", Method::Direct)
     );
     assert_eq!(sweep.sets.len(), 2);
-    let usual = RelaxOptions {
+    let usual = DirectOptions {
         threads: Some(1),
         ..Default::default()
     };
     assert_eq!(sweep.options(&sweep.sets[0]).expect("good"), usual.into());
 
-    let grid = "method = \"relax\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\n\
+    let grid = "method = \"direct\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\n\
         planned_starts = [\"later\", \"first\"]";
     let sweep = load("of_a_folder", grid).expect("good");
     assert_eq!(names(&sweep), expected);

@@ -22,7 +22,7 @@ const PARTS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.08, 0.0];
 const STRIDE: usize = 24;
 
 /// A rest-to-rest motion $q(t) = q_0 + (q_1 - q_0) s(t / T) + b\\, h(t / T)$, a polynomial of degree 5 per joint, so
-/// that the relaxation can represent it.
+/// that the direct method can represent it.
 pub(super) struct Witness<'a> {
     pub model: &'a Model,
     /// Its start and its end.

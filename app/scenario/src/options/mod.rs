@@ -1,19 +1,19 @@
 //! The options of a solve, by method: each is declared once, as a field of a struct, from which its key in JSON, its
 //! flag, its entry in the schema and its list in a sweep follow.
 
+mod direct;
 mod flow;
-mod relax;
 mod rest;
 
+pub use direct::DirectOptions;
 pub use flow::FlowOptions;
-pub use relax::RelaxOptions;
 pub use rest::RestOptions;
 
 use super::Scenario;
 use super::json::read_keys;
+use aghf::direct::DirectSettings;
 use aghf::error::{Error, Result, plain};
 use aghf::names::Named;
-use aghf::relax::RelaxSettings;
 use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,7 +24,7 @@ aghf::names::named_enum! {
 /// A method for solving a scenario. All flows minimise the action of a Lagrangian.
 pub enum Method("method") {
     /// Direct minimisation of the control effort by Newton's method, to the limit of the flow.
-    Relax = "relax",
+    Direct = "direct",
     /// The Affine Geometric Heat Flow as published (Algorithm B3): collocated, constraints as penalties.
     Flow = "flow",
     /// Flow to rest by an implicit scheme with growing steps, with the slip and the violations that penalties leave.
@@ -42,11 +42,11 @@ impl Method {
 }
 
 /// The method of a solve and its options, which override the parameters of the scenario and the defaults of the
-/// method. In JSON an object with the options and the key `method`, by default `relax`.
+/// method. In JSON an object with the options and the key `method`, by default `direct`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SolveOptions {
-    /// Options of [`Method::Relax`].
-    Relax(RelaxOptions),
+    /// Options of [`Method::Direct`].
+    Direct(DirectOptions),
     /// Options of [`Method::Flow`].
     Flow(FlowOptions),
     /// Options of [`Method::Rest`].
@@ -59,13 +59,13 @@ pub enum SolveOptions {
 
 impl Default for SolveOptions {
     fn default() -> Self {
-        Self::Relax(RelaxOptions::default())
+        Self::Direct(DirectOptions::default())
     }
 }
 
-impl From<RelaxOptions> for SolveOptions {
-    fn from(options: RelaxOptions) -> Self {
-        Self::Relax(options)
+impl From<DirectOptions> for SolveOptions {
+    fn from(options: DirectOptions) -> Self {
+        Self::Direct(options)
     }
 }
 
@@ -85,7 +85,7 @@ impl SolveOptions {
     /// A key is unknown to the method, or its value has another type.
     pub fn from_keys(method: Method, keys: Map<String, Value>) -> Result<Self> {
         Ok(match method {
-            Method::Relax => Self::Relax(read_keys(keys, "options")?),
+            Method::Direct => Self::Direct(read_keys(keys, "options")?),
             Method::Flow => Self::Flow(read_keys(keys, "options")?),
             Method::Rest => Self::Rest(read_keys(keys, "options")?),
             Method::Duals => Self::Duals(read_keys(keys, "options")?),
@@ -99,7 +99,7 @@ impl SolveOptions {
     /// None for options that were read or checked.
     pub fn keys(&self) -> Result<Map<String, Value>> {
         let value = match self {
-            Self::Relax(options) => serde_json::to_value(options),
+            Self::Direct(options) => serde_json::to_value(options),
             Self::Flow(options) => serde_json::to_value(options),
             Self::Rest(options) | Self::Duals(options) | Self::TwoPhases(options) => {
                 serde_json::to_value(options)
@@ -116,7 +116,7 @@ impl SolveOptions {
     #[must_use]
     pub fn method(&self) -> Method {
         match self {
-            Self::Relax(_) => Method::Relax,
+            Self::Direct(_) => Method::Direct,
             Self::Flow(_) => Method::Flow,
             Self::Rest(_) => Method::Rest,
             Self::Duals(_) => Method::Duals,
@@ -131,7 +131,7 @@ impl SolveOptions {
     /// Those of [`check`](Self::check).
     pub fn in_full(&self, scenario: &Scenario) -> Result<Self> {
         Ok(match self {
-            Self::Relax(options) => Self::Relax(options.in_full(scenario)?),
+            Self::Direct(options) => Self::Direct(options.in_full(scenario)?),
             Self::Flow(options) => Self::Flow(options.in_full(scenario)?),
             Self::Rest(options) => Self::Rest(options.in_full(scenario, Method::Rest)?),
             Self::Duals(options) => Self::Duals(options.in_full(scenario, Method::Duals)?),
@@ -148,7 +148,7 @@ impl SolveOptions {
     pub fn check(&self, scenario: &Scenario) -> Result<()> {
         let problem = scenario.problem()?;
         match self {
-            Self::Relax(options) => options.settings(scenario)?.check(&problem),
+            Self::Direct(options) => options.settings(scenario)?.check(&problem),
             Self::Flow(options) => options.check(scenario),
             Self::Rest(options) | Self::Duals(options) | Self::TwoPhases(options) => {
                 options.lagrangian(scenario)?;
@@ -161,7 +161,7 @@ impl SolveOptions {
     #[must_use]
     pub fn schema_of(method: Method) -> Value {
         let schema = match method {
-            Method::Relax => schemars::schema_for!(RelaxOptions),
+            Method::Direct => schemars::schema_for!(DirectOptions),
             Method::Flow => schemars::schema_for!(FlowOptions),
             Method::Rest | Method::Duals | Method::TwoPhases => schemars::schema_for!(RestOptions),
         };
@@ -233,5 +233,5 @@ const PASSIVE_ITERATIONS: usize = 150;
 /// The default number of starts for a robot with `dof` joints: at least 4, and otherwise as many as take about the time
 /// of 32 for an arm of 7.
 fn starts_of(dof: usize) -> usize {
-    (224 / dof.max(1)).clamp(4, RelaxSettings::default().starts)
+    (224 / dof.max(1)).clamp(4, DirectSettings::default().starts)
 }

@@ -2,10 +2,10 @@
 
 use super::{Method, PASSIVE_BASIS, PASSIVE_STARTS, time_limit};
 use crate::Scenario;
+use aghf::direct::DirectSettings;
 use aghf::error::{Result, check_positive};
 use aghf::flow::rest::RestSettings;
 use aghf::flow::weak::AnalyticLagrangian;
-use aghf::relax::RelaxSettings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +44,7 @@ impl RestOptions {
         let tolerance = if scenario.is_free() {
             default.tolerance
         } else {
-            RelaxSettings::constrained().tolerance
+            DirectSettings::constrained().tolerance
         };
         Ok(RestSettings {
             degree: self.degree.unwrap_or(basis.0),

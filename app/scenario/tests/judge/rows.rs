@@ -3,15 +3,15 @@
 use crate::robot::{failed, verdict};
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Trajectory, sufficient_samples};
-use aghf_scenario::{RelaxOptions, Scenario, Solve};
+use aghf_scenario::{DirectOptions, Scenario, Solve};
 
 /// The motion is swift at its end: its velocities are no cubics between 201 samples.
 #[test]
 fn a_swift_motion_has_more_samples() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     let report = Solve::new(&scenario).options(options).run();
     let report = report.expect("it is good");
@@ -30,9 +30,9 @@ fn a_swift_motion_has_more_samples() {
 #[test]
 fn a_motion_that_is_not_valid_has_the_fewest() {
     let mut scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     let report = Solve::new(&scenario).options(options).run();
     let report = report.expect("it is good");

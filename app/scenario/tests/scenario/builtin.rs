@@ -29,8 +29,8 @@ fn the_defaults_come_near_the_best_known_cost() {
     for name in names {
         let scenario = Scenario::load(name).expect("built in");
         let report = Solve::new(&scenario).run().expect("valid");
-        let Details::Relax(details) = &report.summary.details else {
-            panic!("it is a relaxation");
+        let Details::Direct(details) = &report.summary.details else {
+            panic!("it is a direct solve");
         };
         assert!(report.summary.success, "{name}");
         let cost = details.minima[0].cost;

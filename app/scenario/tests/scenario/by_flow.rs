@@ -1,7 +1,7 @@
 //! The flows to rest by their names: what each makes of scenarios, and the options that it knows.
 
 use aghf_scenario::{
-    Details, Method, RelaxOptions, RestDetails, RestOptions, Scenario, Solve, SolveOptions,
+    Details, DirectOptions, Method, RestDetails, RestOptions, Scenario, Solve, SolveOptions,
     SolveReport,
 };
 use serde_json::{Map, Value, json};
@@ -32,14 +32,14 @@ fn details(report: &SolveReport) -> &RestDetails {
 }
 
 #[test]
-fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_relaxation_from_the_same_guess()
-{
-    let relaxation = SolveOptions::Relax(RelaxOptions {
+fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_direct_method_from_the_same_guess()
+ {
+    let direct = SolveOptions::Direct(DirectOptions {
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     });
     let name = "pendulum_3_swingup";
-    let relaxed = solved(name, &relaxation).summary.control_effort;
+    let direct = solved(name, &direct).summary.control_effort;
     for method in [SolveOptions::Rest as Rest, SolveOptions::Duals] {
         let stiff = method(RestOptions {
             k: Some(1e8),
@@ -48,7 +48,7 @@ fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_relaxation_fr
         let report = solved(name, &stiff);
         assert!(report.summary.success, "{:?}", report.summary.failure);
         let effort = report.summary.control_effort;
-        assert!((effort / relaxed - 1.0).abs() < 1e-6, "{effort} {relaxed}");
+        assert!((effort / direct - 1.0).abs() < 1e-6, "{effort} {direct}");
     }
 }
 
@@ -90,13 +90,13 @@ fn what_a_penalty_alone_leaves_of_the_slip_goes_with_duals() {
 fn robots_without_a_motor_at_each_joint_swing_up() {
     let ipopt: Value = serde_json::from_str(IPOPT).expect("it is JSON");
     let duals = usual(SolveOptions::Duals);
-    let relaxation = SolveOptions::default();
+    let direct = SolveOptions::default();
     for (name, options) in [
         ("cart_pole_swingup", &duals),
         ("acrobot_swingup", &duals),
         ("pendubot_swingup", &duals),
-        ("cart_pole_swingup", &relaxation),
-        ("pendubot_swingup", &relaxation),
+        ("cart_pole_swingup", &direct),
+        ("pendubot_swingup", &direct),
     ] {
         let report = solved(name, options);
         let summary = &report.summary;
@@ -124,8 +124,8 @@ fn a_flow_to_rest_knows_no_options_of_the_published_flow_and_repeats_itself() {
     let keys = |key: &str, value: Value| Map::from_iter([(key.to_owned(), value)]);
     for (method, key, value) in [
         (Method::Duals, "s_max", json!(1.0)),
-        (Method::Relax, "k", json!(1.0)),
-        (Method::Relax, "variant", json!("duals")),
+        (Method::Direct, "k", json!(1.0)),
+        (Method::Direct, "variant", json!("duals")),
     ] {
         let refused = SolveOptions::from_keys(method, keys(key, value)).expect_err("foreign");
         let words = format!("options: {key}: unknown field `{key}`, expected one of `degree`");

@@ -4,7 +4,7 @@ use crate::written::{load, with};
 use aghf::constraint::{AnyConstraint, CollisionSphere};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
-use aghf_scenario::{Limit, RelaxOptions, Scenario, Solve};
+use aghf_scenario::{DirectOptions, Limit, Scenario, Solve};
 use serde_json::{Value, json};
 
 /// Kinova with two joints locked; the values are those of the five others.
@@ -28,7 +28,7 @@ fn the_joints_that_are_left_are_those_of_the_scenario() {
     assert_eq!(upper, 2.58, "that of joint 4");
     let written = serde_json::to_value(&scenario.file).expect("numbers");
     assert_eq!(written["locked_joints"], five()["locked_joints"]);
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(1),
         ..Default::default()
     };

@@ -1,7 +1,7 @@
-//! The keys of a scenario that say what the relaxation is to find: read and solved.
+//! The keys of a scenario that say what the direct method is to find: read and solved.
 
 use crate::written::load;
-use aghf_scenario::{Details, FlowOptions, RelaxDetails, RelaxOptions, Solve, SolveReport};
+use aghf_scenario::{Details, DirectDetails, DirectOptions, FlowOptions, Solve, SolveReport};
 use serde_json::{Value, json};
 
 /// A scenario without what may be left out.
@@ -21,9 +21,9 @@ fn with(keys: Value) -> Value {
     scenario
 }
 
-fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
+fn solved(name: &str, keys: Value) -> (SolveReport, DirectDetails) {
     let scenario = load(name, &with(keys)).expect("it is good");
-    let options = RelaxOptions {
+    let options = DirectOptions {
         degree: Some(9),
         // So many that what is compared are the best minima of each scenario.
         starts: Some(24),
@@ -33,8 +33,8 @@ fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
         .options(options.clone())
         .run()
         .expect("it is good");
-    let Details::Relax(details) = outcome.summary.details.clone() else {
-        panic!("it is a relaxation");
+    let Details::Direct(details) = outcome.summary.details.clone() else {
+        panic!("it is a direct solve");
     };
     assert!(outcome.summary.success, "{:?}", outcome.summary);
     (outcome, details)
@@ -43,7 +43,7 @@ fn solved(name: &str, keys: Value) -> (SolveReport, RelaxDetails) {
 #[test]
 fn the_horizon_is_that_of_all_pieces() {
     let scenario = load("pieces", &plain()).expect("it is good");
-    let options = RelaxOptions {
+    let options = DirectOptions {
         degree: Some(6),
         segments: Some(2),
         starts: Some(1),
@@ -53,8 +53,8 @@ fn the_horizon_is_that_of_all_pieces() {
         .options(options.clone())
         .run()
         .expect("it is good");
-    let Details::Relax(details) = outcome.summary.details else {
-        panic!("it is a relaxation");
+    let Details::Direct(details) = outcome.summary.details else {
+        panic!("it is a direct solve");
     };
     assert_eq!(details.horizon_s, 1.5);
 }
@@ -123,11 +123,8 @@ fn the_flow_minimises_the_effort_alone_with_a_note() {
     assert_eq!(alone.summary.notes, [""; 0]);
     let note = "running_cost: the published flow minimises the control effort alone";
     assert_eq!(weighted.summary.notes, [note]);
-    let (relaxed, _) = solved(
-        "relaxed",
-        json!({ "running_cost": { "acceleration": 1.0 } }),
-    );
-    assert_eq!(relaxed.summary.notes, [""; 0], "the relaxation knows it");
+    let (relaxed, _) = solved("direct", json!({ "running_cost": { "acceleration": 1.0 } }));
+    assert_eq!(direct.summary.notes, [""; 0], "the direct method knows it");
 }
 
 /// The summary tells what was minimised and what was found.

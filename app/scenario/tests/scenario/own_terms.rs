@@ -2,10 +2,10 @@
 
 use aghf::Result;
 use aghf::constraint::{Constraint, PlacedState, WeightedDerivatives, Weights};
-use aghf::relax::WeightedSquares;
+use aghf::cost::WeightedSquares;
 use aghf::scalar::AlgebraOver;
 use aghf::verify::duals::{CheckOptions, check_constraint};
-use aghf_scenario::{FlowOptions, RelaxOptions, Scenario, Solve, SolveReport};
+use aghf_scenario::{DirectOptions, FlowOptions, Scenario, Solve, SolveReport};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ fn swing() -> Scenario {
 }
 
 fn solved(scenario: &Scenario) -> SolveReport {
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     Solve::new(scenario)
         .options(options.clone())
@@ -128,7 +128,7 @@ fn a_running_cost_of_ones_own_takes_the_place_of_the_scenarios() {
     let refused = Solve::new(&own)
         .options(by_flow.clone())
         .run()
-        .expect_err("only the relaxation can");
+        .expect_err("only the direct method can");
     assert!(
         refused.to_string().contains("running cost of one's own"),
         "{refused}"

@@ -7,7 +7,7 @@ use aghf::model::Model;
 use aghf::motion::{Feedback, control_at, replay_error, simulate};
 use aghf::urdf::builtin_robot;
 use aghf_scenario::{
-    Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, RelaxOptions, Solve, SolveReport,
+    DirectOptions, Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, Solve, SolveReport,
 };
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
@@ -30,10 +30,10 @@ fn upright(keys: Value) -> Value {
 
 fn solved(name: &str, scenario: &Value) -> SolveReport {
     let scenario = load(name, scenario).expect("it is good");
-    let options = RelaxOptions {
+    let options = DirectOptions {
         degree: Some(8),
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     Solve::new(&scenario)
         .options(options.clone())
@@ -62,7 +62,7 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
     // More starts than of a robot with all motors, with limits or without; no key without passive joints.
     let starts = |keys| {
         let scenario = load("starts", &keys).expect("it is good");
-        let settings = RelaxOptions::default().settings(&scenario);
+        let settings = DirectOptions::default().settings(&scenario);
         settings.expect("it is good").starts
     };
     let unlimited = json!({ "enforced_limits": free });
@@ -281,7 +281,7 @@ fn a_passive_torque_is_judged_by_its_share_of_the_largest() {
     assert!(found.holds(0.01));
 }
 
-/// The simulation decides where a joint is passive, and nowhere else after a relaxation.
+/// The simulation decides where a joint is passive, and nowhere else after a direct solve.
 #[test]
 fn a_motion_that_passive_joints_do_not_follow_is_no_success() {
     let still = solved("still", &hanging(json!({ "q_goal": [0.0, 0.0] }))).summary;

@@ -1,11 +1,11 @@
 //! Scenarios that are built in load, and a solve tells the truth about itself.
 
+use aghf::direct::PlannedStarts;
 use aghf::flow::FlowRecord;
-use aghf::relax::PlannedStarts;
 use aghf::urdf::builtin_robots;
 use aghf_scenario::{
-    Details, FlowDetails, FlowOptions, Method, Record, RelaxOptions, Scenario, Solve, SolveOptions,
-    SolveReport, Verdict, builtin_scenarios,
+    Details, DirectOptions, FlowDetails, FlowOptions, Method, Record, Scenario, Solve,
+    SolveOptions, SolveReport, Verdict, builtin_scenarios,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -100,16 +100,16 @@ fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
     };
     let records = outcome.history.iter().map(|record| match record {
         Record::Flow(record) => *record,
-        Record::Rest(_) | Record::Relax(_) => panic!("it is the published flow"),
+        Record::Rest(_) | Record::Direct(_) => panic!("it is the published flow"),
     });
     (details, records.collect())
 }
 
 #[test]
-fn the_summary_of_a_relaxation_is_consistent() {
+fn the_summary_of_a_direct_solve_is_consistent() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let mut seen = Vec::new();
-    let options = RelaxOptions {
+    let options = DirectOptions {
         degree: Some(9),
         starts: Some(1),
         ..Default::default()
@@ -121,12 +121,12 @@ fn the_summary_of_a_relaxation_is_consistent() {
         .expect("it is good");
     let s = &outcome.summary;
     assert!(s.success && s.failure.is_none(), "{s:?}");
-    assert_eq!((s.method, s.degree), (Method::Relax, 9));
+    assert_eq!((s.method, s.degree), (Method::Direct, 9));
     assert!(s.final_error_inf.expect("it ended") < s.success_threshold);
     // Velocity and configuration are one polynomial: nothing but rounding is between them.
     assert!(s.dynamics_defect < 1e-10, "{s:?}");
-    let Details::Relax(d) = &s.details else {
-        panic!("it is a relaxation: {s:?}");
+    let Details::Direct(d) = &s.details else {
+        panic!("it is a direct solve: {s:?}");
     };
     assert!(
         d.gradient_norm <= d.tolerance && d.smallest_curvature > 0.0,
@@ -135,7 +135,7 @@ fn the_summary_of_a_relaxation_is_consistent() {
     assert_eq!((seen.len(), d.start_costs.len()), (d.iterations, 1));
     assert_eq!(seen, outcome.history);
     // The quadrature agrees with Simpson's rule to what is asked of it.
-    let Some(Record::Relax(last)) = seen.last() else {
+    let Some(Record::Direct(last)) = seen.last() else {
         panic!("there are iterations");
     };
     assert!((last.cost - s.control_effort).abs() <= 2e-3 * s.control_effort);
@@ -144,10 +144,10 @@ fn the_summary_of_a_relaxation_is_consistent() {
 #[test]
 fn options_of_the_other_method_are_errors() {
     for (method, key, value) in [
-        (Method::Relax, "k", json!(1.0)),
-        (Method::Relax, "s_max", json!(1.0)),
-        (Method::Relax, "guess", json!("line_state")),
-        (Method::Relax, "jacobian", json!("dual")),
+        (Method::Direct, "k", json!(1.0)),
+        (Method::Direct, "s_max", json!(1.0)),
+        (Method::Direct, "guess", json!("line_state")),
+        (Method::Direct, "jacobian", json!("dual")),
         (Method::Flow, "starts", json!(2)),
     ] {
         let options = json!({ "method": method, key: value });
@@ -357,7 +357,7 @@ fn a_motion_that_keeps_its_constraints_is_valid() {
     std::fs::write(&path, scenario.to_string()).expect("the folder is writable");
     let scenario = Scenario::load(path.to_str().expect("it is text")).expect("it is good");
     let found = |planned, tolerance| {
-        let options = RelaxOptions {
+        let options = DirectOptions {
             planned_starts: Some(planned),
             starts: Some(1),
             tolerance: Some(tolerance),

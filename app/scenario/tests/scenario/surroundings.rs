@@ -6,7 +6,7 @@ use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Shape, Sphere};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{RelaxOptions, Scenario, Solve, cover_links};
+use aghf_scenario::{DirectOptions, Scenario, Solve, cover_links};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -270,9 +270,9 @@ fn an_obstacle_far_away_gets_a_remark() {
             "obstacles": [{ "shape": { "sphere": { "radius_m": 1.0 } }, "pose": { "position_m": [x, 0.0, 0.0] } }]
         });
         let scenario = load("far", &scenario).expect("it is good");
-        let options = RelaxOptions {
+        let options = DirectOptions {
             starts: Some(1),
-            ..RelaxOptions::default()
+            ..DirectOptions::default()
         };
         let report = Solve::new(&scenario).options(options).run();
         let notes = report.expect("it is good").summary.notes;

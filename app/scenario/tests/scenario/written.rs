@@ -1,6 +1,6 @@
 //! Scenario files written by a test.
 
-use aghf_scenario::{RelaxOptions, Scenario, Solve, SolveReport};
+use aghf_scenario::{DirectOptions, Scenario, Solve, SolveReport};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -24,9 +24,9 @@ pub fn folder() -> PathBuf {
 
 /// A motion of a scenario from the straight line alone.
 pub fn solved_once(scenario: &Scenario) -> SolveReport {
-    let options = RelaxOptions {
+    let options = DirectOptions {
         starts: Some(1),
-        ..RelaxOptions::default()
+        ..DirectOptions::default()
     };
     let report = Solve::new(scenario).options(options).run();
     let report = report.expect("it is good");

@@ -1,0 +1,93 @@
+//! The options of the direct method.
+
+use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
+use crate::schema::one_of;
+use crate::{Continuous, Scenario};
+use aghf::direct::{DirectSettings, PlannedStarts};
+use aghf::error::Result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The options of the direct method.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DirectOptions {
+    /// Degree of the polynomial, or of each segment; by default 16, with passive joints 8.
+    pub degree: Option<usize>,
+    /// Number of polynomials on equal parts of the horizon; by default 1, with passive joints 8.
+    pub segments: Option<usize>,
+    /// Relative change of the effort between two degrees at which the degree stops growing, such as 0.01; by default
+    /// the degree does not grow.
+    pub degree_tolerance: Option<f64>,
+    /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
+    pub tolerance: Option<f64>,
+    /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, 40 with passive
+    /// joints. There are more while none ends within the constraints.
+    pub starts: Option<usize>,
+    /// Seed of the starts; by default 0.
+    pub seed: Option<u64>,
+    /// Starts that follow planned paths around obstacles; by default `later`.
+    #[schemars(schema_with = "one_of::<PlannedStarts>")]
+    pub planned_starts: Option<PlannedStarts>,
+    /// Number of threads for the starts, with the same result; by default all cores.
+    pub threads: Option<usize>,
+    /// Time limit, s, after which the search stops with the best motion so far. Until then further starts are tried.
+    pub time_limit_s: Option<f64>,
+}
+
+impl DirectOptions {
+    /// The settings of the direct method for `scenario`: these options, completed by its defaults.
+    ///
+    /// # Errors
+    /// The time limit is out of range.
+    pub fn settings(&self, scenario: &Scenario) -> Result<DirectSettings> {
+        let mut default = DirectSettings::constrained();
+        if !scenario.file.passive.is_empty() {
+            (default.degree, default.segments) = PASSIVE_BASIS;
+            default.starts = PASSIVE_STARTS;
+            default.iterations = PASSIVE_ITERATIONS;
+            default.start_amplitude = DirectSettings::default().start_amplitude;
+        } else if !scenario.limits_are_enforced() {
+            // Limits leave little to choose between; without them there are many minima.
+            default.starts = starts_of(scenario.model.dof());
+            default.start_amplitude = DirectSettings::default().start_amplitude;
+            default.lowest_degree = DirectSettings::default().lowest_degree;
+        }
+        Ok(DirectSettings {
+            degree: self.degree.unwrap_or(default.degree),
+            segments: self.segments.unwrap_or(default.segments),
+            degree_tolerance: self.degree_tolerance,
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            starts: self.starts.unwrap_or(default.starts),
+            seed: self.seed.unwrap_or(default.seed),
+            planned_starts: self.planned_starts.unwrap_or_default(),
+            time_limit: time_limit(self.time_limit_s)?,
+            threads: self.threads.unwrap_or_else(all_cores),
+            free_final_velocity: scenario.file.free_final_velocity,
+            continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
+            free_horizon: scenario.file.free_horizon.map(Into::into),
+            goal: scenario.goal.clone(),
+            ..default
+        })
+    }
+
+    /// The same options with all defaults filled in, without those that change no result.
+    pub(super) fn in_full(&self, scenario: &Scenario) -> Result<Self> {
+        let settings = self.settings(scenario)?;
+        Ok(Self {
+            degree: Some(settings.degree),
+            segments: Some(settings.segments),
+            tolerance: Some(settings.tolerance),
+            starts: Some(settings.starts),
+            seed: Some(settings.seed),
+            planned_starts: Some(settings.planned_starts),
+            ..self.clone()
+        })
+    }
+}
+
+/// The number of cores on which threads can run.
+fn all_cores() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    cores.min(DirectSettings::MOST_THREADS)
+}

@@ -1,0 +1,326 @@
+//! The control effort as a running cost.
+
+use super::{
+    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives, WeightedSquares,
+};
+use crate::dynamics::{
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
+};
+use crate::error::{Result, check_length};
+use crate::linalg::weighted_gram;
+use crate::model::Model;
+use crate::scalar::{AlgebraOver, LANES, Scalar, Wide};
+use nalgebra::{DMatrix, DVector};
+
+/// The control effort $l = |u|^2$ with $u = ID(q, v, a)$, by analytic derivatives:
+///
+/// $$ \frac{\partial l}{\partial z} = 2 J^T u, \qquad \frac{\partial^2 l}{\partial z^2} = 2 J^T J + \Phi(2 u), \qquad
+///    J = \left[ \frac{\partial ID}{\partial q}\ \frac{\partial ID}{\partial v}\ H \right], $$
+///
+/// where $\Phi(w)$ is the Hessian of $w^T ID$. The metric is $2 J^T J$. Four points at a time go through the dynamics
+/// side by side.
+#[derive(Clone, Debug)]
+pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
+    model: &'m Model<C>,
+    data: Data<Wide<S>>,
+    id: InverseDynamicsDerivatives<Wide<S>>,
+    second: RneaWeightedHessian<Wide<S>>,
+    /// $[q; v; a]$.
+    state: Vec<Wide<S>>,
+    /// Half the second derivatives in `u`, `v` and `a`.
+    squares_of: [DVector<Wide<S>>; 3],
+    /// True unless those in `v` and `a` are all zero.
+    with_motion: bool,
+    /// $\partial l / \partial u$, that is $w$ of the gradient.
+    slopes: DVector<Wide<S>>,
+    /// $w$ of $\Phi(w)$.
+    weights: DVector<Wide<S>>,
+    /// The second derivatives of another term in `u`.
+    stiffness: DVector<Wide<S>>,
+    /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
+    squares: DMatrix<Wide<S>>,
+    stiff: DMatrix<Wide<S>>,
+    /// The control at one point.
+    u: DVector<S>,
+    by_term: ControlDerivatives<S>,
+}
+
+impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
+    /// The control effort $|u|^2$ of `model`.
+    #[must_use]
+    pub fn new(model: &'m Model<C>) -> Self {
+        let n = model.dof();
+        let zeros = vec![Wide::splat(S::zero()); n];
+        let zero = DVector::from_vec(zeros.clone());
+        Self {
+            model,
+            squares_of: [zero.map(|_| Wide::splat(S::one())), zero.clone(), zero],
+            with_motion: false,
+            slopes: DVector::from_vec(zeros.clone()),
+            data: Data::new(model),
+            id: InverseDynamicsDerivatives::new(n),
+            second: RneaWeightedHessian::new(n),
+            state: vec![Wide::splat(S::zero()); 3 * n],
+            weights: DVector::from_vec(zeros.clone()),
+            stiffness: DVector::from_vec(zeros),
+            squares: DMatrix::zeros(3 * n, 3 * n),
+            stiff: DMatrix::zeros(3 * n, 3 * n),
+            u: DVector::zeros(n),
+            by_term: ControlDerivatives::new(n),
+        }
+    }
+
+    /// Weighted squares of `u`, `v` and `a` in place of $|u|^2$: with their doubled weights as diagonal matrices `W`,
+    ///
+    /// $$ \frac{\partial l}{\partial z} = J^T W_u u + W_{va} z, \qquad
+    ///    \frac{\partial^2 l}{\partial z^2} = J^T W_u J + W_{va} + \Phi(W_u u) . $$
+    ///
+    /// # Errors
+    /// The number of weights is not the number of joints.
+    pub fn weighted(model: &'m Model<C>, weights: &WeightedSquares) -> Result<Self> {
+        let mut effort = Self::new(model);
+        let all = [weights.torque(), weights.velocity(), weights.acceleration()];
+        for (to, from) in effort.squares_of.iter_mut().zip(all) {
+            check_length("weights", model.dof(), from.len())?;
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = Wide::from_f64(*from);
+            }
+        }
+        effort.with_motion = all[1..].iter().any(|w| w.iter().any(|w| *w != 0.0));
+        Ok(effort)
+    }
+
+    /// The cost of four points side by side.
+    fn cost_of(&self, tau: &DVector<Wide<S>>) -> Wide<S> {
+        let n = tau.len();
+        let [torque, velocity, acceleration] = &self.squares_of;
+        let mut cost = Wide::splat(S::zero());
+        for (w, u) in torque.iter().zip(tau) {
+            cost += *w * *u * *u;
+        }
+        if self.with_motion {
+            let moving = velocity.iter().chain(acceleration);
+            for (w, x) in moving.zip(&self.state[n..]) {
+                cost += *w * *x * *x;
+            }
+        }
+        cost
+    }
+
+    /// The derivatives of the effort plus another term in the control. The metrics and the costs are those of the
+    /// effort.
+    fn with_term(
+        &mut self,
+        points: Points<'_, S>,
+        out: &mut PointsDerivatives<S>,
+        term: &mut impl ControlTerm<S>,
+    ) -> Result<()> {
+        let n = self.model.dof();
+        let two = Wide::from_f64(2.0);
+        for start in (0..points.count()).step_by(LANES) {
+            let count = points.gather(start, &mut self.state);
+            self.stiffness.fill(Wide::splat(S::zero()));
+            let (u, by_term) = (&mut self.u, &mut self.by_term);
+            let (slopes, weights, stiffness) =
+                (&mut self.slopes, &mut self.weights, &mut self.stiffness);
+            let torque = &self.squares_of[0];
+            let mut stiff = false;
+            let weigh = |tau: &DVector<Wide<S>>, w: &mut [Wide<S>]| {
+                slopes.zip_zip_apply(torque, tau, |to, w, tau| *to = two * w * tau);
+                weights.copy_from(slopes);
+                for lane in 0..count {
+                    u.zip_apply(tau, |u, tau| *u = tau.0[lane]);
+                    by_term.clear();
+                    stiff |= term(points.first + start + lane, u.as_slice(), by_term);
+                    for i in 0..n {
+                        slopes[i].0[lane] += by_term.gradient[i];
+                        weights[i].0[lane] += by_term.curvature_weights[i];
+                        stiffness[i].0[lane] = by_term.hessian[i];
+                    }
+                }
+                w.copy_from_slice(weights.as_slice());
+            };
+            let z = split(&self.state);
+            let (id, second) = (&mut self.id, &mut self.second);
+            rnea_second_order(self.model, &mut self.data, z, weigh, id, second)?;
+            self.file(start, count, stiff, out);
+        }
+        Ok(())
+    }
+
+    /// Stores the contents of the lanes for `count` points from `start` on.
+    fn file(&mut self, start: usize, count: usize, stiff: bool, out: &mut PointsDerivatives<S>) {
+        let n = self.model.dof();
+        let two = Wide::from_f64(2.0);
+        let cost = self.cost_of(&self.id.tau);
+        out.costs[start..start + count].copy_from_slice(&cost.0[..count]);
+        let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
+        let RneaWeightedHessian { qq, qv, vv, qa } = &self.second;
+        let jacobian = [dq, dv, h];
+        for (x, block) in jacobian.into_iter().enumerate() {
+            for (i, column) in block.column_iter().enumerate() {
+                let mut slope = column.dot(&self.slopes);
+                if self.with_motion && x > 0 {
+                    slope += two * self.squares_of[x][i] * self.state[x * n + i];
+                }
+                for lane in 0..count {
+                    out.gradients[(i, 3 * (start + lane) + x)] = slope.0[lane];
+                }
+            }
+        }
+        let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
+        let doubled = &self.squares_of[0] * two;
+        weighted_gram(column, &doubled, &mut self.squares);
+        if self.with_motion {
+            for x in 1..3 {
+                for i in 0..n {
+                    self.squares[(x * n + i, x * n + i)] += two * self.squares_of[x][i];
+                }
+            }
+        }
+        if stiff {
+            weighted_gram(column, &self.stiffness, &mut self.stiff);
+        }
+        for (x, y, phi) in [
+            (0, 0, Some(qq)),
+            (0, 1, Some(qv)),
+            (0, 2, Some(qa)),
+            (1, 1, Some(vv)),
+            (1, 2, None),
+            (2, 2, None),
+        ] {
+            let squares = |i: usize, j: usize| {
+                let (row, column) = (x * n + i, y * n + j);
+                (row.max(column), row.min(column))
+            };
+            let metric = |i, j| self.squares[squares(i, j)];
+            let stiffness = |i, j| self.stiff[squares(i, j)];
+            let hessians = &mut out.hessians;
+            match (phi, stiff) {
+                (None, false) => hessians.put([x, y], start, metric),
+                (Some(phi), false) => {
+                    let entry = |i, j| metric(i, j) + phi[(i, j)];
+                    hessians.put([x, y], start, entry);
+                }
+                (phi, true) => {
+                    let zero = Wide::splat(S::zero());
+                    let entry = |i, j| {
+                        let phi = phi.map_or(zero, |phi| phi[(i, j)]);
+                        metric(i, j) + stiffness(i, j) + phi
+                    };
+                    hessians.put([x, y], start, entry);
+                }
+            }
+            if out.with_metrics {
+                out.metrics.put([x, y], start, metric);
+            }
+        }
+    }
+
+    /// The costs and, if requested, the controls at all points, `N` by `M`.
+    fn values_and_controls(
+        &mut self,
+        points: Points<'_, S>,
+        costs: &mut [S],
+        mut controls: Option<&mut DMatrix<S>>,
+    ) -> Result<()> {
+        let mut tau = std::mem::replace(&mut self.slopes, DVector::zeros(0));
+        for start in (0..points.count()).step_by(LANES) {
+            let count = points.gather(start, &mut self.state);
+            let [q, v, a] = split(&self.state);
+            rnea(self.model, &mut self.data, q, v, a, tau.as_mut_slice())?;
+            let cost = self.cost_of(&tau);
+            costs[start..start + count].copy_from_slice(&cost.0[..count]);
+            if let Some(controls) = &mut controls {
+                for lane in 0..count {
+                    let mut u = controls.column_mut(start + lane);
+                    u.zip_apply(&tau, |u, tau| *u = tau.0[lane]);
+                }
+            }
+        }
+        self.slopes = tau;
+        Ok(())
+    }
+}
+
+/// $q, v, a$ of $[q; v; a]$.
+fn split<T>(z: &[T]) -> [&[T]; 3] {
+    let n = z.len() / 3;
+    [&z[..n], &z[n..2 * n], &z[2 * n..]]
+}
+
+impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
+    fn value(&mut self, point: Point<'_, S>) -> Result<S> {
+        let (states, mut cost) = (point.states(), [S::zero()]);
+        self.values(point.points(&states), &mut cost)?;
+        Ok(cost[0])
+    }
+
+    fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
+        alone(point, out, |points, all| self.all_derivatives(points, all))
+    }
+
+    fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
+        self.values_and_controls(points, costs, None)
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, S>,
+        out: &mut PointsDerivatives<S>,
+    ) -> Result<()> {
+        self.with_term(points, out, &mut |_, _, _| false)
+    }
+}
+
+impl CostWithControl for ControlEffort<'_, f64, f64> {
+    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
+        let (states, mut cost) = (point.states(), [0.0]);
+        let mut controls = DMatrix::zeros(u.len(), 1);
+        self.values_with_control(point.points(&states), &mut cost, &mut controls)?;
+        u.copy_from_slice(controls.as_slice());
+        Ok(cost[0])
+    }
+
+    fn derivatives_with(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<f64> {
+        alone(point, out, |points, all| self.with_term(points, all, term))
+    }
+
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        self.values_and_controls(points, costs, Some(controls))
+    }
+
+    fn all_derivatives_with(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+        term: &mut impl ControlTerm<f64>,
+    ) -> Result<()> {
+        self.with_term(points, out, term)
+    }
+}
+
+/// The derivatives at a single point, from the function for many points.
+pub(crate) fn alone<S: Scalar>(
+    point: Point<'_, S>,
+    out: &mut PointDerivatives<S>,
+    derivatives: impl FnOnce(Points<'_, S>, &mut PointsDerivatives<S>) -> Result<()>,
+) -> Result<S> {
+    let (states, mut all) = (point.states(), PointsDerivatives::new(point.q.len(), 1));
+    derivatives(point.points(&states), &mut all)?;
+    out.hessian = all.hessians.get(0);
+    out.metric = all.metrics.get(0);
+    out.gradient.copy_from_slice(all.gradients.as_slice());
+    Ok(all.costs[0])
+}

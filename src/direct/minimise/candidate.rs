@@ -1,0 +1,142 @@
+//! A curve with its multipliers.
+
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::curve::Curve;
+use crate::error::Result;
+use crate::motion::{Path, Problem, curve_of};
+use crate::transcription::Grid;
+use crate::transcription::Rows;
+
+/// The start or the end of a minimisation.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub path: Path,
+    pub horizon: f64,
+    /// The alternative of a [goal](crate::direct::GoalSet) that is a set.
+    pub alternative: usize,
+    pub multipliers: Multipliers,
+    /// The first penalty of a violation, if it is not that of the options.
+    pub penalty: Option<f64>,
+    /// The penalties of equalities at the end of a search, relative to the first ones.
+    pub equality_penalty: f64,
+    /// The integral of the running cost by a quadrature finer than that of the minimisation.
+    pub cost: f64,
+    /// The same with the cost of time.
+    pub objective: f64,
+    /// The largest excess of a row, in its unit; negative in the interior.
+    pub violation: f64,
+    /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
+    pub passive_share: f64,
+    pub gradient_norm: f64,
+    /// The gradient of the Lagrangian, relative to the cost.
+    pub stationarity: f64,
+    /// The last barrier parameter, relative to the cost and summed over all rows.
+    pub complementarity: f64,
+    pub smallest_curvature: f64,
+    pub points: usize,
+    /// The relative difference between the quadrature and the finer one.
+    pub quadrature_error: f64,
+    /// True if all convergence criteria are met.
+    pub converged: bool,
+    /// True if the curve satisfies the constraints but not all other criteria.
+    pub kept: bool,
+}
+
+/// Multipliers of all rows at given normalised times.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Multipliers {
+    pub times: Vec<f64>,
+    /// The multipliers, row by row for each time.
+    pub values: Vec<f64>,
+    /// The multipliers of the rows of a goal.
+    pub of_goal: Vec<f64>,
+}
+
+impl Candidate {
+    /// The motion.
+    pub fn curve(&self, problem: &Problem<'_>) -> Result<Curve> {
+        curve_of(&problem.with_horizon(self.horizon)?, &self.path)
+    }
+
+    /// An untested curve.
+    pub fn new(path: Path, horizon: f64) -> Self {
+        Self {
+            path,
+            horizon,
+            alternative: 0,
+            multipliers: Multipliers::default(),
+            penalty: None,
+            equality_penalty: 1.0,
+            cost: f64::NAN,
+            objective: f64::NAN,
+            violation: f64::NAN,
+            passive_share: 0.0,
+            gradient_norm: f64::NAN,
+            stationarity: f64::NAN,
+            complementarity: 0.0,
+            smallest_curvature: f64::NAN,
+            points: 0,
+            quadrature_error: f64::NAN,
+            converged: false,
+            kept: false,
+        }
+    }
+}
+
+impl Multipliers {
+    /// The multipliers of rows, row by row for each point of a grid, and those of a goal. The multiplier of a row that is not enforced at a
+    /// point is interpolated between the neighbouring points at which it is.
+    pub(super) fn new<K: Constraint, P: CostWithControl>(
+        grid: &Grid<f64>,
+        rows: &Rows<'_, K, P>,
+        values: &[f64],
+        of_goal: Vec<f64>,
+    ) -> Self {
+        let count = rows.count();
+        let times = grid.times.clone();
+        let mut values = values[..times.len() * count].to_vec();
+        if grid.collocated.contains(&true) {
+            for (row, equality) in rows.attributes().equalities.iter().enumerate() {
+                let idle = |g: &usize| grid.collocated[g % grid.points()] != *equality;
+                let (without, with): (Vec<usize>, Vec<usize>) = (0..times.len()).partition(idle);
+                let held = Self {
+                    times: with.iter().map(|g| times[*g]).collect(),
+                    values: with.iter().map(|g| values[g * count + row]).collect(),
+                    of_goal: Vec::new(),
+                };
+                for g in without {
+                    let between = held.at(&times[g..=g], 1);
+                    values[g * count + row] = between.map_or(0.0, |z| z[0]);
+                }
+            }
+        }
+        Self {
+            times,
+            values,
+            of_goal,
+        }
+    }
+
+    /// The multipliers at other times, interpolated linearly, then those of a goal; `None` without multipliers.
+    pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
+        let last = self.times.len().checked_sub(1)?;
+        let mut found = vec![0.0; times.len() * rows];
+        for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {
+            let after = self.times.partition_point(|t| t < time);
+            let (a, b) = (after.saturating_sub(1), after.min(last));
+            let span = self.times[b] - self.times[a];
+            let share = if span > 0.0 {
+                (time - self.times[a]) / span
+            } else {
+                0.0
+            };
+            for (row, to) in to.iter_mut().enumerate() {
+                let [x, y] = [a, b].map(|i| self.values[i * rows + row]);
+                *to = x + share * (y - x);
+            }
+        }
+        found.extend(&self.of_goal);
+        Some(found)
+    }
+}

@@ -1,0 +1,222 @@
+//! The running cost with the weighted rows of constraints.
+
+use super::stage_terms::StageTerms;
+use crate::constraint::{Constraint, Constraints, Side, Weights};
+use crate::cost::alone;
+use crate::cost::{
+    ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
+};
+use crate::error::Result;
+use crate::nlp::Term;
+use crate::scalar::{LANES, Wide};
+use crate::transcription::Rows;
+use nalgebra::DMatrix;
+
+/// The running cost $l$, and the weighted rows $h_j$ whose weights are those of the condensed equations of the
+/// interior-point method ([`Term`]): the gradient is $l_z + \sum_j \sigma_j \nabla h_j$ and the Hessian
+/// $l_{zz} + \sum_j \lambda_j \nabla^2 h_j + c_j \nabla h_j \nabla h_j^T$.
+///
+/// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
+/// over its limit divided by the limit.
+#[derive(Clone, Debug)]
+pub(super) struct Integrand<'a, K, P> {
+    pub rows: Rows<'a, K, P>,
+    /// The values of all rows at the last evaluation, row by row for each point.
+    pub h: Vec<f64>,
+    /// The terms of the rows in the working set, by row for each point.
+    pub terms: Vec<Vec<(usize, Term)>>,
+    /// The joint and the slope of each row of the torque.
+    torques: Vec<(usize, f64)>,
+    /// Weights of the gradients, of their products and of the second derivatives of the rows of the state, side by
+    /// side; zero except during use.
+    slopes: Vec<Wide<f64>>,
+    curvatures: Vec<Wide<f64>>,
+    multipliers: Vec<Wide<f64>>,
+    /// The derivatives of the rows in $(t, q, v, a, u)$, if there are any.
+    stage: Option<StageTerms<'a>>,
+}
+
+impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
+    /// The integrand at this number of points, without terms of rows.
+    pub fn new(rows: Rows<'a, K, P>, points: usize) -> Self {
+        let states = rows.states();
+        let zeros = vec![Wide::splat(0.0); states];
+        let torque = rows.constraints.torque.rows();
+        let torques = torque.zip(&rows.attributes().scales[states..]);
+        let torques = torques.map(|((joint, _, side), scale)| match side {
+            Some(Side::Lower) => (joint, -scale),
+            _ => (joint, *scale),
+        });
+        let Constraints { stage, .. } = rows.constraints;
+        Self {
+            stage: (!stage.others.is_empty()).then(|| StageTerms::new(rows.model)),
+            torques: torques.collect(),
+            h: vec![0.0; points * rows.count()],
+            terms: vec![Vec::new(); points],
+            rows,
+            slopes: zeros.clone(),
+            curvatures: zeros.clone(),
+            multipliers: zeros,
+        }
+    }
+
+    /// Adds the derivatives of the rows of the state at the points from `start` on, side by side.
+    fn add_state(
+        &mut self,
+        points: Points<'_, f64>,
+        start: usize,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
+        let n = points.states.nrows();
+        let found = LANES.min(points.count() - start);
+        let states = self.rows.states();
+        let mut any = false;
+        for lane in 0..found {
+            for (row, term) in &self.terms[points.first + start + lane] {
+                if *row < states {
+                    let scale = self.rows.attributes().scales[*row];
+                    self.slopes[*row].0[lane] = term.slope * scale;
+                    self.curvatures[*row].0[lane] = term.curvature * scale * scale;
+                    self.multipliers[*row].0[lane] = term.multiplier * scale;
+                    any = true;
+                }
+            }
+        }
+        if !any {
+            return Ok(());
+        }
+        let gradient = Weights {
+            first_order: &self.slopes,
+            gauss_newton: None,
+        };
+        let sum = self.rows.weighted_derivatives(points, start, gradient)?;
+        for (i, slope) in sum.gradient().iter().enumerate() {
+            for lane in 0..found {
+                out.gradients[(i % n, 3 * (start + lane) + i / n)] += slope.0[lane];
+            }
+        }
+        let hessian = Weights {
+            first_order: &self.multipliers,
+            gauss_newton: Some(&self.curvatures),
+        };
+        let sum = self.rows.weighted_derivatives(points, start, hessian)?;
+        out.hessians.add_wide(start, sum.hessian());
+        for lane in 0..found {
+            for (row, _) in &self.terms[points.first + start + lane] {
+                if *row < states {
+                    for weights in [
+                        &mut self.slopes,
+                        &mut self.curvatures,
+                        &mut self.multipliers,
+                    ] {
+                        weights[*row].0[lane] = 0.0;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
+    /// Adds the derivatives of the limits of acceleration and jerk.
+    fn add_rates(&self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) {
+        let first = self.rows.constraints.first_of_stage();
+        if self.needs_jerk() {
+            out.by_jerk = [(); 2].map(|()| DMatrix::zeros(points.states.nrows(), points.count()));
+        }
+        for g in 0..points.count() {
+            for (row, term) in &self.terms[points.first + g] {
+                let row = row.checked_sub(first);
+                let Some(rate) = row.and_then(|row| self.rows.rates.get(row)) else {
+                    continue;
+                };
+                let (slope, i) = (rate.sign() / rate.limit, rate.joint);
+                let curvature = term.curvature * slope * slope;
+                if rate.order == 2 {
+                    out.gradients[(i, 3 * g + 2)] += term.slope * slope;
+                    out.hessians.add_acceleration(g, i, curvature);
+                } else {
+                    out.by_jerk[0][(i, g)] += term.slope * slope;
+                    out.by_jerk[1][(i, g)] += curvature;
+                }
+            }
+        }
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
+    fn value(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let states = point.states();
+        let mut cost = [0.0];
+        self.values(point.points(&states), &mut cost)?;
+        Ok(cost[0])
+    }
+
+    fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
+        let of_rows = match &mut self.stage {
+            Some(stage) => {
+                stage.time_rate(point, self.rows.constraints, &self.terms[point.index])?
+            }
+            None => 0.0,
+        };
+        Ok(of_rows + self.rows.cost.time_rate(point)?)
+    }
+
+    fn needs_jerk(&self) -> bool {
+        self.rows.constraints.stage.has_jerk()
+    }
+
+    fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
+        let count = self.rows.count();
+        let own = points.first * count..(points.first + points.count()) * count;
+        self.rows.at(points, &mut self.h[own], costs)
+    }
+
+    fn derivatives(
+        &mut self,
+        point: Point<'_, f64>,
+        out: &mut PointDerivatives<f64>,
+    ) -> Result<f64> {
+        alone(point, out, |points, all| self.all_derivatives(points, all))
+    }
+
+    fn all_derivatives(
+        &mut self,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
+    ) -> Result<()> {
+        let Constraints { torque, .. } = self.rows.constraints;
+        let (states, torques, terms) = (self.rows.states(), &self.torques, &self.terms);
+        let mut add = |index: usize, _: &[f64], out: &mut ControlDerivatives<f64>| {
+            for (row, term) in &terms[index] {
+                let row = row.checked_sub(states);
+                let Some((joint, slope)) = row.and_then(|row| torques.get(row).copied()) else {
+                    continue;
+                };
+                out.gradient[joint] += slope * term.slope;
+                out.curvature_weights[joint] += slope * term.multiplier;
+                out.hessian[joint] += slope * slope * term.curvature;
+            }
+            torque.dim() > 0
+        };
+        self.rows.cost.all_derivatives_with(points, out, &mut add)?;
+        for (g, cost) in out.costs.iter_mut().enumerate() {
+            *cost += terms[points.first + g]
+                .iter()
+                .map(|(_, term)| term.cost)
+                .sum::<f64>();
+        }
+        self.add_rates(points, out);
+        if let Some(stage) = &mut self.stage {
+            stage.add(points, self.rows.constraints, &self.terms, out)?;
+        }
+        if states > 0 {
+            for start in (0..points.count()).step_by(LANES) {
+                self.add_state(points, start, out)?;
+            }
+        }
+        Ok(())
+    }
+}

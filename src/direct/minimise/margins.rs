@@ -1,0 +1,112 @@
+//! The rows between the points of the quadrature, and the margins that they need at the points.
+
+use super::program::Program;
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::cost::SMALLEST_COST;
+use crate::direct::tuning::{FLOOR, ON_THE_WAY, RESERVE};
+use crate::error::Result;
+use crate::transcription::Peak;
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The local maxima of the rows between the points, and the largest violation, in its unit.
+    pub(super) fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
+        let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
+        self.evaluate_goal()?;
+        let bounds = self.bounds();
+        let rows = &mut self.objective.cost_mut().rows;
+        let peaks = scan.peaks(rows, &self.coefficients, horizon, FLOOR)?;
+        let units = &rows.attributes().units;
+        let highest = peaks.iter().map(|peak| peak.height * units[peak.row]);
+        let highest = highest.fold(0.0, f64::max);
+        let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
+        let integrand = self.objective.cost_mut();
+        let count = integrand.rows.count();
+        let longest = self.free_horizon.map_or(0.0, |free| free.longest);
+        let mut largest = bounds
+            .into_iter()
+            .fold(highest, |most, bound| most.max(longest * bound))
+            .max(self.goal.violation());
+        for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
+            if self.grid.collocated[g % self.grid.points()] {
+                for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
+                    largest = largest.max(h.abs() * units[row]);
+                }
+            }
+        }
+        Ok((peaks, largest))
+    }
+
+    /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
+    pub(super) fn is_coarse(&mut self, end: bool) -> Result<bool> {
+        let cost = self.objective.value(&self.coefficients)?;
+        self.finer.set_horizon(self.horizon);
+        let exact = self.finer.value(&self.coefficients)?;
+        let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
+        self.finer_cost = [exact, error];
+        let on_the_way = if end { 0.0 } else { ON_THE_WAY };
+        Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
+    }
+
+    /// Sets the margins against rounding.
+    pub(super) fn reserve(&mut self) {
+        let equalities = &self.objective.cost().rows.attributes().equalities;
+        let margins = equalities
+            .iter()
+            .map(|equality| if *equality { 0.0 } else { RESERVE });
+        let first = self.goal.first;
+        for (margin, reserve) in self.margins[..first].iter_mut().zip(margins.cycle()) {
+            *margin = reserve;
+        }
+        let of_goal = self.margins[first..].iter_mut().zip(&self.goal.equalities);
+        for (margin, _) in of_goal.filter(|(_, held)| !**held) {
+            *margin = RESERVE;
+        }
+    }
+
+    /// Sets margins from the local maxima of the rows between the points.
+    ///
+    /// They raise the rows at the two points of the segment next to a maximum to its height, or only `grow`, by twice
+    /// the excess of a maximum.
+    pub(super) fn set_margins(&mut self, peaks: &[Peak], grow: bool) {
+        if !grow {
+            self.reserve();
+        }
+        let (grid, integrand) = (self.grid, self.objective.cost_mut());
+        let count = integrand.rows.count();
+        for peak in peaks {
+            let after = grid.times.partition_point(|t| *t < peak.time);
+            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
+            let asked = |g: &usize| !grid.collocated[g % grid.points()];
+            let beside = [
+                (own.start..after.min(own.end)).rfind(asked),
+                (after.max(own.start)..own.end).find(asked),
+            ];
+            for g in beside.into_iter().flatten() {
+                let at = g * count + peak.row;
+                if !grow {
+                    let beside = RESERVE + peak.height - integrand.h[at];
+                    self.margins[at] = self.margins[at].max(beside);
+                } else if peak.height > 0.0 {
+                    self.margins[at] += 2.0 * peak.height + RESERVE;
+                }
+            }
+        }
+    }
+
+    /// The objective, infinite where a row outside the working set is violated: a step into something that was far
+    /// away.
+    pub(super) fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
+        let (grid, integrand) = (self.grid, &self.objective);
+        let attributes = integrand.cost().rows.attributes();
+        let count = attributes.scales.len();
+        let mut rows = h.iter().zip(&self.working).enumerate();
+        let violated = rows.any(|(at, (h, working))| {
+            !working
+                && *h > 0.0
+                && attributes.clearances[at % count]
+                && !grid.collocated[at / count % grid.points()]
+        });
+        if violated { f64::INFINITY } else { objective }
+    }
+}

@@ -1,0 +1,204 @@
+//! A minimum in a basis within constraints, by the [interior-point method](crate::nlp).
+//!
+//! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
+//! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
+//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. The rows of clearances are in the working set while they are near their
+//! bound.
+
+mod candidate;
+mod curvature;
+mod goal_rows;
+mod integrand;
+mod margins;
+mod program;
+mod stage_terms;
+
+pub(super) use candidate::{Candidate, Multipliers};
+
+use super::tuning::{
+    FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS, POINTS_OF_SEGMENTS,
+};
+use super::{FreeHorizon, GoalSet, Iteration};
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::cost::check_integral;
+use crate::error::{Error, Result};
+use crate::motion::{Problem, Watch, curve_of, passive_share};
+use crate::nlp::{Equality, Nlp, Options, Progress, Status, solve};
+use crate::transcription::{Grids, Rows};
+use program::Program;
+
+/// The termination criteria of one minimisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stage {
+    /// The norm of the gradient of the Lagrangian relative to the cost.
+    pub tolerance: f64,
+    /// The largest number of iterations.
+    pub iterations: usize,
+    /// The largest relative difference between the quadrature and a finer one.
+    pub quadrature_tolerance: f64,
+    /// The last barrier parameter, relative to the cost.
+    pub last_barrier: f64,
+    /// The accepted excess of a row, in its unit.
+    pub feasible: f64,
+    /// True if the end is checked to be a minimum within the constraints.
+    pub last: bool,
+}
+
+/// A problem with the data that its minimisations share.
+pub(super) struct Context<'c, 'a, K, P> {
+    pub problem: &'c Problem<'a>,
+    pub grids: &'c Grids,
+    pub rows: &'c Rows<'a, K, P>,
+    pub watch: &'c Watch,
+    pub free_horizon: Option<FreeHorizon>,
+    pub goal: Option<&'c GoalSet>,
+}
+
+impl<K, P> Clone for Context<'_, '_, K, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<K, P> Copy for Context<'_, '_, K, P> {}
+
+/// Minimises the running cost within the rows, from a candidate and in its basis.
+pub(super) fn minimise<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    mut candidate: Candidate,
+    stage: Stage,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Candidate> {
+    let basis = candidate.path.basis.clone();
+    let per_degree = match basis.segments() {
+        1 => POINTS,
+        _ => POINTS_OF_SEGMENTS,
+    };
+    candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
+    loop {
+        let status = on_grid(context, &mut candidate, stage, observe)?;
+        check_integral(candidate.cost)?;
+        if status != Status::Coarse || context.watch.stopped().is_some() {
+            break;
+        }
+        candidate.points = candidate.points * 3 / 2;
+    }
+    if stage.last {
+        look_at_passive_joints(context, &mut candidate)?;
+    }
+    Ok(candidate)
+}
+
+/// Minimises with the number of points of the candidate.
+fn on_grid<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: &mut Candidate,
+    stage: Stage,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Status> {
+    let Context { grids, rows, .. } = context;
+    let (basis, points) = (candidate.path.basis.clone(), candidate.points);
+    let grid = if rows.attributes().equalities.contains(&true) {
+        grids.collocated(&basis, points)
+    } else {
+        grids.with_ends(&basis, points)
+    };
+    // Not a multiple, so that it sees between the points.
+    let finer = grids.get(&basis, points * 3 / 2 + 7);
+    let refinable = points < MOST_POINTS * basis.degree();
+    let both = [&*grid, &*finer];
+    let mut program = Program::new(context, candidate, both, stage, refinable);
+    let options = Options {
+        tolerance: stage.tolerance,
+        feasible: stage.feasible,
+        penalty: candidate.penalty.unwrap_or(Options::default().penalty),
+        iterations: stage.iterations,
+        last_barrier: match rows.count() {
+            0 => LAST_BARRIER_OF_BOUNDS.min(stage.last_barrier),
+            _ => stage.last_barrier,
+        },
+        ..Options::default()
+    };
+    let known = candidate.multipliers.at(&grid.times, rows.count());
+    let kkt = program.kkt().ok_or_else(|| {
+        Error::input(
+            "basis",
+            "norm",
+            "the norm of velocities is not positive definite",
+        )
+    })?;
+    let mut log = |progress: &Progress| {
+        observe(Iteration {
+            start: None,
+            horizon: progress.measure,
+            segments: basis.segments(),
+            degree: basis.degree(),
+            points,
+            cost: progress.objective,
+            gradient_norm: progress.stationarity,
+            damping: progress.regularisation,
+            step: progress.step * progress.alpha,
+            factorisations: progress.factorisations,
+            violation: progress.infeasibility,
+        });
+    };
+    program.equality_penalty = candidate.equality_penalty;
+    let x = program.unknowns();
+    if stage.last {
+        program.kept.push(x.clone());
+    }
+    let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
+    let all = program.multipliers(&end.iterate);
+    let of_goal = all[program.goal.range()].to_vec();
+    candidate.multipliers = Multipliers::new(&grid, rows, &all, of_goal);
+    if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
+        candidate.equality_penalty = penalty / first;
+    }
+    let (mut x, mut violation) = (end.x.clone(), end.violation);
+    candidate.converged =
+        end.status == Status::Converged && program.finer_cost[1] <= stage.quadrature_tolerance;
+    if stage.last && violation > stage.feasible {
+        // The last curve that satisfied the constraints.
+        while let Some(earlier) = program.kept.pop() {
+            let of = program.violation(&earlier)?;
+            if of <= stage.feasible {
+                (x, violation) = (earlier, of);
+                break;
+            }
+        }
+    }
+    candidate.violation = violation;
+    candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible;
+    (candidate.path.coefficients, candidate.horizon) = program.curve(&x);
+    [candidate.cost, candidate.quadrature_error] = program.finer_cost;
+    let time = context
+        .free_horizon
+        .map_or(0.0, |free| free.weight * candidate.horizon);
+    candidate.objective = candidate.cost + time;
+    candidate.gradient_norm = end.progress.stationarity;
+    candidate.complementarity = end.progress.complementarity;
+    if stage.last {
+        candidate.stationarity = program.stationarity(&x, &end.iterate)?;
+        let derivatives = program.with_metric(&end.x, &end.iterate)?;
+        candidate.smallest_curvature = curvature::smallest(derivatives).0;
+    }
+    Ok(end.status)
+}
+
+/// Evaluates the residual torques of passive joints.
+fn look_at_passive_joints<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: &mut Candidate,
+) -> Result<()> {
+    let limits = &context.rows.constraints.torque;
+    if limits.has_passive() {
+        let problem = context.problem.with_horizon(candidate.horizon)?;
+        let curve = curve_of(&problem, &candidate.path)?;
+        let times = FINE.div_ceil(curve.segments());
+        let model = context.problem.model();
+        candidate.passive_share = passive_share(model, &curve, limits, times)?;
+        candidate.converged &= candidate.passive_share <= PASSIVE_SHARE;
+    }
+    Ok(())
+}

@@ -1,0 +1,218 @@
+//! The direct method: direct minimisation of the control effort over polynomials within constraints, to the limit of the
+//! flow.
+//!
+//! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
+//! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. Neither `k` nor `s_max` appears: `q(t)` is a polynomial that
+//! meets the boundary conditions, its free coefficients are the unknowns, and the integral is computed by
+//! Gauss-Legendre quadrature with as many points as needed.
+//!
+//! [`Direct::solve`] is the whole algorithm:
+//!
+//! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are
+//!    minimised at a low degree. Those that cost hardly more than the best one before them go on to the next degree,
+//!    from their previous end, and so on up to the degree and the segments of the settings. While none of them ends
+//!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
+//!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
+//!    whether or not it is a minimum.
+//! 2. `minimise`: one minimisation, a nonlinear program whose unknowns are the coefficients and a free horizon, and
+//!    whose rows are those of the constraints at the quadrature points. `nlp` solves it by a primal-dual interior-point
+//!    method with exact Hessians and a line search (Nocedal and Wright, chapter 19; Wächter and Biegler, 2006). Each
+//!    row has a slack and an elastic variable with an exact penalty, so a start may violate rows. A dense scan finds
+//!    violations between the points. Without rows it is Newton's method.
+//! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
+//!
+//! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
+//! costs; `tuning.rs` has all tuning constants.
+
+mod goal;
+mod minimise;
+
+mod settings;
+mod strategy;
+
+mod tuning;
+
+pub use goal::{GoalEnd, GoalSet};
+pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
+pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
+
+use crate::constraint::{Constraint, Constraints, NONE};
+use crate::cost::{ControlEffort, CostWithControl};
+use crate::error::Result;
+use crate::motion::{Problem, Watch, curve_of, path_of};
+use crate::transcription::{Grids, Rows};
+use minimise::{Candidate, Context, minimise};
+use strategy::{Planned, minimise_to_the_end, multistart, refine};
+
+/// A problem with a running cost, constraints and settings, to be solved.
+///
+/// ```
+/// use aghf::motion::Problem;
+/// use aghf::direct::{DirectSettings, Direct};
+/// let model = aghf::urdf::builtin_robot("pendulum_2")?;
+/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
+/// let settings = DirectSettings { degree: 9, ..DirectSettings::default() };
+/// let solution = Direct::new(&problem).settings(settings).solve()?;
+/// assert!(solution.converged);
+/// # Ok::<(), aghf::Error>(())
+/// ```
+pub struct Direct<'a, K, P> {
+    problem: &'a Problem<'a>,
+    constraints: &'a Constraints<K>,
+    cost: P,
+    settings: DirectSettings,
+    observe: Box<dyn FnMut(&Iteration) + 'a>,
+}
+
+impl<'a> Direct<'a, (), ControlEffort<'a, f64, f64>> {
+    /// The problem of least control effort without constraints, with default settings.
+    #[must_use]
+    pub fn new(problem: &'a Problem<'a>) -> Self {
+        Self {
+            problem,
+            constraints: &NONE,
+            cost: ControlEffort::new(problem.model()),
+            settings: DirectSettings::default(),
+            observe: Box::new(|_| {}),
+        }
+    }
+}
+
+impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
+    /// Replaces the running cost.
+    #[must_use]
+    pub fn cost<Q: CostWithControl>(self, cost: Q) -> Direct<'a, K, Q> {
+        Direct {
+            problem: self.problem,
+            constraints: self.constraints,
+            cost,
+            settings: self.settings,
+            observe: self.observe,
+        }
+    }
+
+    /// Replaces the constraints.
+    #[must_use]
+    pub fn constraints<L: Constraint + Sync>(
+        self,
+        constraints: &'a Constraints<L>,
+    ) -> Direct<'a, L, P> {
+        Direct {
+            problem: self.problem,
+            constraints,
+            cost: self.cost,
+            settings: self.settings,
+            observe: self.observe,
+        }
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn settings(self, settings: DirectSettings) -> Self {
+        Self { settings, ..self }
+    }
+
+    /// Sets a function that is called after each iteration.
+    #[must_use]
+    pub fn observe(self, observe: impl FnMut(&Iteration) + 'a) -> Self {
+        Self {
+            observe: Box::new(observe),
+            ..self
+        }
+    }
+
+    /// Finds a motion of locally least cost.
+    ///
+    /// # Errors
+    /// A setting is out of range; the cost, the constraints or the start have another number of joints; or the integral
+    /// of the cost becomes negative. A search that ends outside the constraints or before its tolerance is not an
+    /// error: the solution reports it.
+    pub fn solve(mut self) -> Result<DirectSolution> {
+        let (problem, settings) = (self.problem, &self.settings);
+        settings.check(problem)?;
+        let grids = Grids::default();
+        let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
+        let watch = Watch::start(settings.time_limit, &settings.interrupt);
+        let given = Context {
+            problem,
+            grids: &grids,
+            rows: &rows,
+            watch: &watch,
+            free_horizon: settings.free_horizon,
+            goal: settings.goal.as_ref(),
+        };
+        let planned = Planned::new(given, settings)?;
+        let mut problem = problem.clone();
+        let longest = settings.free_horizon.map(|free| free.longest);
+        if let Some(longest) = longest.or(settings.longest_horizon) {
+            problem = problem.with_horizon(planned.first_horizon(longest)?)?;
+        }
+        let from = problem.clone();
+        let context = Context {
+            problem: &from,
+            ..given
+        };
+        let mut iterations = Vec::new();
+        let observe = &mut self.observe;
+        let mut log = |iteration: Iteration| {
+            observe(&iteration);
+            iterations.push(iteration);
+        };
+        let highest = settings.highest();
+        let passive = self.constraints.torque.has_passive();
+        let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
+        let mut best_start = None;
+        let first_guess;
+        let found = if let Some(curve) = &settings.start {
+            let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
+            first_guess = curve_of(&problem, &path)?;
+            let start = Candidate::new(path, problem.horizon());
+            minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
+        } else {
+            let outcome = multistart(
+                context,
+                settings,
+                &settings.rungs(settings.continuity(&problem), passive),
+                &planned,
+                &mut log,
+            )?;
+            (starts, minima) = (outcome.first_costs, outcome.minima);
+            starts.sort_by(f64::total_cmp);
+            let curves = outcome.curves.iter().map(|end| end.curve(&problem));
+            minima_curves = curves.collect::<Result<_>>()?;
+            let (number, guess) = outcome.best_start;
+            best_start = Some(number);
+            first_guess = guess.curve(&problem)?;
+            outcome.best
+        };
+        let (found, adapted) = refine(settings, found, |from, basis| {
+            let mut higher = from.clone();
+            higher.path = higher.path.in_basis(basis);
+            minimise(context, higher, highest, &mut log)
+        })?;
+        Ok(DirectSolution {
+            curve: found.curve(&problem)?,
+            cost: found.cost,
+            gradient_norm: found.gradient_norm,
+            stationarity: found.stationarity,
+            smallest_curvature: found.smallest_curvature,
+            largest_violation: found.violation,
+            passive_share: found.passive_share,
+            points: found.points,
+            quadrature_error: found.quadrature_error,
+            converged: found.converged,
+            kept: found.kept,
+            stopped: watch.stopped(),
+            adapted,
+            unknowns: found.path.basis.free().len() * problem.model().dof(),
+            complementarity: found.complementarity,
+            start_costs: starts,
+            minima,
+            minima_curves,
+            best_start,
+            alternative: found.alternative,
+            first_guess,
+            iterations,
+        })
+    }
+}

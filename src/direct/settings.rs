@@ -1,0 +1,365 @@
+//! The settings and the results of the direct method.
+
+use super::minimise::Stage;
+use super::tuning::{LAST_BARRIER, LOWER, SEGMENT_STEPS};
+use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum};
+use crate::curve::{Basis, Continuity, Curve};
+use crate::error::{Error, Result, check_count, check_positive};
+use crate::motion::{Interrupt, Problem, Stopped};
+use std::time::Duration;
+
+/// The settings of a direct solve.
+#[derive(Clone, Debug)]
+pub struct DirectSettings {
+    /// The degree of the polynomial, or of each segment.
+    pub degree: usize,
+    /// The number of polynomials on equal parts of the horizon. At their joints `q` and `v` are continuous;
+    /// acceleration and control may jump.
+    pub segments: usize,
+    /// The relative change of the cost between two degrees below which the degree is high enough. Starting from
+    /// [`degree`](Self::degree), it grows through 9, 16, 24, 32, 48 and 64, each from the end of the one before; see
+    /// [`DegreeRefinement`]. `None` keeps the degree fixed.
+    pub degree_tolerance: Option<f64>,
+    /// The relative gradient norm of convergence; see [`Iteration::gradient_norm`].
+    pub tolerance: f64,
+    /// The largest number of iterations per degree and quadrature.
+    pub iterations: usize,
+    /// The largest relative difference between the quadrature and a finer one.
+    pub quadrature_tolerance: f64,
+    /// The number of starts: the straight line, and bent ones.
+    pub starts: usize,
+    /// The seed of the bends of the starts.
+    pub seed: u64,
+    /// The time after which the search stops with the best motion so far. Further starts are tried until then.
+    pub time_limit: Option<Duration>,
+    /// The handle by which another thread stops the search in the same way.
+    pub interrupt: Interrupt,
+    /// The number of threads for the starts; the result does not depend on it.
+    pub threads: usize,
+    /// The amplitude of the bent starts, rad or m.
+    pub start_amplitude: f64,
+    /// The degree of the first polynomial of a start, unless the degree is lower; by default 6, as smooth curves lead
+    /// to better minima, and with constraints 9, as within limits none of a lower degree may be feasible.
+    pub lowest_degree: usize,
+    /// The starts for which a planner finds paths around obstacles; see [`plan`](crate::plan). It has no effect if only
+    /// joints have bounds. A [first](PlannedStarts::First) planned start may lengthen the horizon up to
+    /// [`longest_horizon`](Self::longest_horizon). Because it satisfies all constraints before the minimisation, so
+    /// does the final motion.
+    pub planned_starts: PlannedStarts,
+    /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a
+    /// free horizon takes precedence.
+    pub longest_horizon: Option<f64>,
+    /// An initial curve, used directly at this degree; only its shape matters, which is fitted to the boundary states
+    /// and the horizon of the problem.
+    pub start: Option<Curve>,
+    /// True if the final velocity is free. That of the goal then serves only as the first guess.
+    pub free_final_velocity: bool,
+    /// True if the acceleration is continuous: between segments, and with the rest before and after, so that it is zero
+    /// at an end at which all velocities are. Otherwise it may jump.
+    pub continuous_acceleration: bool,
+    /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
+    pub free_horizon: Option<FreeHorizon>,
+    /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
+    pub goal: Option<GoalSet>,
+}
+
+crate::names::named_enum! {
+/// The starts for which a planner looks for a path around obstacles.
+pub enum PlannedStarts("planned starts") {
+    /// Every other start beyond the requested ones, while none of these leads to a motion.
+    Later = "later",
+    /// The first start, on a longer horizon if limits require it, and later ones; a feasible motion suffices.
+    First = "first",
+    /// None.
+    Never = "never",
+}
+}
+
+impl Default for DirectSettings {
+    fn default() -> Self {
+        Self {
+            degree: 16,
+            segments: 1,
+            degree_tolerance: None,
+            tolerance: 1e-8,
+            iterations: 500,
+            quadrature_tolerance: 1e-3,
+            starts: 32,
+            seed: 0,
+            time_limit: None,
+            interrupt: Interrupt::default(),
+            threads: 1,
+            start_amplitude: 2.5,
+            lowest_degree: 6,
+            planned_starts: PlannedStarts::default(),
+            longest_horizon: None,
+            start: None,
+            free_final_velocity: false,
+            continuous_acceleration: false,
+            free_horizon: None,
+            goal: None,
+        }
+    }
+}
+
+impl DirectSettings {
+    /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
+    pub const LARGEST_DEGREE: usize = 64;
+    /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
+    pub const LARGEST_SIZE: usize = 256;
+    /// The largest number of starts: the record of each, a cost and about fifty iterations, takes up to 4 kB, 400 MB in
+    /// all.
+    pub const LARGEST_STARTS: usize = 100_000;
+    /// The largest number of iterations at one degree, each of which is recorded.
+    pub const MOST_ITERATIONS: usize = 100_000;
+    /// The largest number of threads: more than the cores of any machine, and within the limits of operating systems.
+    pub const MOST_THREADS: usize = 1024;
+    /// The accepted violation of a constraint, in rad, rad/s, m, N m or N.
+    pub const FEASIBLE: f64 = 1e-6;
+
+    /// The defaults for problems with constraints: a gradient norm of 1e-6, because large multipliers limit the
+    /// accuracy.
+    #[must_use]
+    pub fn constrained() -> Self {
+        Self {
+            tolerance: 1e-6,
+            starts: 1,
+            start_amplitude: 1.0,
+            lowest_degree: 9,
+            ..Self::default()
+        }
+    }
+
+    /// The last stage, at the degree and the segments of the settings.
+    pub(super) fn highest(&self) -> Stage {
+        Stage {
+            tolerance: self.tolerance,
+            iterations: self.iterations,
+            quadrature_tolerance: self.quadrature_tolerance,
+            last_barrier: LAST_BARRIER.max(self.tolerance * self.tolerance),
+            // Whoever looks at the motion by other means finds it within the tolerance as well.
+            feasible: 0.5 * Self::FEASIBLE,
+            last: true,
+        }
+    }
+
+    /// The sequence of bases: single polynomials of those degrees among 6, 9, 16, 24, 32, 48, ... that are below the
+    /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
+    /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
+    /// a joint almost no freedom.
+    pub(super) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
+        let fewer_segments = Stage {
+            iterations: SEGMENT_STEPS,
+            ..LOWER
+        };
+        let new = |segments, p| Basis::new(segments, p, continuity);
+        let mut rungs: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
+            .map(|p| Rung {
+                basis: new(1, p),
+                stage: LOWER,
+            })
+            .collect();
+        rungs.extend(Basis::fewer_segments(self.segments).map(|n| Rung {
+            basis: new(n, self.degree),
+            stage: fewer_segments,
+        }));
+        // A low degree on one segment is the first rung already.
+        rungs.dedup_by(|b, a| a.basis == b.basis);
+        if passive {
+            rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
+        }
+        let last = new(self.segments, self.degree);
+        rungs.retain(|rung| rung.basis != last);
+        rungs.push(Rung {
+            basis: last,
+            stage: self.highest(),
+        });
+        rungs
+    }
+
+    /// The continuity of motions of a problem.
+    pub(super) fn continuity(&self, problem: &Problem<'_>) -> Continuity {
+        let n = problem.model().dof();
+        let rests = |state: &[f64]| state[n..].iter().all(|v| *v == 0.0);
+        let end = !self.free_final_velocity && rests(problem.goal());
+        Continuity {
+            acceleration: self.continuous_acceleration,
+            rest: [rests(problem.start()), end],
+            free_final_velocity: self.free_final_velocity,
+            free_final_position: self.goal.is_some(),
+        }
+    }
+
+    /// The basis of motions of a problem.
+    pub(super) fn basis(&self, problem: &Problem<'_>) -> Basis {
+        Basis::new(self.segments, self.degree, self.continuity(problem))
+    }
+
+    /// The degrees above that of a basis in a refinement.
+    pub(super) fn higher_degrees(basis: &Basis) -> impl Iterator<Item = usize> + use<> {
+        let (degree, segments) = (basis.degree(), basis.segments());
+        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / segments);
+        let above = Basis::degrees().skip_while(move |higher| *higher <= degree);
+        above.take_while(move |degree| *degree <= largest)
+    }
+
+    /// Checks a degree and a number of segments.
+    ///
+    /// # Errors
+    /// One of the two is out of range.
+    pub fn check_size(degree: usize, segments: usize, continuity: Continuity) -> Result<()> {
+        let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
+        let (smallest, largest) = (continuity.smallest_degree(), Self::LARGEST_DEGREE);
+        if !(smallest..=largest).contains(&degree) {
+            let range = format!("at least {smallest} and at most {largest} is needed");
+            return refuse("degree", format!("it is {degree}, {range}"));
+        }
+        let most = Self::LARGEST_SIZE / degree;
+        if !(1..=most).contains(&segments) {
+            let range = format!("at least 1 and for degree {degree} at most {most} is needed");
+            return refuse("segments", format!("it is {segments}, {range}"));
+        }
+        Ok(())
+    }
+
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// A setting is out of range.
+    pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
+        Self::check_size(self.degree, self.segments, self.continuity(problem))?;
+        for (what, value) in [
+            ("tolerance", self.tolerance),
+            ("quadrature_tolerance", self.quadrature_tolerance),
+            ("degree_tolerance", self.degree_tolerance.unwrap_or(1.0)),
+        ] {
+            check_positive("settings", what, value)?;
+        }
+        if !self.start_amplitude.is_finite() {
+            let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
+            return Err(Error::input("settings", "start_amplitude", condition));
+        }
+        let degrees = self.continuity(problem).smallest_degree()..=Self::LARGEST_DEGREE;
+        check_count("lowest_degree", self.lowest_degree, degrees)?;
+        check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
+        check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
+        check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
+        if let Some(free) = &self.free_horizon {
+            free.check(problem.horizon())?;
+        }
+        if let Some(goal) = &self.goal {
+            goal.check(problem)?;
+        }
+        if let Some(longest) = self.longest_horizon {
+            let least = problem.horizon();
+            if !(longest.is_finite() && longest >= least) {
+                let condition = format!("it is {longest}, at least the horizon {least} is needed");
+                return Err(Error::input("settings", "longest_horizon", condition));
+            }
+        }
+        match &self.start {
+            Some(curve) => problem.model().check("start", curve.dof()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// One basis of the sequence.
+#[derive(Clone, Debug)]
+pub(super) struct Rung {
+    pub basis: Basis,
+    pub stage: Stage,
+}
+
+/// One iteration of the minimiser.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iteration {
+    /// The number of the start, from 0; `None` when the best result is continued at another degree or horizon.
+    pub start: Option<usize>,
+    /// The horizon, s.
+    pub horizon: f64,
+    /// The number of segments.
+    pub segments: usize,
+    /// The degree of the segments.
+    pub degree: usize,
+    /// The number of quadrature points per segment.
+    pub points: usize,
+    /// The cost $J$ before the step.
+    pub cost: f64,
+    /// The Newton decrement $\sqrt{g^T H^{-1} g / J}$ with the gradient $g$ of the barrier function and the condensed
+    /// matrix $H$. Half its square is the predicted relative decrease of the barrier function.
+    pub gradient_norm: f64,
+    /// The multiple of the norm of steps, that of the velocities, that was added to the Hessian.
+    pub damping: f64,
+    /// The length of the step in that norm, roughly in radians; zero without a step.
+    pub step: f64,
+    /// The number of matrix factorisations.
+    pub factorisations: usize,
+    /// The largest violation of a constraint at the quadrature points, in its own unit; zero if all are satisfied.
+    pub violation: f64,
+}
+
+/// The result of a direct solve.
+#[derive(Clone, Debug)]
+pub struct DirectSolution {
+    /// The motion, with $v = \dot q$, on the optimal horizon if that was free.
+    pub curve: Curve,
+    /// The integral of the running cost, by default $\int |u|^2 dt$, by a quadrature finer than that of the
+    /// minimisation. The weighted duration of a free horizon is not included.
+    pub cost: f64,
+    /// The final relative gradient norm; see [`Iteration::gradient_norm`].
+    pub gradient_norm: f64,
+    /// The norm of the gradient of the Lagrangian relative to the cost, in the norm that is dual to that of
+    /// velocities: the first of the three residuals of the optimality conditions, beside
+    /// [`largest_violation`](Self::largest_violation) and [`complementarity`](Self::complementarity).
+    pub stationarity: f64,
+    /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric: positive at a minimum, one for a
+    /// linear problem.
+    pub smallest_curvature: f64,
+    /// The violation of the worst constraint at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
+    pub largest_violation: f64,
+    /// The largest torque of a passive joint between its collocated points, relative to the largest torque. Above 5e-4
+    /// the number of segments is increased as far as possible.
+    pub passive_share: f64,
+    /// The number of quadrature points per segment.
+    pub points: usize,
+    /// The relative difference between the cost by this quadrature and by the finer one.
+    pub quadrature_error: f64,
+    /// True if the gradient norm is below the tolerance, the quadratures agree, and a free horizon is stationary or at
+    /// a bound.
+    pub converged: bool,
+    /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
+    /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
+    /// an earlier iterate.
+    pub kept: bool,
+    /// The reason of an early stop, if there was one; the motion is then the best so far.
+    pub stopped: Option<Stopped>,
+    /// The degrees of the refinement, if the degree is adaptive.
+    pub adapted: Option<DegreeRefinement>,
+    /// The number of unknowns.
+    pub unknowns: usize,
+    /// The costs of all starts at their first degree, ascending; that is the lowest degree except for some planned
+    /// starts.
+    pub start_costs: Vec<f64>,
+    /// The final barrier parameter, summed over all rows and relative to the cost: the relative excess of the cost over
+    /// that with exact complementarity.
+    pub complementarity: f64,
+    /// The minima found from the starts, by cost; empty without starts.
+    pub minima: Vec<LocalMinimum>,
+    /// The curves of the first [few](Self::MINIMA_CURVES) minima at the end of the multistart, before any further
+    /// degree or horizon.
+    pub minima_curves: Vec<Curve>,
+    /// The number of the start that led to the motion; `None` without starts.
+    pub best_start: Option<usize>,
+    /// The alternative of the [goal](GoalSet) at which the motion ends; zero without one.
+    pub alternative: usize,
+    /// The initial curve of that start.
+    pub first_guess: Curve,
+    /// All iterations, of all starts and degrees.
+    pub iterations: Vec<Iteration>,
+}
+
+impl DirectSolution {
+    /// The number of minima whose curves are stored.
+    pub const MINIMA_CURVES: usize = 4;
+}

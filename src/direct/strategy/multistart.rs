@@ -1,0 +1,258 @@
+//! Several starts, each continued from the lowest degree to the highest while it is promising.
+
+use super::passive::minimise_to_the_end;
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::curve::Basis;
+use crate::direct::minimise::{Candidate, Context, minimise};
+use crate::direct::settings::{PlannedStarts, Rung};
+use crate::direct::strategy::planned::Planned;
+use crate::direct::tuning::{
+    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
+};
+use crate::direct::{DirectSettings, DirectSolution, Iteration};
+use crate::error::Result;
+use crate::motion::Path;
+use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{ScopedJoinHandle, scope};
+
+/// A local minimum found by the starts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LocalMinimum {
+    /// The integral of the running cost.
+    pub cost: f64,
+    /// The number of starts that led to it.
+    pub starts: usize,
+}
+
+/// The result of all starts.
+pub(crate) struct Outcome {
+    pub best: Candidate,
+    /// The cost of each start in its first basis (the lowest one except for some planned starts), wave by wave.
+    pub first_costs: Vec<f64>,
+    /// The minima, by cost.
+    pub minima: Vec<LocalMinimum>,
+    /// The first candidate that led to each of the first few minima.
+    pub curves: Vec<Candidate>,
+    /// The number of the start that led to the best minimum, and its initial curve.
+    pub best_start: (usize, Candidate),
+}
+
+/// A start on its way to higher degrees.
+struct Climber {
+    number: usize,
+    /// Its first basis, and the curve there.
+    first: usize,
+    guess: Candidate,
+    candidate: Candidate,
+}
+
+/// Continues as many starts as requested through all bases, and further ones while none of them succeeds.
+///
+/// Starts are processed in waves, whose members run in parallel. Whether a start is continued depends only on those
+/// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
+/// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
+/// one of fewer ends within the constraints. Of the starts beyond the requested ones every other one is planned if
+/// there are obstacles, or the first one if requested.
+pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    settings: &DirectSettings,
+    rungs: &[Rung],
+    planned: &Planned<'_, '_, K, P>,
+    log: &mut dyn FnMut(Iteration),
+) -> Result<Outcome> {
+    let stopped = || context.watch.stopped().is_some();
+    // What comes after the starts needs its part of the time.
+    let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
+    let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
+    let passive = context.rows.constraints.torque.has_passive();
+    // A start is a single polynomial, whatever it is to become.
+    let basis = &rungs[0].basis;
+    let one = Basis::new(1, basis.degree(), basis.continuity());
+    // Who asks for a start that keeps the constraints is content with a motion that does.
+    let content = settings.planned_starts == PlannedStarts::First;
+    let is_found = |end: &Climber| {
+        let end = &end.candidate;
+        end.converged || (content && end.kept)
+    };
+    let mut least = vec![f64::INFINITY; rungs.len()];
+    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Climber>::new());
+    let mut next = 0;
+    loop {
+        let found_before = ends.iter().any(is_found);
+        // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
+        let wave = match settings.time_limit {
+            _ if next < settings.starts => next..settings.starts.min(next + WAVE),
+            Some(_) => next..next + WAVE,
+            None => next..(next + MORE_STARTS).min(MOST_STARTS),
+        };
+        next = wave.end;
+        let start = |number| {
+            let problem = planned.problem(number)?;
+            // A planned start has its own basis and enters at the highest degree.
+            let (first, mut candidate) = match planned.start(number, &problem)? {
+                Some(candidate) => (rungs.len() - 1, candidate),
+                None => {
+                    let bends = planned.bends(number);
+                    let line = Path::line(&problem, one.clone());
+                    let path = line.start(settings.start_amplitude, settings.seed, bends);
+                    let path = path.in_basis(rungs[0].basis.clone());
+                    (0, Candidate::new(path, context.problem.horizon()))
+                }
+            };
+            candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
+            Ok(Climber {
+                number,
+                first,
+                guess: candidate.clone(),
+                candidate,
+            })
+        };
+        let starts = side_by_side(wave.collect(), settings.threads, start);
+        let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
+        for (level, rung) in rungs.iter().enumerate() {
+            // Those that come in at the top wait.
+            let (waiting, here) = climbing
+                .into_iter()
+                .partition(|climber| climber.first > level);
+            climbing = waiting;
+            let found = side_by_side(here, settings.threads, |climber| {
+                let mut candidate = climber.candidate.clone();
+                if climber.first < level {
+                    candidate.path = candidate.path.in_basis(rung.basis.clone());
+                }
+                let mut iterations = Vec::new();
+                let mut log = |iteration| iterations.push(iteration);
+                let found = if level + 1 == rungs.len() {
+                    let least = least[level];
+                    minimise_to_the_end(context, candidate, rung.stage, least, &mut log)?
+                } else {
+                    minimise(context, candidate, rung.stage, &mut log)?
+                };
+                let candidate = found;
+                let climber = Climber {
+                    candidate,
+                    ..climber
+                };
+                Ok((climber, iterations))
+            });
+            for found in found {
+                let (climber, iterations) = found?;
+                let candidate = &climber.candidate;
+                for iteration in iterations {
+                    let start = Some(climber.number);
+                    log(Iteration { start, ..iteration });
+                }
+                if level == climber.first && !stopped() {
+                    first_costs.push(candidate.objective);
+                }
+                // The first one has nothing to be compared with, and at the top all have come to their end. What a
+                // passive joint is given at a low rung says nothing of what the motion costs without.
+                let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
+                    Some(left) if least[level].is_finite() && !passive => {
+                        let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
+                        candidate.objective <= least[level] + hopeless * least[level].abs()
+                    }
+                    _ => true,
+                };
+                let inside = candidate.violation <= rung.stage.feasible
+                    && candidate.passive_share <= PASSIVE_SHARE;
+                if inside {
+                    least[level] = least[level].min(candidate.objective);
+                }
+                if goes_on || !found_before {
+                    climbing.push(climber);
+                }
+            }
+            climbing.sort_by_key(|climber| climber.number);
+        }
+        ends.extend(climbing);
+        let found = ends.iter().any(is_found);
+        let more = match settings.time_limit {
+            Some(_) => next < DirectSettings::LARGEST_STARTS,
+            None => next < settings.starts || (!found && next < MOST_STARTS),
+        };
+        if stopped() || context.watch.is_late(share) || !more {
+            break;
+        }
+    }
+    ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
+    let (minima, curves) = minima_of(&ends);
+    let best = ends.swap_remove(0);
+    Ok(Outcome {
+        best: best.candidate,
+        first_costs,
+        minima,
+        curves,
+        best_start: (best.number, best.guess),
+    })
+}
+
+/// The order of candidates: successful ones first, by their cost, then the others by their violation.
+fn rank(a: &Candidate, b: &Candidate) -> Ordering {
+    let by_cost = a.objective.total_cmp(&b.objective);
+    match (a.converged, b.converged) {
+        (true, true) => by_cost,
+        (false, false) => {
+            let excess = |end: &Candidate| end.violation.max(end.passive_share);
+            let [a, b] = [a, b].map(|end| excess(end).max(DirectSettings::FEASIBLE));
+            a.total_cmp(&b).then(by_cost)
+        }
+        (a, b) => b.cmp(&a),
+    }
+}
+
+/// The minima among sorted ends, and the curves of the first few.
+fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Candidate>) {
+    let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
+    let ends = ends.iter().map(|end| &end.candidate);
+    for end in ends.filter(|end| end.converged) {
+        match minima.last_mut() {
+            Some(last) if end.objective - last.cost <= SAME_MINIMUM * last.cost.abs() => {
+                last.starts += 1
+            }
+            _ => {
+                if curves.len() < DirectSolution::MINIMA_CURVES {
+                    curves.push(end.clone());
+                }
+                minima.push(LocalMinimum {
+                    cost: end.objective,
+                    starts: 1,
+                });
+            }
+        }
+    }
+    (minima, curves)
+}
+
+/// Applies `work` to each item on several threads; the results keep the order of the items.
+fn side_by_side<T: Send, R: Send>(
+    items: Vec<T>,
+    threads: usize,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    let threads = threads.min(items.len());
+    if threads <= 1 {
+        return items.into_iter().map(work).collect();
+    }
+    let queue = Mutex::new(items.into_iter().enumerate());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let worker = || {
+        let mut own = Vec::new();
+        while let Some((i, item)) = next() {
+            own.push((i, work(item)));
+        }
+        own
+    };
+    let mut all: Vec<(usize, R)> = scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        let joined = workers.into_iter().map(ScopedJoinHandle::join);
+        joined
+            .flat_map(|own| own.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    all.sort_by_key(|(i, _)| *i);
+    all.into_iter().map(|(_, found)| found).collect()
+}

@@ -1,0 +1,32 @@
+//! The residual torque of passive joints between the collocated points.
+
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::direct::Iteration;
+use crate::direct::minimise::{Candidate, Context, Stage, minimise};
+use crate::direct::tuning::{LARGEST_PASSIVE_SIZE, PASSIVE_SHARE, SAME_MINIMUM};
+use crate::error::Result;
+
+/// Minimises in the last basis, then with more segments and then higher degrees while a passive joint has more residual
+/// torque than is accepted and the motion costs less than `least` by more than the tolerance for equal minima.
+pub(crate) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    candidate: Candidate,
+    stage: Stage,
+    least: f64,
+    observe: &mut dyn FnMut(Iteration),
+) -> Result<Candidate> {
+    let mut found = minimise(context, candidate, stage, observe)?;
+    while found.passive_share > PASSIVE_SHARE
+        && found.violation <= stage.feasible
+        && (1.0 + SAME_MINIMUM) * found.objective < least
+        && context.watch.stopped().is_none()
+    {
+        let Some(basis) = found.path.basis.finer(LARGEST_PASSIVE_SIZE) else {
+            break;
+        };
+        found.path = found.path.in_basis(basis);
+        found = minimise(context, found, stage, observe)?;
+    }
+    Ok(found)
+}

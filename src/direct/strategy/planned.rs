@@ -1,0 +1,170 @@
+//! Starts along planned paths.
+
+use crate::constraint::{Constraint, RowKind};
+use crate::cost::CostWithControl;
+use crate::curve::Basis;
+use crate::direct::DirectSettings;
+use crate::direct::minimise::{Candidate, Context};
+use crate::direct::settings::PlannedStarts;
+use crate::direct::tuning::{
+    HORIZON_GROWTH, MARGIN_CHECKS, PLANNED_DEGREE, PLANNED_PENALTY, PLANNED_SEGMENTS,
+};
+use crate::error::Result;
+use crate::motion::{Path, Problem};
+use crate::plan::{Plan, PlanSettings, along, plan};
+use crate::transcription::{Grid, place, points};
+use nalgebra::DMatrix;
+
+/// The planned starts: the first start, or the first, third and so on beyond the requested ones.
+pub(crate) struct Planned<'c, 'a, K, P> {
+    context: Context<'c, 'a, K, P>,
+    settings: &'c DirectSettings,
+    /// True if there are obstacles.
+    wanted: bool,
+    /// The curve of the first start, if it is planned.
+    first: Option<Path>,
+}
+
+impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
+    pub fn new(context: Context<'c, 'a, K, P>, settings: &'c DirectSettings) -> Result<Self> {
+        let (state, model) = (&context.rows.constraints.state, context.problem.model());
+        let rows = 0..state.dim();
+        let bounds = |row: usize| {
+            matches!(
+                state.label(row, model).kind,
+                RowKind::Position(_) | RowKind::Velocity(_)
+            )
+        };
+        let wanted = settings.planned_starts != PlannedStarts::Never
+            && !rows.clone().any(|row| state.is_equality(row))
+            && !rows.clone().all(bounds);
+        let mut planned = Self {
+            context,
+            settings,
+            wanted,
+            first: None,
+        };
+        if wanted && settings.planned_starts == PlannedStarts::First {
+            planned.first = planned.path(0, &planned.problem(0)?)?;
+        }
+        Ok(planned)
+    }
+
+    /// The number of the path of a planned start.
+    fn number(&self, start: usize) -> Option<u64> {
+        let first = u64::from(self.first.is_some());
+        let beyond = start.checked_sub(self.settings.starts)?;
+        (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
+    }
+
+    /// The number of the bends of a start without a path.
+    pub fn bends(&self, start: usize) -> u64 {
+        let ends = self.context.goal.map_or(1, |goal| goal.ends.len());
+        ((start - usize::from(self.first.is_some())) / ends) as u64
+    }
+
+    /// The problem of a start: to its first guess of the final configuration if the goal is a set.
+    pub fn problem(&self, start: usize) -> Result<Problem<'a>> {
+        match self.context.goal {
+            Some(goal) => self.context.problem.with_final_position(&goal.end(start).q),
+            None => Ok(self.context.problem.clone()),
+        }
+    }
+
+    /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
+    /// is free; `None` if the start is not planned or no path was found.
+    pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
+        let path = match (&self.first, self.number(start)) {
+            (Some(first), _) if start == 0 => Some(first.clone()),
+            (_, Some(number)) => self.path(number, problem)?,
+            _ => None,
+        };
+        let Some(path) = path else {
+            return Ok(None);
+        };
+        let horizon = match self.context.free_horizon {
+            Some(free) => self.horizon(&path, problem, free.longest)?,
+            None => problem.horizon(),
+        };
+        let path = path.between_ends_of(&problem.with_horizon(horizon)?);
+        Ok(Some(Candidate {
+            penalty: Some(PLANNED_PENALTY),
+            ..Candidate::new(path, horizon)
+        }))
+    }
+
+    /// The curve along the path of this number; `None` without a path.
+    fn path(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Path>> {
+        let Context { rows, watch, .. } = self.context;
+        let constraint = &rows.constraints.state;
+        let mut plans = PlanSettings {
+            seed: self.settings.seed,
+            number,
+            // Slopes make the curve round.
+            roundings: 0,
+            ..PlanSettings::default()
+        };
+        let budget = std::mem::replace(&mut plans.most_checks, MARGIN_CHECKS);
+        let stopped = || watch.stopped().is_some();
+        let mut found = plan(problem, constraint, &plans, &stopped)?;
+        if matches!(found, Plan::OutOfBudget { .. }) {
+            // Links next to each other may be closer than the margin wherever they are.
+            (plans.margin, plans.most_checks) = (0.0, budget);
+            found = plan(problem, constraint, &plans, &stopped)?;
+        }
+        let Plan::Found(path) = found else {
+            return Ok(None);
+        };
+        let segments = PLANNED_SEGMENTS.max(path.len() - 1);
+        let basis = if self.settings.segments >= segments {
+            self.settings.basis(problem)
+        } else {
+            let continuity = self.settings.continuity(problem);
+            Basis::new(segments, PLANNED_DEGREE, continuity)
+        };
+        along(problem, constraint, &path, basis, &plans).map(Some)
+    }
+
+    /// The initial horizon of the problem: that of a planned first start.
+    pub fn first_horizon(&self, longest: f64) -> Result<f64> {
+        let problem = self.context.problem;
+        match &self.first {
+            Some(first) => self.horizon(first, problem, longest),
+            None => Ok(problem.horizon()),
+        }
+    }
+
+    /// The horizon of the problem, or a longer one up to `longest`, until the rows of a start are
+    /// satisfied.
+    fn horizon(&self, start: &Path, problem: &Problem<'_>, longest: f64) -> Result<f64> {
+        let (mut horizon, mut rows) = (problem.horizon(), self.context.rows.clone());
+        let basis = &start.basis;
+        let n = problem.model().dof();
+        while horizon < longest {
+            let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
+            let mut states = DMatrix::zeros(n, grid.table.ncols());
+            let with_jerk = rows.constraints.stage.has_jerk();
+            let mut jerks = with_jerk.then(|| DMatrix::zeros(n, grid.points()));
+            let mut h = vec![0.0; grid.points() * rows.count()];
+            let mut kept = true;
+            let path = start
+                .clone()
+                .between_ends_of(&problem.with_horizon(horizon)?);
+            for e in 0..basis.segments() {
+                place(&path.coefficients, grid.first(e), &grid.table, &mut states);
+                if let Some(jerks) = &mut jerks {
+                    place(&path.coefficients, grid.first(e), &grid.thirds[0], jerks);
+                }
+                let mut here = points(&grid, &grid.times, &states, &jerks, e);
+                here.first = 0;
+                rows.of_all(here, &mut h)?;
+                kept &= h.iter().all(|h| *h <= 0.0);
+            }
+            if kept {
+                break;
+            }
+            horizon = (HORIZON_GROWTH * horizon).min(longest);
+        }
+        Ok(horizon)
+    }
+}

@@ -1,0 +1,313 @@
+//! The functions of a basis at the points of a quadrature.
+
+use super::Scan;
+use crate::cost::products;
+use crate::curve::{Basis, gauss_legendre, gauss_lobatto};
+use crate::linalg::multiply;
+use crate::scalar::Scalar;
+use nalgebra::DMatrix;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// A basis on a horizon, tabulated at Gauss-Legendre points, as many on each segment.
+///
+/// The segments are alike, so one table serves all.
+#[derive(Clone, Debug)]
+pub struct Grid<S: Scalar> {
+    /// The number of segments.
+    pub(crate) segments: usize,
+    /// The number of functions per breakpoint.
+    pub(super) shared: usize,
+    /// The functions with unknown coefficients, ascending.
+    pub(crate) free: Vec<usize>,
+    /// The unknown of each function, if it has one.
+    pub(crate) unknown: Vec<Option<usize>>,
+    /// Times of the points, s, segment by segment.
+    pub(crate) times: Vec<S>,
+    /// Weights of the points of a segment.
+    pub(crate) weights: Vec<S>,
+    /// True for each point of a segment at which equalities, and no other rows, are enforced.
+    pub(crate) collocated: Vec<bool>,
+    /// Value, first and second derivative in time at each point of a segment: one row per function of a segment, three
+    /// columns per point.
+    pub(crate) table: DMatrix<S>,
+    /// Its transpose.
+    pub(crate) transposed: DMatrix<S>,
+    /// The third derivatives at each point, one row per function, and their transpose; no entries for arbitrary
+    /// functions.
+    pub(crate) thirds: [DMatrix<S>; 2],
+    /// Pairs of functions of a segment, the first not before the second, in the order of the rows of `products`.
+    pub(crate) pairs: Vec<(usize, usize)>,
+    /// Weighted products of functions; only derivatives need them.
+    products: OnceLock<[DMatrix<S>; 2]>,
+    /// Products of third derivatives; only those of costs in the jerk need them.
+    products_of_thirds: OnceLock<DMatrix<S>>,
+}
+
+/// Tables that several searches share.
+#[derive(Default)]
+pub(crate) struct Grids {
+    grids: Mutex<Vec<Made<Grid<f64>>>>,
+    with_ends: Mutex<Vec<Made<Grid<f64>>>>,
+    collocated: Mutex<Vec<Made<Grid<f64>>>>,
+    scans: Mutex<Vec<Made<Scan>>>,
+}
+
+/// A table and its arguments.
+type Made<T> = (Basis, usize, Arc<T>);
+
+/// A point of one segment in `[-1, 1]`.
+struct Node {
+    at: f64,
+    weight: f64,
+    collocated: bool,
+}
+
+impl Grids {
+    /// The shared [`Grid::new`] in normalised time.
+    pub fn get(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.grids, basis, points, |basis, points| {
+            Grid::new(basis, points, 1.0)
+        })
+    }
+
+    /// The shared [`Grid::with_ends`] in normalised time.
+    pub fn with_ends(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.with_ends, basis, points, |basis, points| {
+            Grid::with_ends(basis, points, 1.0)
+        })
+    }
+
+    /// The shared [`Grid::collocated`] in normalised time.
+    pub fn collocated(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+        get(&self.collocated, basis, points, |basis, points| {
+            Grid::collocated(basis, points, 1.0)
+        })
+    }
+
+    /// The shared [`Scan::new`].
+    pub fn scan(&self, basis: &Basis, intervals: usize) -> Arc<Scan> {
+        get(&self.scans, basis, intervals, Scan::new)
+    }
+}
+
+/// The stored table, or otherwise a `new` one.
+fn get<T>(
+    made: &Mutex<Vec<Made<T>>>,
+    basis: &Basis,
+    count: usize,
+    new: impl Fn(&Basis, usize) -> T,
+) -> Arc<T> {
+    let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = made.iter().find(|(b, c, _)| (b, *c) == (basis, count));
+    if let Some((.., table)) = known {
+        return table.clone();
+    }
+    let table = Arc::new(new(basis, count));
+    made.push((basis.clone(), count, table.clone()));
+    table
+}
+
+impl Grid<f64> {
+    /// The share of the collocated points in the quadrature, small because they are few.
+    pub(crate) const COLLOCATED: f64 = 1e-3;
+
+    /// Tabulates `basis` on `[0, horizon]` with `points` Gauss-Legendre points per segment.
+    #[must_use]
+    pub fn new(basis: &Basis, points: usize, horizon: f64) -> Self {
+        Self::of_rule(basis, gauss_legendre(points), horizon)
+    }
+
+    /// Tabulates at Gauss-Lobatto points instead, which include the ends of each segment: velocities often peak between
+    /// two segments, where the control jumps.
+    #[must_use]
+    pub fn with_ends(basis: &Basis, points: usize, horizon: f64) -> Self {
+        Self::of_rule(basis, gauss_lobatto(points), horizon)
+    }
+
+    fn of_rule(basis: &Basis, (nodes, weights): (Vec<f64>, Vec<f64>), horizon: f64) -> Self {
+        let nodes = nodes.into_iter().zip(weights);
+        let nodes = nodes.map(|(at, weight)| Node {
+            at,
+            weight,
+            collocated: false,
+        });
+        Self::at(basis, nodes.collect(), horizon)
+    }
+
+    /// Adds `degree - 1` Gauss-Legendre points per segment, at which equalities are enforced: the collocation of a
+    /// second-order equation, whose residual between the points is orthogonal to all polynomials of lower degree
+    /// (`proofs/weak_form.md`). They have the share `COLLOCATED` in the quadrature.
+    #[must_use]
+    pub fn collocated(basis: &Basis, points: usize, horizon: f64) -> Self {
+        let rule = |count, part, collocated| {
+            let (nodes, weights) = gauss_legendre(count);
+            let nodes = nodes.into_iter().zip(weights);
+            nodes.map(move |(at, weight)| Node {
+                at,
+                weight: part * weight,
+                collocated,
+            })
+        };
+        let part = Self::COLLOCATED;
+        let all = rule(points, 1.0 - part, false).chain(rule(basis.degree() - 1, part, true));
+        let mut nodes: Vec<Node> = all.collect();
+        nodes.sort_by(|a, b| a.at.total_cmp(&b.at));
+        Self::at(basis, nodes, horizon)
+    }
+
+    /// Tabulates at these points of each segment.
+    fn at(basis: &Basis, nodes: Vec<Node>, horizon: f64) -> Self {
+        let mut table = DMatrix::zeros(basis.degree() + 1, 3 * nodes.len());
+        let mut thirds = DMatrix::zeros(basis.degree() + 1, nodes.len());
+        for (g, node) in nodes.iter().enumerate() {
+            let local = basis.local(node.at);
+            thirds.set_column(g, &(local.row(3).transpose() / horizon.powi(3)));
+            for d in 0..3 {
+                let scaled = local.row(d).transpose() / horizon.powi(d as i32);
+                table.set_column(3 * g + d, &scaled);
+            }
+        }
+        let segments = 0..basis.segments();
+        let times = segments.flat_map(|e| nodes.iter().map(move |s| horizon * basis.time(e, s.at)));
+        let length = basis.half() * horizon;
+        let weights = nodes.iter().map(|node| node.weight * length).collect();
+        Self {
+            collocated: nodes.iter().map(|node| node.collocated).collect(),
+            thirds: [thirds.clone(), thirds.transpose()],
+            ..Self::from_table(
+                basis.segments(),
+                basis.continuity().order(),
+                basis.free(),
+                times.collect(),
+                weights,
+                table,
+            )
+        }
+    }
+}
+
+impl<S: Scalar> Grid<S> {
+    /// A grid of arbitrary functions: the identities of the assembly hold for any.
+    pub(crate) fn from_table(
+        segments: usize,
+        shared: usize,
+        free: Vec<usize>,
+        times: Vec<S>,
+        weights: Vec<S>,
+        table: DMatrix<S>,
+    ) -> Self {
+        let functions = table.nrows();
+        // On a single segment the fixed functions have no part in the Hessian.
+        let needed = match segments {
+            1 => free.clone(),
+            _ => (0..functions).collect(),
+        };
+        let pairs = needed.iter().enumerate();
+        let pairs = pairs.flat_map(|(i, b)| needed[i..].iter().map(move |a| (*a, *b)));
+        let pairs = pairs.collect();
+        let mut unknown = vec![None; segments * (functions - shared) + shared];
+        for (index, function) in free.iter().enumerate() {
+            unknown[*function] = Some(index);
+        }
+        Self {
+            segments,
+            shared,
+            free,
+            unknown,
+            times,
+            collocated: vec![false; weights.len()],
+            weights,
+            transposed: table.transpose(),
+            thirds: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
+            table,
+            pairs,
+            products: OnceLock::new(),
+            products_of_thirds: OnceLock::new(),
+        }
+    }
+
+    /// The same grid over another scalar.
+    #[must_use]
+    pub fn map<T: Scalar>(&self, f: impl Fn(S) -> T) -> Grid<T> {
+        let all = |x: &[S]| x.iter().map(|x| f(*x)).collect();
+        let (times, weights) = (all(&self.times), all(&self.weights));
+        let table = self.table.map(&f);
+        Grid {
+            collocated: self.collocated.clone(),
+            thirds: [0, 1].map(|i| self.thirds[i].map(&f)),
+            ..Grid::from_table(
+                self.segments,
+                self.shared,
+                self.free.clone(),
+                times,
+                weights,
+                table,
+            )
+        }
+    }
+
+    /// Weighted products of the functions of each pair, for [`PackedHessian`](super::PackedHessian).
+    pub(crate) fn products(&self) -> &[DMatrix<S>; 2] {
+        let new = || products(&self.table, &self.weights, &self.pairs);
+        self.products.get_or_init(new)
+    }
+
+    /// Products of the third derivatives of the functions of each pair, one row per point.
+    pub(super) fn products_of_thirds(&self) -> &DMatrix<S> {
+        self.products_of_thirds.get_or_init(|| {
+            let thirds = &self.thirds[0];
+            DMatrix::from_fn(self.points(), self.pairs.len(), |g, pair| {
+                let (a, b) = self.pairs[pair];
+                thirds[(a, g)] * thirds[(b, g)]
+            })
+        })
+    }
+
+    /// The number of points per segment.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The number of functions, those of the boundary conditions included.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.first(self.segments) + self.shared
+    }
+
+    /// The first function of segment `e`.
+    pub(crate) fn first(&self, e: usize) -> usize {
+        e * (self.table.nrows() - self.shared)
+    }
+
+    /// The unknowns that segment `e` owns alone or shares with the next: a block of the Hessian.
+    pub(crate) fn block(&self, e: usize) -> Range<usize> {
+        let before = |function| self.free.partition_point(|free| *free < function);
+        let first = match e {
+            0 => 0,
+            _ => self.first(e) + self.shared,
+        };
+        before(first)..before(self.first(e + 1) + self.shared)
+    }
+}
+
+/// Multiplies the first derivatives in the jerk by their weights; returns them, and the second derivatives summed over
+/// the points with the products of each pair of functions, `N` by pairs.
+pub(super) fn jerk_products<S: Scalar>(
+    grid: &Grid<S>,
+    horizon: S,
+    [first, second]: &mut [DMatrix<S>; 2],
+) -> (DMatrix<S>, DMatrix<S>) {
+    let rate = S::one() / (horizon * horizon * horizon);
+    let mut by_jerk = first.clone();
+    for (g, weight) in grid.weights.iter().enumerate() {
+        let mut column = by_jerk.column_mut(g);
+        column *= *weight * horizon * rate;
+        let mut column = second.column_mut(g);
+        column *= *weight * horizon * rate * rate;
+    }
+    let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
+    multiply(second, grid.products_of_thirds(), &mut squares);
+    (by_jerk, squares)
+}

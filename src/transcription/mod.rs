@@ -1,0 +1,16 @@
+//! The transcription of a motion: quadrature, and the integrals of costs and the rows of constraints along a curve in a
+//! basis, with their derivatives in the coefficients.
+
+mod grid;
+mod horizon;
+mod objective;
+mod rows;
+mod scan;
+
+pub use grid::Grid;
+pub(crate) use grid::Grids;
+pub use horizon::HorizonDerivatives;
+pub use objective::{Derivatives, Objective};
+pub(crate) use objective::{place, points};
+pub(crate) use rows::Rows;
+pub(crate) use scan::{Peak, Scan};

@@ -1,0 +1,393 @@
+//! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
+
+use super::grid::jerk_products;
+use super::horizon::Moving;
+use super::{Grid, HorizonDerivatives};
+use crate::cost::{PackedHessian, PointCost, Points, PointsDerivatives};
+use crate::error::{Result, check_length};
+use crate::linalg::{BlockTridiagonal, multiply};
+use crate::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+
+/// The sum $\sum_g w_g\\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by
+/// `count`.
+///
+/// With the function $\phi_m^x$ number `m` (`x` = 0) and its derivatives at a point, and the `N` by `N` blocks $W^{xy}$
+/// of the Hessian of `l` there,
+///
+/// $$ \frac{\partial}{\partial c_m} = \sum_g w_g \sum_x \phi_m^x \frac{\partial l}{\partial z^x}, \qquad
+///    \frac{\partial^2}{\partial c_m \partial c_n} = \sum_g w_g \sum_{x, y} \phi_m^x \phi_n^y\\, W^{xy}. $$
+///
+/// The products of functions are tabulated, so that all blocks of the Hessian of a segment with `p` functions and `M`
+/// points are two matrix products, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
+pub struct Objective<'g, S: Scalar, P> {
+    grid: &'g Grid<S>,
+    cost: P,
+    dof: usize,
+    /// The factor from the time of the grid to time, and if it is an unknown the rates of the coefficients in it.
+    horizon: S,
+    rates: Option<DMatrix<S>>,
+    times: Vec<S>,
+    /// $q, v, a$ at the points of a segment, one column each.
+    states: DMatrix<S>,
+    /// The rate of the acceleration at the points of a segment, if the cost needs it.
+    jerks: Option<DMatrix<S>>,
+    costs: Vec<S>,
+    /// Allocated when derivatives are first requested.
+    room: Option<Room<S>>,
+}
+
+/// Scratch space of derivatives.
+struct Room<S: Scalar> {
+    at_points: PointsDerivatives<S>,
+    sums: [DMatrix<S>; 2],
+    gradient: DMatrix<S>,
+}
+
+/// The derivatives of an objective in the unknown coefficients, function by function.
+#[derive(Clone, Debug)]
+pub struct Derivatives<S: Scalar> {
+    /// The gradient.
+    pub gradient: DVector<S>,
+    /// The Hessian.
+    pub hessian: BlockTridiagonal<S>,
+    /// The Gauss-Newton metric.
+    pub metric: BlockTridiagonal<S>,
+    /// The derivatives in the horizon: the first, the second, and the mixed ones with the coefficients.
+    pub horizon: HorizonDerivatives<S>,
+}
+
+impl<S: Scalar> Derivatives<S> {
+    /// Zeros for the unknowns of a grid and a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &Grid<S>, dof: usize) -> Self {
+        let sizes: Vec<_> = (0..grid.segments)
+            .map(|e| grid.block(e).len() * dof)
+            .collect();
+        let matrix = BlockTridiagonal::new(&sizes, grid.shared * dof);
+        Self {
+            gradient: DVector::zeros(grid.free.len() * dof),
+            hessian: matrix.clone(),
+            metric: matrix,
+            horizon: HorizonDerivatives {
+                first: S::zero(),
+                second: S::zero(),
+                mixed: DVector::zeros(grid.free.len() * dof),
+            },
+        }
+    }
+}
+
+impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
+    /// The integral of `cost` on `grid` for a robot with `dof` joints.
+    #[must_use]
+    pub fn new(grid: &'g Grid<S>, cost: P, dof: usize) -> Self {
+        let points = grid.points();
+        Self {
+            grid,
+            jerks: cost.needs_jerk().then(|| DMatrix::zeros(dof, points)),
+            cost,
+            dof,
+            horizon: S::one(),
+            rates: None,
+            times: grid.times.clone(),
+            states: DMatrix::zeros(dof, 3 * points),
+            costs: vec![S::zero(); points],
+            room: None,
+        }
+    }
+
+    /// Sets the factor `T` from the time of the grid to time: with $\tau$ the time of the grid, the integral is
+    /// $T \sum_g w_g\\, l(q, q' / T, q'' / T^2)$.
+    pub fn set_horizon(&mut self, horizon: S) {
+        self.horizon = horizon;
+        for (time, normalised) in self.times.iter_mut().zip(&self.grid.times) {
+            *time = horizon * *normalised;
+        }
+    }
+
+    /// Makes the horizon an unknown, in which the coefficients change at these rates, `N` by the number of functions.
+    pub fn free_horizon(&mut self, rates: DMatrix<S>) {
+        self.rates = Some(rates);
+    }
+
+    /// The grid.
+    #[must_use]
+    pub fn grid(&self) -> &'g Grid<S> {
+        self.grid
+    }
+
+    /// The running cost.
+    pub fn cost_mut(&mut self) -> &mut P {
+        &mut self.cost
+    }
+
+    /// The running cost.
+    pub fn cost(&self) -> &P {
+        &self.cost
+    }
+
+    /// The number of joints `N`.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// Computes the integral.
+    ///
+    /// # Errors
+    /// `coefficients` is not `N` by the number of functions of the grid.
+    pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
+        self.check(coefficients)?;
+        let mut sum = S::zero();
+        for e in 0..self.grid.segments {
+            self.place(coefficients, e);
+            let here = points(self.grid, &self.times, &self.states, &self.jerks, e);
+            self.cost.values(here, &mut self.costs)?;
+            for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
+                sum += *weight * *cost;
+            }
+        }
+        Ok(self.horizon * sum)
+    }
+
+    /// Computes the integral, and its derivatives into `out`.
+    ///
+    /// # Errors
+    /// `coefficients` is not `N` by the number of functions of the grid.
+    pub fn derivatives(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.integrate(coefficients, true, out)
+    }
+
+    /// Computes the derivatives as [`derivatives`](Self::derivatives) does, without the metric.
+    ///
+    /// # Errors
+    /// `coefficients` is not `N` by the number of functions of the grid.
+    pub fn gradient_and_hessian(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.integrate(coefficients, false, out)
+    }
+
+    fn integrate(
+        &mut self,
+        coefficients: &DMatrix<S>,
+        with_metric: bool,
+        out: &mut Derivatives<S>,
+    ) -> Result<S> {
+        self.check(coefficients)?;
+        out.gradient.fill(S::zero());
+        out.horizon = HorizonDerivatives {
+            first: S::zero(),
+            second: S::zero(),
+            mixed: DVector::zeros(out.gradient.len()),
+        };
+        let (grid, dof, horizon) = (self.grid, self.dof, self.horizon);
+        let mut sum = S::zero();
+        for e in 0..grid.segments {
+            self.place(coefficients, e);
+            let here = points(grid, &self.times, &self.states, &self.jerks, e);
+            let Room {
+                at_points,
+                sums,
+                gradient,
+            } = self.room.get_or_insert_with(|| Room::new(grid, dof));
+            at_points.with_metrics = with_metric;
+            self.cost.all_derivatives(here, at_points)?;
+            for (g, weight) in grid.weights.iter().enumerate() {
+                sum += *weight * at_points.costs[g];
+            }
+            if let Some(rates) = &self.rates {
+                let moving = Moving {
+                    grid,
+                    horizon,
+                    rates,
+                };
+                let mixed = moving.integrate(e, here, at_points, &mut out.horizon);
+                for (g, weight) in grid.weights.iter().enumerate() {
+                    let late = self.cost.time_rate(here.point(g))?;
+                    out.horizon.first += *weight * here.times[g] * late;
+                }
+                multiply(&mixed, &grid.transposed, gradient);
+                add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                if let Some(jerks) = here.jerks {
+                    let mixed = moving.integrate_jerk(e, jerks, at_points, &mut out.horizon);
+                    multiply(&mixed, &grid.thirds[1], gradient);
+                    add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                }
+            }
+            for (g, weight) in grid.weights.iter().enumerate() {
+                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
+                gradients *= *weight * horizon;
+            }
+            scale(&mut at_points.gradients, horizon);
+            multiply(&at_points.gradients, &grid.transposed, gradient);
+            add_gradient(grid, gradient, e, &mut out.gradient);
+            let mut of_jerk = None;
+            if here.jerks.is_some() {
+                let (by_jerk, squares) = jerk_products(grid, horizon, &mut at_points.by_jerk);
+                multiply(&by_jerk, &grid.thirds[1], gradient);
+                add_gradient(grid, gradient, e, &mut out.gradient);
+                of_jerk = Some(squares);
+            }
+            at_points
+                .hessians
+                .integrate(grid.products(), horizon, sums, |pair, block| {
+                    if let Some(squares) = &of_jerk {
+                        for i in 0..dof {
+                            block[(i, i)] += squares[(i, pair)];
+                        }
+                    }
+                    put_block(grid, block, e, pair, &mut out.hessian);
+                });
+            if with_metric {
+                at_points
+                    .metrics
+                    .integrate(grid.products(), horizon, sums, |pair, block| {
+                        put_block(grid, block, e, pair, &mut out.metric);
+                    });
+            }
+        }
+        Ok(horizon * sum)
+    }
+
+    /// Computes the Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$,
+    /// which for the longest wave that vanishes at both ends is the mean square of $\delta q$.
+    #[must_use]
+    pub fn gram(&self) -> BlockTridiagonal<S> {
+        let (n, grid) = (self.dof, self.grid);
+        let segments = S::from_f64(grid.segments as f64 / std::f64::consts::PI.powi(2));
+        let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * segments;
+        let mut gram = Derivatives::new(grid, n).hessian;
+        let identity = DMatrix::identity(n, n);
+        let velocity = |m, g| grid.table[(m, 3 * g + 1)];
+        let squares = grid.pairs.iter().map(|&(a, b)| {
+            let at_points = grid.weights.iter().enumerate();
+            at_points.fold(S::zero(), |sum, (g, w)| {
+                sum + *w * velocity(a, g) * velocity(b, g)
+            })
+        });
+        let squares: Vec<S> = squares.collect();
+        for e in 0..grid.segments {
+            for (pair, square) in squares.iter().enumerate() {
+                put_block(grid, &(&identity * (*square * scale)), e, pair, &mut gram);
+            }
+        }
+        gram
+    }
+
+    /// Computes the curve at the points of segment `e`.
+    fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
+        let (grid, first) = (self.grid, self.grid.first(e));
+        place(coefficients, first, &grid.table, &mut self.states);
+        scale(&mut self.states, self.horizon);
+        if let Some(jerks) = &mut self.jerks {
+            place(coefficients, first, &grid.thirds[0], jerks);
+            *jerks *= S::one() / (self.horizon * self.horizon * self.horizon);
+        }
+    }
+
+    fn check(&self, coefficients: &DMatrix<S>) -> Result<()> {
+        check_length("coefficients", self.dof, coefficients.nrows())?;
+        check_length("coefficients", self.grid.count(), coefficients.ncols())
+    }
+}
+
+impl<S: Scalar> Room<S> {
+    fn new(grid: &Grid<S>, dof: usize) -> Self {
+        Self {
+            at_points: PointsDerivatives::new(dof, grid.points()),
+            sums: PackedHessian::sums(dof, grid.pairs.len()),
+            gradient: DMatrix::zeros(dof, grid.table.nrows()),
+        }
+    }
+}
+
+/// Divides the columns of first derivatives by the horizon, and those of second ones by its square.
+pub(crate) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
+    let rate = S::one() / horizon;
+    for (column, mut values) in states.column_iter_mut().enumerate() {
+        match column % 3 {
+            0 => (),
+            1 => values *= rate,
+            _ => values *= rate * rate,
+        }
+    }
+}
+
+/// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
+fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
+    let (n, first) = (gradient.nrows(), grid.first(e));
+    for (m, column) in gradient.column_iter().enumerate() {
+        if let Some(unknown) = grid.unknown[first + m] {
+            let mut target = out.rows_mut(unknown * n, n);
+            target += column;
+        }
+    }
+}
+
+/// Writes the block of a pair of functions of segment `e`, added to the contribution of the previous segment, which
+/// must have been written before.
+fn put_block<S: Scalar>(
+    grid: &Grid<S>,
+    block: &DMatrix<S>,
+    e: usize,
+    pair: usize,
+    out: &mut BlockTridiagonal<S>,
+) {
+    let (n, first, (a, b)) = (block.nrows(), grid.first(e), grid.pairs[pair]);
+    let unknowns = (grid.unknown[first + a], grid.unknown[first + b]);
+    let (Some(row), Some(column)) = unknowns else {
+        return;
+    };
+    // The first functions of a segment are the last ones of the block before.
+    let (own, shared) = (grid.block(e).start, grid.shared);
+    let (target, row, column) = match (e > 0 && a < shared, e > 0 && b < shared) {
+        (false, false) => (&mut out.diagonal[e], row - own, column - own),
+        (false, true) => (&mut out.coupling[e - 1], row - own, column + shared - own),
+        (true, _) => {
+            let start = grid.block(e - 1).start;
+            let at = ((row - start) * n, (column - start) * n);
+            let mut target = out.diagonal[e - 1].view_mut(at, (n, n));
+            target += block;
+            return;
+        }
+    };
+    target
+        .view_mut((row * n, column * n), (n, n))
+        .copy_from(block);
+}
+
+/// Computes the curve of the functions from `first` on by `table`.
+pub(crate) fn place<S: Scalar>(
+    coefficients: &DMatrix<S>,
+    first: usize,
+    table: &DMatrix<S>,
+    states: &mut DMatrix<S>,
+) {
+    let own = coefficients.columns(first, table.nrows()).into_owned();
+    multiply(&own, table, states);
+}
+
+/// The input of the running cost at the points of segment `e`.
+pub(crate) fn points<'a, S: Scalar>(
+    grid: &'a Grid<S>,
+    times: &'a [S],
+    states: &'a DMatrix<S>,
+    jerks: &'a Option<DMatrix<S>>,
+    e: usize,
+) -> Points<'a, S> {
+    let first = e * grid.points();
+    Points {
+        first,
+        times: &times[first..first + grid.points()],
+        states,
+        jerks: jerks.as_ref(),
+    }
+}

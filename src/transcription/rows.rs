@@ -1,0 +1,216 @@
+//! The rows of constraints at the points of a curve.
+
+use crate::constraint::{
+    Constraint, Constraints, Evaluator, RateLimit, RowKind, WeightedDerivatives, Weights,
+};
+use crate::cost::{CostWithControl, Points};
+use crate::error::Result;
+use crate::model::Model;
+use crate::scalar::{LANES, Wide};
+use nalgebra::DMatrix;
+
+/// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
+#[derive(Debug)]
+pub(crate) struct Rows<'a, K, P> {
+    pub model: &'a Model,
+    pub constraints: &'a Constraints<K>,
+    /// The limits of acceleration and jerk, after the rows of state and torque.
+    pub rates: Vec<RateLimit>,
+    /// The running cost.
+    pub cost: P,
+    /// The controls at the points.
+    controls: DMatrix<f64>,
+    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
+    z: Vec<Wide<f64>>,
+    wide: Vec<Wide<f64>>,
+    attributes: Attributes,
+}
+
+/// The attributes of rows, one entry per row.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Attributes {
+    /// The factor of a row, with which a badly violated row is of the order of 0.1.
+    pub scales: Vec<f64>,
+    /// True if a row is an equality.
+    pub equalities: Vec<bool>,
+    /// One unit of the scaled row: rad, rad/s, m, N m or N.
+    pub units: Vec<f64>,
+    /// True for a clearance, which is far from its bound most of the time.
+    pub clearances: Vec<bool>,
+    /// The distance from its bound from which on a row is constant; infinite if there is none.
+    pub cutoffs: Vec<f64>,
+}
+
+// By hand, since a derived `Clone` would require it of the constraints, which are a reference.
+impl<K, P: Clone> Clone for Rows<'_, K, P> {
+    fn clone(&self) -> Self {
+        Self {
+            model: self.model,
+            constraints: self.constraints,
+            rates: self.rates.clone(),
+            cost: self.cost.clone(),
+            controls: self.controls.clone(),
+            evaluator: self.evaluator.clone(),
+            z: self.z.clone(),
+            wide: self.wide.clone(),
+            attributes: self.attributes.clone(),
+        }
+    }
+}
+
+impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
+    pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
+        constraints.check(model)?;
+        let state = &constraints.state;
+        let n = model.dof();
+        let [scales, units] = constraints.factors_and_units();
+        let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
+        let is_clearance = |row| {
+            constraints.label(row, model).kind == RowKind::Clearance
+                && !constraints.is_equality(row)
+        };
+        let cutoff = |row| match row < state.dim() {
+            true => state.cutoff(row).unwrap_or(f64::INFINITY),
+            false => f64::INFINITY,
+        };
+        let attributes = Attributes {
+            clearances: (0..scales.len()).map(is_clearance).collect(),
+            cutoffs: (0..scales.len()).map(cutoff).collect(),
+            units,
+            equalities: equalities.collect(),
+            scales,
+        };
+        Ok(Self {
+            model,
+            constraints,
+            rates: constraints.stage.rates().collect(),
+            cost,
+            controls: DMatrix::zeros(n, 0),
+            evaluator: Evaluator::new(model),
+            z: vec![Wide::splat(0.0); 3 * n],
+            wide: vec![Wide::splat(0.0); state.dim()],
+            attributes,
+        })
+    }
+
+    /// The number of rows.
+    pub fn count(&self) -> usize {
+        self.attributes.scales.len()
+    }
+
+    /// The number of rows of the state; those of the torque follow.
+    pub fn states(&self) -> usize {
+        self.wide.len()
+    }
+
+    /// The attributes of all rows.
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+
+    /// Returns true if any row depends on the control.
+    fn with_control(&self) -> bool {
+        let Constraints { torque, stage, .. } = self.constraints;
+        torque.dim() > 0 || !stage.others.is_empty()
+    }
+
+    /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
+        self.of_state(points, h)?;
+        self.of_rates(points, h);
+        if !self.with_control() {
+            return self.cost.values(points, costs);
+        }
+        let (states, count) = (self.states(), self.count());
+        let Constraints { torque, stage, .. } = self.constraints;
+        let rates = states + torque.dim();
+        if self.controls.ncols() < points.count() {
+            self.controls = DMatrix::zeros(points.states.nrows(), points.count());
+        }
+        self.cost
+            .values_with_control(points, costs, &mut self.controls)?;
+        let scales = &self.attributes.scales;
+        for (g, (h, u)) in h
+            .chunks_exact_mut(count)
+            .zip(self.controls.column_iter())
+            .enumerate()
+        {
+            if rates > states {
+                torque.value(u.as_slice(), &mut h[states..rates])?;
+            }
+            for (h, scale) in h[states..rates].iter_mut().zip(&scales[states..]) {
+                *h *= scale;
+            }
+            for (first, other) in stage.others() {
+                let own = rates + first..rates + first + other.dim();
+                let at = points.point(g).with_control(u.as_slice());
+                other.value(&at, &mut h[own.clone()])?;
+                for (h, scale) in h[own.clone()].iter_mut().zip(&scales[own]) {
+                    *h *= scale;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes the rows of acceleration and jerk.
+    fn of_rates(&self, points: Points<'_, f64>, h: &mut [f64]) {
+        let first = self.constraints.first_of_stage();
+        let rows = h.chunks_exact_mut(self.count().max(1)).take(points.count());
+        for (g, h) in rows.enumerate() {
+            for (h, rate) in h[first..].iter_mut().zip(&self.rates) {
+                let of_joint = match points.jerks {
+                    Some(jerks) if rate.order == 3 => jerks[(rate.joint, g)],
+                    _ => points.states[(rate.joint, 3 * g + 2)],
+                };
+                *h = rate.sign() * of_joint / rate.limit - 1.0;
+            }
+        }
+    }
+
+    /// Computes the rows without the running cost, which is skipped if only the state has constraints.
+    pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        if self.with_control() {
+            return self.at(points, h, &mut vec![0.0; points.count()]);
+        }
+        self.of_rates(points, h);
+        self.of_state(points, h)
+    }
+
+    /// Computes the rows of the state alone and leaves those of the control unchanged.
+    pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        let (states, count) = (self.states(), self.count());
+        if self.wide.is_empty() {
+            return Ok(());
+        }
+        let own = 2 * points.states.nrows();
+        for start in (0..points.count()).step_by(LANES) {
+            let found = points.gather(start, &mut self.z);
+            let placed = self.evaluator.at(&self.z[..own])?;
+            placed.value(&self.constraints.state, &mut self.wide)?;
+            for lane in 0..found {
+                let first = (start + lane) * count;
+                let h = &mut h[first..first + states];
+                let rows = self.wide.iter().zip(&self.attributes.scales);
+                for (h, (row, scale)) in h.iter_mut().zip(rows) {
+                    *h = row.0[lane] * scale;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
+    pub fn weighted_derivatives(
+        &mut self,
+        points: Points<'_, f64>,
+        start: usize,
+        weights: Weights<'_, Wide<f64>>,
+    ) -> Result<&WeightedDerivatives<Wide<f64>>> {
+        points.gather(start, &mut self.z);
+        let own = 2 * points.states.nrows();
+        self.evaluator
+            .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
+    }
+}

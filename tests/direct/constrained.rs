@@ -1,0 +1,240 @@
+//! The direct method within constraints: optima that are known, and what it says where there is none.
+
+use crate::common::direct::solved_within;
+use crate::common::{assert_refused, direct, point_mass};
+use aghf::constraint::{
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
+    TorqueLimits,
+};
+use aghf::direct::{Direct, DirectSettings, DirectSolution};
+use aghf::motion::{Problem, sample};
+use nalgebra::Vector3;
+
+type Kept = Constraints<Vec<AnyConstraint>>;
+
+fn state(constraint: AnyConstraint) -> Kept {
+    Constraints {
+        state: vec![constraint],
+        torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
+    }
+}
+
+fn solved(problem: &Problem<'_>, kept: &Kept) -> DirectSolution {
+    solved_within(problem, &DirectSettings::constrained(), kept)
+}
+
+/// A point that has to go around a ball of this radius.
+fn around_a_ball(radius: f64, degree: usize) -> DirectSolution {
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let start = vec![0.0, 0.0, 0.0, 0.0];
+    let problem = Problem::new(&model, start, vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let ball = CollisionSphere {
+        body: Some(1),
+        centre: Vector3::zeros(),
+        radius: 0.0,
+    };
+    let centre = Vector3::new(0.5, 0.05, 0.0);
+    let kept = state(AnyConstraint::Spheres(SphereClearance {
+        balls: vec![ball],
+        spheres: vec![Sphere { centre, radius }],
+    }));
+    let settings = DirectSettings {
+        degree,
+        ..DirectSettings::constrained()
+    };
+    solved_within(&problem, &settings, &kept)
+}
+
+/// A cost that is more than there are numbers for ends as a search that failed.
+#[test]
+fn rows_that_overflow_are_a_failure() {
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let ball = CollisionSphere {
+        body: Some(1),
+        centre: Vector3::zeros(),
+        radius: 0.0,
+    };
+    for (centre, radius) in [(1e300, 1e300), (0.0, 1e300)] {
+        let centre = Vector3::new(centre, 0.0, 0.0);
+        let kept = state(AnyConstraint::Spheres(SphereClearance {
+            balls: vec![ball],
+            spheres: vec![Sphere { centre, radius }],
+        }));
+        let direct = Direct::new(&problem).constraints(&kept);
+        let solution = direct.settings(DirectSettings::constrained()).solve();
+        assert!(!solution.is_ok_and(|s| s.converged), "{centre} {radius}");
+    }
+}
+
+/// A touch in a point takes a multiplier that is all at one time, far above the first penalty of a violation, and more
+/// so the more points there are. A polynomial of a lower degree is one of a higher.
+#[test]
+fn a_touch_in_a_point_is_worth_its_price_at_every_degree() {
+    let found = [12, 16, 20, 24].map(|degree| around_a_ball(0.2, degree));
+    for solution in &found {
+        assert!(solution.converged && solution.largest_violation <= 1e-6);
+    }
+    let costs = found.map(|solution| solution.cost);
+    // What the margins of the lower degree cost is more than what those of the higher do.
+    assert!(costs.is_sorted_by(|a, b| a > b), "{costs:?}");
+    assert!(costs[3] > 0.999 * costs[0], "{costs:?}");
+}
+
+/// A point that has to go around a ball: it touches it, pays for that, and a multiplier pulls nowhere else.
+#[test]
+fn a_point_goes_around_a_ball() {
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let start = vec![0.0, 0.0, 0.0, 0.0];
+    let problem = Problem::new(&model, start, vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let (centre, radius) = (Vector3::new(0.5, 0.05, 0.0), 0.2);
+    let ball = CollisionSphere {
+        body: Some(1),
+        centre: Vector3::zeros(),
+        radius: 0.0,
+    };
+    let kept = state(AnyConstraint::Spheres(SphereClearance {
+        balls: vec![ball],
+        spheres: vec![Sphere { centre, radius }],
+    }));
+    let solution = solved(&problem, &kept);
+    assert!(solution.converged && solution.smallest_curvature > 0.0);
+    assert!(solution.gradient_norm <= 1e-6 && solution.largest_violation <= 1e-6);
+    let samples = sample(&model, &solution.curve, 5000).expect("sizes agree");
+    let distance = |q: &[f64]| (Vector3::new(q[0], q[1], 0.0) - centre).norm() - radius;
+    let least = samples
+        .iter()
+        .map(|s| distance(&s.q))
+        .fold(f64::INFINITY, f64::min);
+    assert!((-1e-6..1e-5).contains(&least), "{least}");
+    // Below, where the way is shorter, and nearly symmetric: the rows pull at the points of the quadrature beside the
+    // touch, here 5 mm to one side, and not where it is.
+    let (middle, _) = solution.curve.at(0.5);
+    assert!(
+        (middle[0] - 0.5).abs() < 1e-2 && (middle[1] + 0.15).abs() < 1e-3,
+        "{middle} {least} {}",
+        solution.cost
+    );
+    let free = direct::solved(&problem, &DirectSettings::default());
+    assert!(solution.cost > free.cost + 0.1, "{}", solution.cost);
+    let again = solved(&problem, &kept);
+    assert_eq!(again.curve.x(), solution.curve.x());
+}
+
+/// The double integrator with a limit on its velocity: the velocity rises as a parabola to the limit, stays there and
+/// falls. Without a limit it would reach 1.5 in the middle, and the cost would be 12.
+#[test]
+fn a_velocity_limit_is_kept_at_the_known_cost() {
+    let model = point_mass(&[Vector3::x()]);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let limited = |value: f64| {
+        let bound = Bound {
+            entry: 1,
+            side: Side::Upper,
+            value,
+        };
+        solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))))
+    };
+    let solution = limited(1.2);
+    assert!(
+        solution.converged && solution.largest_violation <= 1e-6,
+        "{solution:?}"
+    );
+    // It rises for 3 (v T - d) / 2 v, which is a quarter, and costs 8 v^2 / 3 times the inverse of that. A polynomial
+    // comes near.
+    let exact = 8.0 * 1.44 / 3.0 / 0.25;
+    let excess = solution.cost / exact - 1.0;
+    assert!((0.0..0.02).contains(&excess), "{excess}");
+    // The mean has to be one.
+    let impossible = limited(0.9);
+    assert!(!impossible.converged && impossible.largest_violation > 0.05);
+    // No limit that binds: the cubic.
+    let loose = limited(1.6);
+    assert!(loose.converged && (loose.cost - 12.0).abs() < 1e-9);
+}
+
+/// A goal at a limit: the row of its state is constant, so it neither prevents convergence nor raises the penalty.
+#[test]
+fn a_goal_at_its_limit() {
+    let model = point_mass(&[Vector3::x()]);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let upper = |entry, value| Bound {
+        entry,
+        side: Side::Upper,
+        value,
+    };
+    let limits = Bounds(vec![upper(0, 1.0), upper(1, 1.2)]);
+    let at_goal = solved(&problem, &state(AnyConstraint::Bounds(limits)));
+    let free = solved(
+        &problem,
+        &state(AnyConstraint::Bounds(Bounds(vec![upper(1, 1.2)]))),
+    );
+    assert!(at_goal.converged, "{at_goal:?}");
+    assert!(
+        (at_goal.cost / free.cost - 1.0).abs() < 1e-5,
+        "{} {}",
+        at_goal.cost,
+        free.cost
+    );
+    let counts = [&at_goal, &free].map(|solution| solution.iterations.len());
+    assert!(counts[0] <= 2 * counts[1], "{counts:?}");
+}
+
+#[test]
+fn a_torque_limit_is_kept() {
+    let model = point_mass(&[Vector3::x()]);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let kept = Constraints {
+        state: Vec::new(),
+        torque: TorqueLimits(vec![Some(5.0)]),
+        stage: Default::default(),
+    };
+    let solution = solved(&problem, &kept);
+    assert!(
+        solution.converged && solution.largest_violation <= 1e-6,
+        "{solution:?}"
+    );
+    let samples = sample(&model, &solution.curve, 5000).expect("sizes agree");
+    let most = samples.iter().map(|s| s.u[0].abs()).fold(0.0_f64, f64::max);
+    assert!((5.0 - 1e-4..=5.0 + 1e-6).contains(&most), "{most}");
+    // Without a limit the force is 6 at the ends and the cost 12.
+    assert!(
+        solution.cost > 12.0 && solution.cost < 13.0,
+        "{}",
+        solution.cost
+    );
+    // Four would do for the distance if it were forward for one half and backward for the other.
+    let kept = Constraints {
+        torque: TorqueLimits(vec![Some(3.9)]),
+        ..kept
+    };
+    assert!(!solved(&problem, &kept).converged);
+    let kept = Constraints {
+        torque: TorqueLimits(vec![None; 2]),
+        ..kept
+    };
+    let limits = Constraints {
+        torque: TorqueLimits(vec![Some(1.0); 2]),
+        ..kept
+    };
+    let of_another = Direct::new(&problem).constraints(&limits);
+    assert_refused(
+        of_another.solve(),
+        "torque limits: expected 1 entries, found 2",
+    );
+}
+
+/// An end that is in a sphere cannot be helped, and it is said how deep it is.
+#[test]
+fn an_end_in_an_obstacle_is_a_failure() {
+    let model = point_mass(&[Vector3::x()]);
+    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let bound = Bound {
+        entry: 0,
+        side: Side::Upper,
+        value: 0.9,
+    };
+    let solution = solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))));
+    assert!(!solution.converged && solution.largest_violation >= 0.1 - 1e-9);
+}
