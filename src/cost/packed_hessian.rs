@@ -2,7 +2,7 @@
 
 use crate::linalg::multiply;
 use crate::scalar::{LANES, Lanes, Scalar};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// The stored blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$, $x \le y$: the symmetric ones first.
 const BLOCKS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -185,6 +185,52 @@ impl<S: Scalar> PackedHessian<S> {
                 (symmetric - antisymmetric) * half
             }
         })
+    }
+
+    /// Computes the product of the matrix of point `g` with a vector of `3 N` entries.
+    pub(crate) fn product(&self, g: usize, vector: &DVector<S>, out: &mut DVector<S>) {
+        let (n, half) = (self.dof, S::from_f64(0.5));
+        out.fill(S::zero());
+        let columns = self.symmetric.as_slice();
+        let mut sums = columns.chunks_exact(6 * self.room);
+        let columns = self.antisymmetric.as_slice();
+        let mut differences = columns.chunks_exact(3 * self.room);
+        for j in 0..n {
+            for i in j..n {
+                let Some(sum) = sums.next() else {
+                    return;
+                };
+                let difference = match i > j {
+                    true => differences.next(),
+                    false => None,
+                };
+                for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
+                    let sum = sum[block * self.room + g];
+                    // The entries (i, j) and (j, i) of the block.
+                    let (here, mirrored) = match (difference, block.checked_sub(3)) {
+                        (Some(of), Some(block)) => {
+                            let difference = of[block * self.room + g];
+                            ((sum + difference) * half, (sum - difference) * half)
+                        }
+                        (None, Some(_)) => (sum * half, sum * half),
+                        (_, None) => (sum, sum),
+                    };
+                    let mut add = |row: usize, column: usize, entry: S| {
+                        out[row] += entry * vector[column];
+                    };
+                    add(x * n + i, y * n + j, here);
+                    if i > j {
+                        add(x * n + j, y * n + i, mirrored);
+                    }
+                    if x < y {
+                        add(y * n + j, x * n + i, here);
+                        if i > j {
+                            add(y * n + i, x * n + j, mirrored);
+                        }
+                    }
+                }
+            }
+        }
     }
 
     /// Computes the `N` by `N` block of each pair of functions of a segment of time `horizon` times that of

@@ -17,6 +17,16 @@ pub struct Row {
     pub weight: f64,
 }
 
+/// The slack $s$, the elastic variable $t$ and the multiplier $\lambda$ of an inequality, with the conditions
+/// $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
+#[derive(Clone, Copy, Debug)]
+pub struct RowState {
+    pub row: Row,
+    pub slack: f64,
+    pub elastic: f64,
+    pub multiplier: f64,
+}
+
 /// A row that is an equality.
 #[derive(Clone, Copy, Debug)]
 pub struct Equality {
@@ -25,23 +35,20 @@ pub struct Equality {
     pub first: f64,
     /// The penalty $\rho$ of its square.
     pub penalty: f64,
+    /// $\lambda$.
+    pub multiplier: f64,
 }
 
-/// The slacks $s$, elastic variables $t$ and multipliers of the rows, for all rows in their order: those of
-/// inequalities have the conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$. Equalities have the terms
+/// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
 #[derive(Clone, Debug)]
 pub struct Iterate {
-    /// The inequalities of the working set.
-    pub working: Vec<Row>,
+    /// The inequalities of the working set, by their indices.
+    pub working: Vec<RowState>,
     pub equalities: Vec<Equality>,
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
-    pub slack: Vec<f64>,
-    pub elastic: Vec<f64>,
-    /// $\lambda$; zero outside the working set.
-    pub multiplier: Vec<f64>,
 }
 
 /// The weights of a row in the condensed equations.
@@ -78,16 +85,26 @@ pub struct RowStep {
 }
 
 impl Iterate {
-    pub fn new(rows: usize, barrier: Barrier, equalities: Vec<Equality>) -> Self {
+    pub fn new(barrier: Barrier, equalities: Vec<Equality>) -> Self {
         Self {
             working: Vec::new(),
             equalities,
             before: f64::INFINITY,
             barrier,
-            slack: vec![0.0; rows],
-            elastic: vec![0.0; rows],
-            multiplier: vec![0.0; rows],
         }
+    }
+
+    /// The multipliers by the indices of their rows, up to `count`; zero for inequalities outside the working set.
+    #[must_use]
+    pub fn multipliers(&self, count: usize) -> Vec<f64> {
+        let mut all = vec![0.0; count];
+        for of in &self.working {
+            all[of.row.at] = of.multiplier;
+        }
+        for of in &self.equalities {
+            all[of.row.at] = of.multiplier;
+        }
+        all
     }
 
     /// Returns true if a multiplier has nearly reached the penalty.
@@ -96,8 +113,8 @@ impl Iterate {
     }
 
     /// Returns true if the multiplier of a row has nearly reached the penalty.
-    pub fn is_row_at_penalty(&self, row: &Row) -> bool {
-        self.multiplier[row.at] > AT_PENALTY * self.barrier.nu
+    pub fn is_row_at_penalty(&self, row: &RowState) -> bool {
+        row.multiplier > AT_PENALTY * self.barrier.nu
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
@@ -116,50 +133,53 @@ impl Iterate {
         [(2.0 * mu + less) * 0.5 / nu, (2.0 * mu + more) * 0.5 / nu]
     }
 
-    /// Replaces the working set. New rows have the slack of their value and the multiplier of that.
-    pub fn set_working(&mut self, working: Vec<Row>, h: &[f64]) {
-        let mut kept = vec![0.0; self.multiplier.len()];
-        for row in &working {
-            let at = row.at;
-            if self.multiplier[at] == 0.0 {
-                [self.slack[at], self.elastic[at]] = self.split(h[at]);
-                self.multiplier[at] = self.central(row);
-            }
-            kept[at] = self.multiplier[at];
+    /// The state of a row with a value, as [`split`](Self::split), and the more accurate one of two multipliers.
+    fn central(&self, row: Row, h: f64) -> RowState {
+        let Barrier { mu, nu } = self.barrier;
+        let [s, t] = self.split(h);
+        RowState {
+            row,
+            slack: s,
+            elastic: t,
+            multiplier: if s > t { mu / s } else { nu - mu / t },
         }
-        for Equality { row, .. } in &self.equalities {
-            kept[row.at] = self.multiplier[row.at];
-        }
-        self.multiplier = kept;
-        self.working = working;
     }
 
-    /// The multiplier of slack and elastic variable, the more accurate one of two.
-    fn central(&self, row: &Row) -> f64 {
-        let Barrier { mu, nu } = self.barrier;
-        let (s, t) = (self.slack[row.at], self.elastic[row.at]);
-        if s > t { mu / s } else { nu - mu / t }
+    /// Replaces the working set by rows in ascending order. Those that were in it keep their state; new ones have the
+    /// slack of their value and the multiplier of that.
+    pub fn set_working(&mut self, working: &[Row], h: &[f64]) {
+        let before = std::mem::take(&mut self.working);
+        let mut before = before.into_iter().peekable();
+        let states = working.iter().map(|row| {
+            while before.next_if(|known| known.row.at < row.at).is_some() {}
+            match before.next_if(|known| known.row.at == row.at) {
+                Some(known) => RowState { row: *row, ..known },
+                None => self.central(*row, h[row.at]),
+            }
+        });
+        self.working = states.collect();
     }
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
     /// smaller than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most
     /// to `largest`.
     pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], largest: f64, range: f64) {
-        for row in self.working.clone() {
-            let at = row.at;
+        let barrier = self.barrier;
+        for state in &mut self.working {
+            let at = state.row.at;
             let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let slack = (self.barrier.mu / z).min(largest);
-            if slack > self.slack[at] {
-                self.slack[at] = slack;
-                self.elastic[at] = h[at] + slack;
+            let slack = (barrier.mu / z).min(largest);
+            if slack > state.slack {
+                state.slack = slack;
+                state.elastic = h[at] + slack;
             }
-            self.multiplier[at] = *z;
-            self.safeguard(&row, range);
+            state.multiplier = *z;
+            state.safeguard(barrier, range);
         }
-        for Equality { row, .. } in &self.equalities {
-            self.multiplier[row.at] = known.get(row.at).copied().unwrap_or(0.0);
+        for equality in &mut self.equalities {
+            equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
         }
     }
 
@@ -168,9 +188,10 @@ impl Iterate {
     /// 17.3).
     pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64) {
         let mut most = 0.0_f64;
-        for Equality { row, penalty, .. } in &self.equalities {
-            self.multiplier[row.at] += penalty * h[row.at];
-            most = most.max(h[row.at].abs());
+        for equality in &mut self.equalities {
+            let value = h[equality.row.at];
+            equality.multiplier += equality.penalty * value;
+            most = most.max(value.abs());
         }
         if most > PROGRESS * self.before {
             for equality in &mut self.equalities {
@@ -185,9 +206,9 @@ impl Iterate {
     /// Replaces slacks and elastic variables by the best ones for these values of the rows.
     pub fn recentre(&mut self, h: &[f64], barrier: Barrier) {
         self.barrier = barrier;
-        for row in self.working.clone() {
-            [self.slack[row.at], self.elastic[row.at]] = self.split(h[row.at]);
-            self.multiplier[row.at] = self.central(&row);
+        for k in 0..self.working.len() {
+            let row = self.working[k].row;
+            self.working[k] = self.central(row, h[row.at]);
         }
     }
 
@@ -199,28 +220,45 @@ impl Iterate {
 
     /// Makes the constraints $h + s = t$ hold for other values of the rows.
     pub fn reset(&mut self, h: &[f64], range: f64) {
-        for row in self.working.clone() {
-            let at = row.at;
-            if h[at] < 0.0 {
-                self.slack[at] = self.elastic[at] - h[at];
+        let barrier = self.barrier;
+        for state in &mut self.working {
+            let h = h[state.row.at];
+            if h < 0.0 {
+                state.slack = state.elastic - h;
             } else {
-                self.elastic[at] = self.slack[at] + h[at];
+                state.elastic = state.slack + h;
             }
-            self.safeguard(&row, range);
+            state.safeguard(barrier, range);
+        }
+    }
+
+    /// Moves each multiplier to the one that the condensed equations predict for the value of its row, with which the
+    /// gradient of the Lagrangian is that of these equations.
+    pub fn update_multipliers(&mut self, h: &[f64], range: f64) {
+        let barrier = self.barrier;
+        for k in 0..self.working.len() {
+            let slope = self.term(&self.working[k], h[self.working[k].row.at]).slope;
+            self.working[k].multiplier = slope.clamp(0.0, barrier.nu);
+            self.working[k].safeguard(barrier, range);
         }
     }
 
     /// The sum of the products of slacks and multipliers, without the measure.
     pub fn gap(&self) -> f64 {
-        let product = |row: &Row| row.weight * self.slack[row.at] * self.multiplier[row.at];
+        let product = |of: &RowState| of.row.weight * of.slack * of.multiplier;
         self.working.iter().map(product).sum()
     }
 
     /// The terms of an inequality of this value.
-    pub fn term(&self, row: &Row, h: f64) -> Term {
+    pub fn term(&self, state: &RowState, h: f64) -> Term {
         let Barrier { mu, nu } = self.barrier;
-        let [s, t, z] = self.of(row);
-        let curvature = self.curvature(row);
+        let RowState {
+            slack: s,
+            elastic: t,
+            multiplier: z,
+            ..
+        } = *state;
+        let curvature = self.curvature(state);
         Term {
             slope: z + curvature * (h + mu / z - mu / (nu - z)),
             curvature,
@@ -231,7 +269,7 @@ impl Iterate {
 
     /// The terms of an equality of this value.
     pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
-        let (lambda, rho) = (self.multiplier[equality.row.at], equality.penalty);
+        let (lambda, rho) = (equality.multiplier, equality.penalty);
         Term {
             slope: lambda + rho * h,
             curvature: rho,
@@ -240,24 +278,29 @@ impl Iterate {
         }
     }
 
-    /// Slack, elastic variable and multiplier of a row.
-    fn of(&self, row: &Row) -> [f64; 3] {
-        [&self.slack, &self.elastic, &self.multiplier].map(|all| all[row.at])
-    }
-
     /// The weight of the product of the gradient of a row with itself, $1 / (s / \lambda + t / (\nu - \lambda))$.
-    fn curvature(&self, row: &Row) -> f64 {
-        let [s, t, z] = self.of(row);
+    fn curvature(&self, state: &RowState) -> f64 {
+        let RowState {
+            slack: s,
+            elastic: t,
+            multiplier: z,
+            ..
+        } = *state;
         let upper = self.barrier.nu - z;
         z * upper / (s * upper + t * z)
     }
 
     /// The Newton step of an inequality that changes by `change`.
-    pub fn step(&self, row: &Row, h: f64, change: f64) -> RowStep {
+    pub fn step(&self, state: &RowState, h: f64, change: f64) -> RowStep {
         let Barrier { mu, nu } = self.barrier;
-        let [s, t, z] = self.of(row);
+        let RowState {
+            slack: s,
+            elastic: t,
+            multiplier: z,
+            ..
+        } = *state;
         let upper = nu - z;
-        let multiplier = self.curvature(row) * (h + change + mu / z - mu / upper);
+        let multiplier = self.curvature(state) * (h + change + mu / z - mu / upper);
         RowStep {
             slack: mu / z - s - s / z * multiplier,
             elastic: mu / upper - t + t / upper * multiplier,
@@ -266,51 +309,37 @@ impl Iterate {
     }
 
     /// The curvature of slack and elastic variable along a step, and the part of it in the condensed matrix.
-    pub fn bend(&self, row: &Row, step: &RowStep, change: f64) -> [f64; 2] {
-        let [s, t, z] = self.of(row);
+    pub fn bend(&self, state: &RowState, step: &RowStep, change: f64) -> [f64; 2] {
+        let RowState {
+            slack: s,
+            elastic: t,
+            multiplier: z,
+            ..
+        } = *state;
         let upper = self.barrier.nu - z;
         let own = z / s * step.slack * step.slack + upper / t * step.elastic * step.elastic;
-        [own, self.curvature(row) * change * change]
+        [own, self.curvature(state) * change * change]
     }
 
-    /// Takes a fraction of a step from another iterate; slack, elastic variable, multiplier and its distance from the
-    /// penalty each keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
-    pub fn take(&mut self, from: &Self, row: &Row, step: &RowStep, fraction: f64, tau: f64) {
-        let (at, nu) = (row.at, self.barrier.nu);
-        let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
-        let [s, t, z] = from.of(row);
-        self.slack[at] = moved(s, fraction * step.slack);
-        self.elastic[at] = moved(t, fraction * step.elastic);
-        let by = moved(z, fraction * step.multiplier) - z;
-        self.multiplier[at] = nu - moved(nu - z, -by);
-    }
-
-    /// Enlarges slack or elastic variable of a row until $h + s = t$.
-    pub fn meet(&mut self, row: &Row, h: f64) {
-        let (s, t) = (&mut self.slack[row.at], &mut self.elastic[row.at]);
-        let excess = h + *s - *t;
-        if excess > 0.0 {
-            *t += excess;
-        } else {
-            *s -= excess;
-        }
-    }
-
-    /// Safeguards the multipliers of all rows; see [`safeguard`](Self::safeguard).
+    /// Safeguards the multipliers of all rows; see [`RowState::safeguard`].
     pub fn safeguard_all(&mut self, range: f64) {
-        let working = std::mem::take(&mut self.working);
-        for row in &working {
-            self.safeguard(row, range);
+        let barrier = self.barrier;
+        for state in &mut self.working {
+            state.safeguard(barrier, range);
         }
-        self.working = working;
     }
 
     /// The terms of all rows in the barrier function, without their measure.
     pub fn barrier_terms(&self, h: &[f64]) -> f64 {
         let (mut sum, Barrier { mu, nu }) = (0.0, self.barrier);
-        for row in &self.working {
-            let (s, t) = (self.slack[row.at], self.elastic[row.at]);
-            sum += row.weight * (nu * t - mu * (s * t).ln());
+        for RowState {
+            row,
+            slack,
+            elastic,
+            ..
+        } in &self.working
+        {
+            sum += row.weight * (nu * elastic - mu * (slack * elastic).ln());
         }
         for equality in &self.equalities {
             let row = equality.row;
@@ -318,12 +347,37 @@ impl Iterate {
         }
         sum
     }
+}
+
+impl RowState {
+    /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
+    /// keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
+    pub fn take(&self, nu: f64, step: &RowStep, fraction: f64, tau: f64) -> Self {
+        let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
+        let z = self.multiplier;
+        let by = moved(z, fraction * step.multiplier) - z;
+        Self {
+            row: self.row,
+            slack: moved(self.slack, fraction * step.slack),
+            elastic: moved(self.elastic, fraction * step.elastic),
+            multiplier: nu - moved(nu - z, -by),
+        }
+    }
+
+    /// Enlarges slack or elastic variable until $h + s = t$.
+    pub fn meet(&mut self, h: f64) {
+        let excess = h + self.slack - self.elastic;
+        if excess > 0.0 {
+            self.elastic += excess;
+        } else {
+            self.slack -= excess;
+        }
+    }
 
     /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
-    fn safeguard(&mut self, row: &Row, range: f64) {
-        let Barrier { mu, nu } = self.barrier;
-        let (s, t) = (self.slack[row.at], self.elastic[row.at]);
-        let z = &mut self.multiplier[row.at];
+    fn safeguard(&mut self, Barrier { mu, nu }: Barrier, range: f64) {
+        let (s, t) = (self.slack, self.elastic);
+        let z = &mut self.multiplier;
         if s > t {
             *z = z.max(mu / s / range).min((mu / s * range).min(0.5 * nu));
         } else {

@@ -61,15 +61,16 @@ impl Trial {
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
     /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
     fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
-        let (from, to, mut slope) = (&state.iterate, &mut self.iterate, 0.0);
-        for row in &from.working {
-            let at = row.at;
+        let (from, mut slope) = (&state.iterate, 0.0);
+        let nu = from.barrier.nu;
+        for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
+            let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
-            let step = from.step(row, state.h[at], change);
-            let [bend, condensed] = from.bend(row, &step, change);
-            slope += row.weight * (condensed - bend);
-            to.take(from, row, &step, alpha, options.fraction_to_boundary);
-            to.meet(row, self.h[at]);
+            let step = from.step(before, state.h[at], change);
+            let [bend, condensed] = from.bend(before, &step, change);
+            slope += before.row.weight * (condensed - bend);
+            *after = before.take(nu, &step, alpha, options.fraction_to_boundary);
+            after.meet(self.h[at]);
         }
         slope
     }
@@ -97,7 +98,7 @@ impl State {
         (self.x, self.f, self.h, self.iterate) = (x, f, trial.h, trial.iterate);
         self.iterate.safeguard_all(options.multiplier_range);
         let working = problem.working_set(&self.h);
-        self.iterate.set_working(working, &self.h);
+        self.iterate.set_working(&working, &self.h);
     }
 }
 
@@ -119,8 +120,8 @@ pub(super) fn leave_saddle<P: Nlp>(
                 iterate: state.iterate.clone(),
             };
             let f = problem.value(&x, &mut trial.h)?;
-            for row in &state.iterate.working {
-                trial.iterate.meet(row, trial.h[row.at]);
+            for row in &mut trial.iterate.working {
+                row.meet(trial.h[row.row.at]);
             }
             if f + problem.measure(&x) * trial.iterate.barrier_terms(&trial.h) < before {
                 state.move_to(problem, x, f, trial, options);

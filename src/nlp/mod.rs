@@ -31,7 +31,7 @@ mod state;
 
 pub use barrier::Barrier;
 pub(crate) use barrier::{BarrierUpdate, Monotone};
-pub use iterate::{Equality, Iterate, Row, Term};
+pub use iterate::{Equality, Iterate, Row, RowState, Term};
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
 
@@ -61,7 +61,7 @@ pub trait Nlp {
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 
-    /// The inequalities of the working set, for values of all rows.
+    /// The inequalities of the working set in ascending order, for values of all rows.
     fn working_set(&mut self, h: &[f64]) -> Vec<Row>;
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
@@ -157,13 +157,13 @@ pub fn solve<P: Nlp>(
         state.derive(problem)?;
         if let Some(status) = state.stop(problem, options) {
             observe(&state.progress);
-            return state.end(problem, status);
+            return state.end(problem, status, options);
         }
         let step = state.kkt.step(state.scale(), &mut state.progress, options);
         if state.is_stationary(options) {
             observe(&state.progress);
             match state.tighten_end(problem, options)? {
-                Some(status) => return state.end(problem, status),
+                Some(status) => return state.end(problem, status, options),
                 None => continue,
             }
         }
@@ -184,10 +184,10 @@ pub fn solve<P: Nlp>(
             state.iterate.set_barrier(barrier, options.multiplier_range);
             // At most so large that it goes on decreasing.
             if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
-                return state.end(problem, Status::Coarse);
+                return state.end(problem, Status::Coarse, options);
             }
         } else if taken.is_none() {
-            return state.end(problem, Status::NoDescent);
+            return state.end(problem, Status::NoDescent, options);
         }
     }
 }

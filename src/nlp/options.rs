@@ -86,7 +86,7 @@ impl Default for Options {
             last_barrier: 1e-7,
             barrier_factor: 0.2,
             barrier_power: 1.5,
-            barrier_done: 0.1,
+            barrier_done: 1.0,
             longest_step: 1.0,
             fraction_to_boundary: 0.9,
             penalty: 1.0,

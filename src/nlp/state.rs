@@ -1,7 +1,7 @@
 //! A search in progress.
 
 use super::line_search::leave_saddle;
-use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, Solution, Status, Tightened};
+use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, RowState, Solution, Status, Tightened};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -47,8 +47,8 @@ impl State {
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: options.penalty * scale / measure,
         };
-        let mut iterate = Iterate::new(h.len(), barrier, problem.equalities(scale / measure));
-        iterate.set_working(working, &h);
+        let mut iterate = Iterate::new(barrier, problem.equalities(scale / measure));
+        iterate.set_working(&working, &h);
         if let Some(lambda) = multipliers {
             iterate.set_multipliers(
                 lambda,
@@ -84,7 +84,7 @@ impl State {
             measure: self.measure,
             stationarity: f64::INFINITY,
             complementarity: self.complementarity(),
-            infeasibility: working.fold(0.0, |most, row| self.h[row.at].max(most)),
+            infeasibility: working.fold(0.0, |most, of| self.h[of.row.at].max(most)),
             ..Progress::default()
         };
         Ok(())
@@ -149,7 +149,7 @@ impl State {
         let raised = (nu * options.penalty_factor).min(most);
         self.iterate
             .set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
-        let excess = |row: &Row| row.weight * self.h[row.at].max(0.0);
+        let excess = |of: &RowState| of.row.weight * self.h[of.row.at].max(0.0);
         let excess = self.measure * self.iterate.working.iter().map(excess).sum::<f64>();
         self.is_infeasible = nu * excess > options.infeasible_cost * self.scale()
             && excess > options.infeasible_progress * self.excess;
@@ -207,11 +207,11 @@ impl State {
         let before = self.h.clone();
         self.reset(problem, options)?;
         // Rows at the penalty are violated with any margin.
-        let change = |row: &Row| match self.iterate.is_row_at_penalty(row) {
+        let change = |of: &RowState| match self.iterate.is_row_at_penalty(of) {
             true => 0.0,
             false => {
-                let moved = (self.h[row.at] - before[row.at]).abs();
-                row.weight * self.iterate.multiplier[row.at] * moved
+                let moved = (self.h[of.row.at] - before[of.row.at]).abs();
+                of.row.weight * of.multiplier * moved
             }
         };
         let change = self.measure * self.iterate.working.iter().map(change).sum::<f64>();
@@ -237,14 +237,23 @@ impl State {
             // Rows of the new working set were not in the last one.
             self.f = problem.value(&self.x, &mut self.h)?;
         }
-        self.iterate.set_working(working, &self.h);
+        self.iterate.set_working(&working, &self.h);
         self.iterate.reset(&self.h, options.multiplier_range);
         Ok(())
     }
 
     /// The end of the search, with the violation between the points.
-    pub(super) fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
+    pub(super) fn end<P: Nlp>(
+        mut self,
+        problem: &mut P,
+        status: Status,
+        options: &Options,
+    ) -> Result<Solution> {
         let violation = problem.violation(&self.x)?;
+        if status == Status::Converged {
+            self.iterate
+                .update_multipliers(&self.h, options.multiplier_range);
+        }
         self.progress.complementarity = self.complementarity();
         Ok(Solution {
             x: self.x,
@@ -262,7 +271,7 @@ impl State {
 
     /// The sum of the weights of the working set.
     pub fn total_weight(&self) -> f64 {
-        let sum: f64 = self.iterate.working.iter().map(|row| row.weight).sum();
+        let sum: f64 = self.iterate.working.iter().map(|of| of.row.weight).sum();
         self.measure * sum
     }
 

@@ -57,7 +57,7 @@ impl<S: Scalar> Moving<'_, S> {
         scale(&mut moved, horizon);
         let mut mixed = DMatrix::zeros(n, moved.ncols());
         let power = |x: usize| S::from_f64(x as f64);
-        let (mut first, mut second) = (DVector::zeros(3 * n), DVector::zeros(3 * n));
+        let [mut first, mut second, mut bent] = [(); 3].map(|()| DVector::zeros(3 * n));
         for (g, weight) in grid.weights.iter().enumerate() {
             let gradient = &at.gradients.as_slice()[3 * g * n..(3 * g + 3) * n];
             let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
@@ -67,7 +67,7 @@ impl<S: Scalar> Moving<'_, S> {
                 first[i] = moved[i] - rate * state[i];
                 second[i] = rate * (state[i] / horizon - moved[i] - first[i]);
             }
-            let bent = at.hessians.get(g) * &first;
+            at.hessians.product(g, &first, &mut bent);
             let dot = |x: &DVector<S>| {
                 x.iter()
                     .zip(gradient)

@@ -93,8 +93,16 @@ impl Scan {
             for k in 1..self.intervals {
                 let time = (first + k) as f64 * interval;
                 let times = [time - interval, time, time + interval];
-                for row in (0..count).filter(|row| !rows.attributes().equalities[*row]) {
-                    let values = [k - 1, k, k + 1].map(|k| h[k * count + row]);
+                let here = &h[(k - 1) * count..(k + 2) * count];
+                let (before, here) = here.split_at(count);
+                let (here, after) = here.split_at(count);
+                let all = before.iter().zip(here).zip(after).enumerate();
+                for (row, ((before, here), after)) in all {
+                    let values = [*before, *here, *after];
+                    let is_low = before.max(*here).max(*after) <= floor;
+                    if is_low || rows.attributes().equalities[row] {
+                        continue;
+                    }
                     let bracket = Bracket { times, values };
                     let peak = |(time, height)| Peak {
                         row,

@@ -83,9 +83,9 @@ impl Dense {
     /// The gradient of the Lagrangian with the multipliers of an iterate.
     pub fn lagrangian_gradient(&self, x: &DVector<f64>, iterate: &Iterate) -> DVector<f64> {
         let all = self.twice(x);
-        let mut sum = all[0].0.clone();
+        let (mut sum, multipliers) = (all[0].0.clone(), iterate.multipliers(self.rows.len()));
         for (at, (.., weight, _)) in self.rows.iter().enumerate() {
-            let factor = self.measure * weight * iterate.multiplier[at];
+            let factor = self.measure * weight * multipliers[at];
             sum.axpy(factor, &all[1 + at].0, 1.0);
         }
         sum
@@ -151,8 +151,8 @@ impl Nlp for Dense {
             hessian += second * term.multiplier;
             hessian.ger(term.curvature, slope, slope, 1.0);
         };
-        for row in &iterate.working {
-            add(row, iterate.term(row, h[row.at]));
+        for state in &iterate.working {
+            add(&state.row, iterate.term(state, h[state.row.at]));
         }
         for equality in &iterate.equalities {
             let row = &equality.row;

@@ -1,7 +1,7 @@
 //! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
 
 use crate::common::config;
-use aghf::nlp::{Barrier, Equality, Iterate, Row};
+use aghf::nlp::{Barrier, Equality, Iterate, Row, RowState};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -9,11 +9,15 @@ const ROW: Row = Row { at: 0, weight: 1.0 };
 
 /// An inequality with a slack, an elastic variable and a multiplier at this fraction of the penalty.
 fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
-    let mut iterate = Iterate::new(1, barrier, Vec::new());
-    iterate.set_working(vec![ROW], &[0.0]);
-    iterate.slack[0] = slack;
-    iterate.elastic[0] = elastic;
-    iterate.multiplier[0] = fraction * barrier.nu;
+    let mut iterate = Iterate::new(barrier, Vec::new());
+    iterate.set_working(&[ROW], &[0.0]);
+    let multiplier = fraction * barrier.nu;
+    iterate.working[0] = RowState {
+        row: ROW,
+        slack,
+        elastic,
+        multiplier,
+    };
     iterate
 }
 
@@ -43,7 +47,7 @@ proptest! {
         barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), sign: bool, h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
     ) {
         let h = if sign { h } else { -h };
-        let [s, t] = Iterate::new(1, barrier, Vec::new()).split(h);
+        let [s, t] = Iterate::new(barrier, Vec::new()).split(h);
         prop_assert!(s > 0.0 && t > 0.0, "{s} {t}");
         prop_assert!((h + s - t).abs() <= 1e-14 * (h.abs() + s + t), "{h} {s} {t}");
         let sum = barrier.mu / s + barrier.mu / t;
@@ -62,9 +66,9 @@ proptest! {
         let matrix = Matrix3::new(z, 0.0, s, 0.0, upper, -t, 1.0, -1.0, 0.0);
         let right = Vector3::new(mu - s * z, mu - t * upper, t - s - h - change);
         let exact = matrix.lu().solve(&right).expect("the matrix is regular");
-        let step = iterate.step(&ROW, h, change);
+        let step = iterate.step(&iterate.working[0], h, change);
         assert_close!(&[step.slack, step.elastic, step.multiplier], exact.as_slice(), 1e-9);
-        let term = iterate.term(&ROW, h);
+        let term = iterate.term(&iterate.working[0], h);
         prop_assert!(term.curvature > 0.0);
         prop_assert_eq!(term.multiplier, z);
         assert_close!(&[term.slope + term.curvature * change], &[z + step.multiplier], 1e-9);
@@ -78,10 +82,10 @@ proptest! {
     ) {
         let iterate = one_row(barrier, at);
         let ([s, t, _], Barrier { mu, nu }, h) = (at, barrier, at[1] - at[0]);
-        let step = iterate.step(&ROW, h, change);
+        let step = iterate.step(&iterate.working[0], h, change);
         let exact = nu * step.elastic - mu * (step.slack / s + step.elastic / t);
-        let [own, condensed] = iterate.bend(&ROW, &step, change);
-        let term = iterate.term(&ROW, h);
+        let [own, condensed] = iterate.bend(&iterate.working[0], &step, change);
+        let term = iterate.term(&iterate.working[0], h);
         let value = nu * t - mu * (s.ln() + t.ln());
         assert_close!(&[term.cost, iterate.barrier_terms(&[h])], &[value; 2], 1e-12);
         let found = term.slope * change + condensed - own;
@@ -98,16 +102,15 @@ proptest! {
     ) {
         let (barrier, tau) = (Barrier { mu: 1e-3, nu: 7.0 }, 0.9);
         let from = one_row(barrier, [s, t, z]);
-        let step = from.step(&ROW, h, change);
-        let mut to = from.clone();
-        to.take(&from, &ROW, &step, fraction, tau);
-        let (z, least) = (from.multiplier[0], 1.0 - tau);
+        let step = from.step(&from.working[0], h, change);
+        let to = from.working[0].take(barrier.nu, &step, fraction, tau);
+        let (z, least) = (from.working[0].multiplier, 1.0 - tau);
         let expected = [
             (s + fraction * step.slack).max(least * s),
             (t + fraction * step.elastic).max(least * t),
             (z + fraction * step.multiplier).clamp(least * z, z + tau * (barrier.nu - z)),
         ];
-        for (found, expected) in [to.slack[0], to.elastic[0], to.multiplier[0]].iter().zip(expected) {
+        for (found, expected) in [to.slack, to.elastic, to.multiplier].iter().zip(expected) {
             prop_assert!((found - expected).abs() <= 1e-12 * (1.0 + expected), "{found} {expected}");
         }
     }
@@ -119,9 +122,9 @@ proptest! {
     ) {
         let mut iterate = one_row(barrier, [s, t, z]);
         iterate.safeguard_all(1e10);
-        let z = iterate.multiplier[0];
+        let z = iterate.working[0].multiplier;
         prop_assert!(z > 0.0 && z < barrier.nu, "{z}");
-        let term = iterate.term(&ROW, t - s);
+        let term = iterate.term(&iterate.working[0], t - s);
         prop_assert!(term.slope.is_finite() && term.curvature > 0.0, "{term:?}");
     }
 }
@@ -135,15 +138,18 @@ fn known_multipliers_have_their_slacks() {
         let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
         iterate.set_multipliers(&[known], &[0.0], 0.02, 1e10);
         assert_close!(
-            &[iterate.slack[0], iterate.elastic[0]],
+            &[iterate.working[0].slack, iterate.working[0].elastic],
             &[expected; 2],
             1e-15
         );
-        assert_close!(&[iterate.multiplier[0]], &[known], 1e-14);
+        assert_close!(&[iterate.working[0].multiplier], &[known], 1e-14);
     }
     let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
     iterate.set_multipliers(&[0.0], &[0.0], 0.02, 1e10);
-    assert_eq!((iterate.slack[0], iterate.multiplier[0]), (1e-6, 0.9));
+    assert_eq!(
+        (iterate.working[0].slack, iterate.working[0].multiplier),
+        (1e-6, 0.9)
+    );
 }
 
 /// A row that leaves the working set and returns begins anew, at the minimum of its barrier function.
@@ -151,13 +157,16 @@ fn known_multipliers_have_their_slacks() {
 fn a_returning_row_begins_anew() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
     let mut iterate = one_row(barrier, [5.0, 6.0, 0.9]);
-    iterate.set_working(Vec::new(), &[0.3]);
-    assert_eq!(iterate.multiplier, [0.0]);
-    iterate.set_working(vec![ROW], &[-0.3]);
-    assert_eq!([iterate.slack[0], iterate.elastic[0]], iterate.split(-0.3));
+    iterate.set_working(&[], &[0.3]);
+    assert!(iterate.working.is_empty());
+    iterate.set_working(&[ROW], &[-0.3]);
+    assert_eq!(
+        [iterate.working[0].slack, iterate.working[0].elastic],
+        iterate.split(-0.3)
+    );
     assert_close!(
-        &[iterate.multiplier[0]],
-        &[barrier.mu / iterate.slack[0]],
+        &[iterate.working[0].multiplier],
+        &[barrier.mu / iterate.working[0].slack],
         1e-15
     );
 }
@@ -171,10 +180,11 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
         row,
         first: penalty,
         penalty,
+        multiplier: 0.0,
     };
-    let mut iterate = Iterate::new(2, Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
+    let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
     iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], 0.02, 1e10);
-    let term = iterate.equality_term(&equality, h);
+    let term = iterate.equality_term(&iterate.equalities[0], h);
     assert_eq!(
         [term.cost, term.slope, term.multiplier, term.curvature],
         [-0.5, -1.0, -1.0, 8.0]
@@ -183,12 +193,18 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     // The first update has nothing to compare with.
     iterate.update_equalities(&[0.0, h], 10.0, 100.0);
     assert_eq!(
-        (iterate.multiplier[1], iterate.equalities[0].penalty),
+        (
+            iterate.equalities[0].multiplier,
+            iterate.equalities[0].penalty
+        ),
         (-1.0, 8.0)
     );
-    iterate.set_working(vec![ROW], &[-0.3, h]);
+    iterate.set_working(&[ROW], &[-0.3, h]);
     assert_eq!(
-        (iterate.multiplier[1], iterate.equalities[0].penalty),
+        (
+            iterate.equalities[0].multiplier,
+            iterate.equalities[0].penalty
+        ),
         (-1.0, 8.0)
     );
     for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (0.04, 100.0)] {

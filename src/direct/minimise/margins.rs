@@ -93,20 +93,4 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             }
         }
     }
-
-    /// The objective, infinite where a row outside the working set is violated: a step into something that was far
-    /// away.
-    pub(super) fn unlisted(&self, h: &[f64], objective: f64) -> f64 {
-        let (grid, integrand) = (self.grid, &self.objective);
-        let attributes = integrand.cost().rows.attributes();
-        let count = attributes.scales.len();
-        let mut rows = h.iter().zip(&self.working).enumerate();
-        let violated = rows.any(|(at, (h, working))| {
-            !working
-                && *h > 0.0
-                && attributes.clearances[at % count]
-                && !grid.collocated[at / count % grid.points()]
-        });
-        if violated { f64::INFINITY } else { objective }
-    }
 }

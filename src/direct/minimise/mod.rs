@@ -2,8 +2,8 @@
 //!
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. The rows of clearances are in the working set while they are near their
-//! bound.
+//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. `working_set` lists rows:
+//! clearances while they are near their bound, all others always.
 
 mod candidate;
 mod curvature;
@@ -12,6 +12,7 @@ mod integrand;
 mod margins;
 mod program;
 mod stage_terms;
+mod working_set;
 
 pub(super) use candidate::{Candidate, Multipliers};
 
@@ -149,7 +150,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         program.kept.push(x.clone());
     }
     let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
-    let all = program.multipliers(&end.iterate);
+    let all = end.iterate.multipliers(program.margins.len());
     let of_goal = all[program.goal.range()].to_vec();
     candidate.multipliers = Multipliers::new(&grid, rows, &all, of_goal);
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {

@@ -2,17 +2,16 @@
 
 use super::goal_rows::GoalRows;
 use super::integrand::Integrand;
+use super::working_set;
 use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::FreeHorizon;
-use crate::direct::tuning::{
-    EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, SCAN, SHARE_OF_CUTOFF,
-};
+use crate::direct::tuning::{EXACT_MARGINS, FINE, SCAN};
 use crate::error::Result;
 use crate::motion::Watch;
-use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Term, Tightened};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
 use crate::transcription::{Derivatives, Objective};
 use crate::transcription::{Grid, Scan};
 use nalgebra::{DMatrix, DVector};
@@ -33,7 +32,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
-    basis: Basis,
+    pub(super) basis: Basis,
     rates: DMatrix<f64>,
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
@@ -41,8 +40,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) margins: Vec<f64>,
     /// True for rows of the working set.
     pub(super) working: Vec<bool>,
-    /// The distance from its bound up to which a clearance is in the working set, m.
-    near: f64,
+    /// The value of each row of a point from which on it is in the working set, with that of its own.
+    pub(super) nearest: Vec<f64>,
     pub(super) stage: Stage,
     /// The penalties of equalities to begin with, relative to those without a search before.
     pub equality_penalty: f64,
@@ -111,11 +110,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             kept: Vec::new(),
             grid,
             objective,
-            // Without a scale all rows are in the working set.
-            near: match problem.reach() {
-                0.0 => f64::INFINITY,
-                reach => NEAR * reach,
-            },
+            nearest: working_set::nearest(problem, rows.attributes()),
             stage,
             equality_penalty: 1.0,
             watch,
@@ -181,8 +176,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 
     /// The term of a row: with its multiplier as slope for the Lagrangian.
-    fn term(&self, iterate: &Iterate, row: &Row, h: f64) -> Term {
-        let term = iterate.term(row, h);
+    fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
+        let term = iterate.term(state, h);
         match self.lagrangian {
             false => term,
             true => Term {
@@ -206,18 +201,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Ok(&self.derivatives)
     }
 
-    /// The multipliers of all rows at all points.
-    pub fn multipliers(&self, iterate: &Iterate) -> Vec<f64> {
-        let mut all = vec![0.0; self.margins.len()];
-        for row in &iterate.working {
-            all[row.at] = iterate.multiplier[row.at];
-        }
-        for Equality { row, .. } in &iterate.equalities {
-            all[row.at] = iterate.multiplier[row.at];
-        }
-        all
-    }
-
     /// Passes the terms of the rows to the integrand.
     fn set_terms(&mut self, iterate: &Iterate) {
         let integrand = self.objective.cost_mut();
@@ -226,11 +209,12 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
         let count = integrand.rows.count();
         let first = self.goal.first;
-        for row in iterate.working.iter().filter(|row| row.at < first) {
-            let h = self.objective.cost().h[row.at] + self.margins[row.at];
-            let term = self.term(iterate, row, h);
+        for state in iterate.working.iter().filter(|of| of.row.at < first) {
+            let at = state.row.at;
+            let h = self.objective.cost().h[at] + self.margins[at];
+            let term = self.term(iterate, state, h);
             let integrand = self.objective.cost_mut();
-            integrand.terms[row.at / count].push((row.at % count, term));
+            integrand.terms[at / count].push((at % count, term));
         }
         let integrand = self.objective.cost_mut();
         let held = iterate.equalities.iter();
@@ -264,9 +248,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let term = iterate.equality_term(equality, *goal.h.get(at)?);
             Some((equality.row, term))
         });
-        let near = iterate.working.iter().filter_map(|row| {
+        let near = iterate.working.iter().filter_map(|of| {
+            let row = of.row;
             let h = goal.h.get(row.at.checked_sub(goal.first)?)?;
-            Some((*row, self.term(iterate, row, h + margins[row.at])))
+            Some((row, self.term(iterate, of, h + margins[row.at])))
         });
         let terms = held.chain(near);
         let terms: Vec<_> = terms
@@ -309,14 +294,18 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let rows = self.objective.cost().h.iter().chain(&self.goal.h);
         h.clear();
         h.extend(rows.zip(&self.margins).map(|(h, margin)| h + margin));
+        let mut objective = cost;
         if let Some(free) = self.free_horizon {
             h.extend(bounds);
             if self.horizon <= 0.0 {
                 return Ok(f64::INFINITY);
             }
-            return Ok(self.unlisted(h, cost + free.weight * self.horizon));
+            objective += free.weight * self.horizon;
         }
-        Ok(self.unlisted(h, cost))
+        Ok(match self.is_beyond_working_set(h) {
+            true => f64::INFINITY,
+            false => objective,
+        })
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
@@ -334,10 +323,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             out.gradient[own] = of.first + free.weight;
             *corner = of.second;
             let first = self.margins.len() - 2;
-            for row in iterate.working.iter().filter(|row| row.at >= first) {
-                let side = row.at - first;
+            for state in iterate.working.iter().filter(|of| of.row.at >= first) {
+                let (row, side) = (state.row, state.row.at - first);
                 let slope = [-1.0, 1.0][side] / free.longest;
-                let term = self.term(iterate, row, bounds[side]);
+                let term = self.term(iterate, state, bounds[side]);
                 out.gradient[own] +=
                     horizon * row.weight * term.slope * slope + row.weight * term.cost;
                 *corner += horizon * row.weight * term.curvature * slope * slope;
@@ -361,74 +350,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
-        let rows = &self.objective.cost().rows;
-        let (count, grid) = (rows.count(), self.grid);
-        let held = rows.attributes().equalities.iter().enumerate();
-        let held: Vec<usize> = held.filter_map(|(row, held)| held.then_some(row)).collect();
-        let mut all = Vec::new();
-        for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
-            let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
-            all.extend(held.iter().map(|row| {
-                let first = match rows.constraints.is_passive(*row) {
-                    true => MOTOR,
-                    false => EQUALITY_PENALTY * density,
-                };
-                let at = g * count + row;
-                Equality {
-                    row: Row { at, weight },
-                    first,
-                    penalty: self.equality_penalty * first,
-                }
-            }));
-        }
-        let of_goal = self.goal.range().zip(&self.goal.equalities);
-        all.extend(of_goal.filter(|(_, held)| **held).map(|(at, _)| {
-            let first = EQUALITY_PENALTY * density;
-            Equality {
-                row: Row { at, weight: 1.0 },
-                first,
-                penalty: self.equality_penalty * first,
-            }
-        }));
-        all
+        self.list_equalities(density)
     }
 
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
-        let (grid, integrand) = (self.grid, self.objective.cost_mut());
-        let (count, states) = (integrand.rows.count(), integrand.rows.states());
-        let attributes = integrand.rows.attributes();
-        let (last, with_ends) = (grid.times.len() - 1, grid.times[0] == 0.0);
-        let ends = self.basis.continuity();
-        let free = ends.free_final_velocity || ends.free_final_position;
-        let is_fixed = |g| with_ends && (g == 0 || (g == last && !free));
-        self.working.clear();
-        self.working.resize(h.len(), false);
-        let mut rows = Vec::new();
-        for g in 0..integrand.terms.len() {
-            let (collocated, weight) = (
-                grid.collocated[g % grid.points()],
-                grid.weights[g % grid.points()],
-            );
-            // The state at a fixed end does not change, so its rows are neither listed nor refused.
-            let first = if is_fixed(g) { states } else { 0 };
-            self.working[g * count..][..first].fill(true);
-            for row in first..count {
-                let at = g * count + row;
-                // NaN counts as near.
-                let near = self.near.min(SHARE_OF_CUTOFF * attributes.cutoffs[row]);
-                let is_far = attributes.clearances[row] && h[at] < -near;
-                if !collocated && !attributes.equalities[row] && !is_far {
-                    self.working[at] = true;
-                    rows.push(Row { at, weight });
-                }
-            }
-        }
-        self.working[self.goal.first..].fill(true);
-        let of_goal = self.goal.range().zip(&self.goal.equalities);
-        let of_goal = of_goal.filter_map(|(at, held)| (!held).then_some(at));
-        let bounds = self.goal.range().end..h.len();
-        rows.extend(of_goal.chain(bounds).map(|at| Row { at, weight: 1.0 }));
-        rows
+        self.list_near(h)
     }
 
     fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
