@@ -2,8 +2,8 @@
 //!
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. The rows of clearances are in the working set while they are near their
-//! bound.
+//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. The rows of clearances are in
+//! the working set while they are near their bound.
 
 mod candidate;
 mod curvature;
