@@ -349,7 +349,7 @@ def compare_variants(families: dict[str, list[str]], limit: float, out: Path) ->
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="no searches; two scenarios per family, 10 s each")
-    parser.add_argument("--variants", action="store_true", help="compare the variants of the flow and the direct method")
+    parser.add_argument("--variants", action="store_true", help="compare the variants of the flow and the direct one")
     parser.add_argument("--only", default="", metavar="NAME", help="scenarios that begin with this; no Figures 4 and 5")
     parser.add_argument("--grid", action="append", help="search this sweep [default: the tables, with --quick none]")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/paper or out/variants")

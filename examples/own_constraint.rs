@@ -1,5 +1,5 @@
-//! A constraint of one's own, kept by the direct method and by the flow: the tool of an arm stays below a height, and the
-//! joints stay within their limits. Prints for both methods which rows come closest to their bounds, and how close.
+//! A constraint of one's own, kept by the direct method and by the flow: the tool of an arm stays below a height, and
+//! the joints stay within their limits. Prints for both methods which rows come closest to their bounds, and how close.
 
 use aghf::constraint::{
     Bounds, CollisionSphere, Constraint, Constraints, PlacedState, RowKind, RowLabel, TorqueLimits,

@@ -144,8 +144,8 @@ impl FrameRows {
     /// A bound is no number, or the lower one is above the upper one.
     pub fn in_box(mut self, lower: &Vector3<f64>, upper: &Vector3<f64>) -> Result<Self> {
         for (i, (l, h)) in lower.iter().zip(upper).enumerate() {
-            let empty = *l == f64::INFINITY || *h == f64::NEG_INFINITY;
-            if empty || !(l <= h) {
+            let between = l <= h && *l < f64::INFINITY && *h > f64::NEG_INFINITY;
+            if !between {
                 let condition = format!("they are {l} and {h}, which nothing is between");
                 return Err(self.refused("bounds of the position", condition));
             }

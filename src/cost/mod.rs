@@ -68,7 +68,7 @@ pub trait RunningCost {
 }
 
 /// A user-defined running cost $l(t, q, v, a, u)$ along motions of a robot, for
-/// [`Direct::cost`](super::Direct::cost).
+/// [`Direct::cost`](crate::direct::Direct::cost).
 ///
 /// The direct method needs derivatives in $z = [q; v; a]$ with $u = ID(z)$; [`ChainRule`] computes them from those in
 /// $[z; u]$. The Gauss-Newton metric is the Hessian without the second derivatives of $ID$ and with the negative

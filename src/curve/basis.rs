@@ -148,8 +148,8 @@ impl Basis {
         ends.into_iter().take(fixed)
     }
 
-    /// The functions with unknown coefficients, ascending: all but slope and value at the start, those at the end unless
-    /// they are free, and second derivatives at rest.
+    /// The functions with unknown coefficients, ascending: all but slope and value at the start, those at the end
+    /// unless they are free, and second derivatives at rest.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);

@@ -1,5 +1,4 @@
-//! The direct method: direct minimisation of the control effort over polynomials within constraints, to the limit of the
-//! flow.
+//! The direct method: minimisation of the control effort over polynomials within constraints, to the limit of the flow.
 //!
 //! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. Neither `k` nor `s_max` appears: `q(t)` is a polynomial that
@@ -48,7 +47,7 @@ use strategy::{Planned, minimise_to_the_end, multistart, refine};
 ///
 /// ```
 /// use aghf::motion::Problem;
-/// use aghf::direct::{DirectSettings, Direct};
+/// use aghf::direct::{Direct, DirectSettings};
 /// let model = aghf::urdf::builtin_robot("pendulum_2")?;
 /// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
 /// let settings = DirectSettings { degree: 9, ..DirectSettings::default() };

@@ -247,7 +247,7 @@ impl<S: Scalar> Grid<S> {
         }
     }
 
-    /// Weighted products of the functions of each pair, for [`PackedHessian`](super::PackedHessian).
+    /// Weighted products of the functions of each pair, for [`PackedHessian`](crate::cost::PackedHessian).
     pub(crate) fn products(&self) -> &[DMatrix<S>; 2] {
         let new = || products(&self.table, &self.weights, &self.pairs);
         self.products.get_or_init(new)

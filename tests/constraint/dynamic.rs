@@ -95,7 +95,8 @@ fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
     }
 }
 
-/// The flow, with every Jacobian, and the direct method give the same results for boxed constraints as for unboxed ones.
+/// The flow, with every Jacobian, and the direct method give the same results for boxed constraints as for unboxed
+/// ones.
 #[test]
 fn flow_and_direct_take_boxed_constraints() {
     let scenario = Scenario::load("pendulum_1_swingup");

@@ -106,7 +106,9 @@ proptest! {
 
     /// Scaled rows are lengths and angles: exactly for positions, to first order at the boundary for angles.
     #[test]
-    fn scaled_rows_are_lengths_and_angles(e in unit(), n in unit(), angle in 0.0..PI, d in unit(), bound in 0.05..3.0_f64) {
+    fn scaled_rows_are_lengths_and_angles(
+        e in unit(), n in unit(), angle in 0.0..PI, d in unit(), bound in 0.05..3.0_f64
+    ) {
         let turned = |by: f64| placement((e * by).into(), (d * 0.7).into());
         let there = turned(angle);
         assert_close!(&scaled(|rows| Ok(rows.at_origin()), there), (d * 0.7).iter(), 1e-14);
@@ -123,7 +125,8 @@ proptest! {
         // The axis n turned by `angle` about an axis across it.
         let across = UnitVector3::new_normalize(n.cross(&e));
         let tilted = Placement::new(Rotation3::from_axis_angle(&across, angle).into_inner(), d);
-        let [first, second, opposite] = scaled(|rows| rows.axis_along(&(n * 2.0), &(n * 0.1)), tilted)[..] else { panic!() };
+        let along = scaled(|rows| rows.axis_along(&(n * 2.0), &(n * 0.1)), tilted);
+        let [first, second, opposite] = along[..] else { panic!("{along:?}") };
         prop_assert!((first.hypot(second) - angle.sin()).abs() < 1e-13);
         prop_assert_eq!(opposite > 0.0, angle > PI / 3.0);
         prop_assert_eq!(scaled(|rows| rows.axis_within(&n, &n, bound), tilted)[0] > 0.0, angle > bound);

@@ -1,4 +1,4 @@
-//! The direct method: minima, constraints, running costs and free ends.
+//! The direct method: minima, constraints and free ends; running costs; the transcription.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
@@ -11,8 +11,24 @@ mod goal;
 mod interrupt;
 mod minima;
 mod multistart;
-mod objective;
-mod own_cost;
 mod running_cost;
 mod segments;
 mod stage;
+
+#[path = "../cost"]
+mod cost {
+    mod chain_rule;
+    mod composition;
+    mod packed_hessian;
+    mod point_cost;
+}
+
+#[path = "../linalg"]
+mod linalg {
+    mod block_tridiagonal;
+}
+
+#[path = "../transcription"]
+mod transcription {
+    mod objective;
+}

@@ -58,7 +58,7 @@ fn everything_passes_on_every_robot() {
 
 /// The gradient of the effort is the flow in the weak form, for any penalty.
 #[test]
-fn the_relaxation_goes_where_the_flow_goes() {
+fn the_direct_method_goes_where_the_flow_goes() {
     let trees = (0..4).map(|seed| tree(6, seed));
     for model in robots().into_iter().chain(trees) {
         let findings = check_direct(&model, &options(2, 5)).expect("a loaded model");

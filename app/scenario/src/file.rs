@@ -89,8 +89,8 @@ pub struct ScenarioFile {
     /// Velocity at the end; with `goal` zero by default.
     #[serde(default)]
     pub v_goal: Vec<f64>,
-    /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that costs
-    /// least. The configuration at the end is then an unknown.
+    /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that
+    /// costs least. The configuration at the end is then an unknown.
     #[serde(
         default,
         deserialize_with = "one_or_more",
@@ -101,8 +101,8 @@ pub struct ScenarioFile {
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
-    /// For the direct method: the highest derivative that is continuous. If that is the acceleration, it is zero at an end
-    /// at which all velocities are; by default `acceleration`, with passive joints `velocity`.
+    /// For the direct method: the highest derivative that is continuous. If that is the acceleration, it is zero at an
+    /// end at which all velocities are; by default `acceleration`, with passive joints `velocity`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_of::<Continuous>")]
     pub continuity: Option<Continuous>,

@@ -112,7 +112,7 @@ impl Goal {
                 let half = within
                     .size_m
                     .map(|size| 0.5 * size.unwrap_or(f64::INFINITY));
-                if let Some(size) = half.iter().find(|half| !(**half >= 0.0)) {
+                if let Some(size) = half.iter().find(|half| half.is_nan() || **half < 0.0) {
                     let condition = format!("an edge has {} m", plain(2.0 * size));
                     return Err(refuse("box.size_m", condition));
                 }

@@ -362,8 +362,8 @@ impl Findings {
 
 /// Checks all analytic derivatives: those of the dynamics, the two forms of $\Omega$ with each other, every Jacobian of
 /// [`JacobianKind`](crate::flow::jacobian::JacobianKind), the flow of a general Lagrangian and its weak form, those of
-/// constraints, and the gradient of the direct method with the flow. Dual numbers of the control form are in turn compared
-/// with dual numbers of Algorithm B1.
+/// constraints, and the gradient of the direct method with the flow. Dual numbers of the control form are in turn
+/// compared with dual numbers of Algorithm B1.
 ///
 /// # Errors
 /// None for a loaded model.

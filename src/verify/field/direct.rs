@@ -25,19 +25,19 @@ pub(super) fn identities() -> Vec<Identity> {
         "at a point with xdot_P1 = x_P2 and xddot_P1 = xdot_P2, for the variation (phi, phi')";
     vec![
         identity(
-            "direct gradient",
+            "transcription gradient",
             "the gradient of J is that by duals",
             objective,
             objective_gradient,
         ),
         identity(
-            "direct Hessian",
+            "transcription Hessian",
             "the Hessian of J is that by duals of the gradient by duals",
             objective,
             objective_hessian,
         ),
         identity(
-            "direct and flow",
+            "transcription and flow",
             "the variation of |u|^2 is d/dt (p . dx) - dx^T G Omega",
             curve,
             flow_of_the_objective,

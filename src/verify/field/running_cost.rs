@@ -22,7 +22,7 @@ pub(super) fn identities() -> Vec<Identity> {
             claims: chain_rule,
         },
         Identity {
-            label: "direct horizon",
+            label: "transcription horizon",
             statement: "the derivatives of J in T are those by duals, nested ones for the second and mixed ones",
             convention: "l = t |u|^2 and |u|^2; any functions, weights and coefficients that are affine in T",
             claims: horizon,

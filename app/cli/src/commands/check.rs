@@ -8,7 +8,8 @@ use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Compare every analytic derivative with dual numbers at random states of a robot, and the direct method with the flow.
+/// Compare every analytic derivative with dual numbers at random states of a robot, and the direct method with the
+/// flow.
 ///
 /// Prints the worst relative error of each quantity, its entry in the matrix and the number of its state; the same seed
 /// gives the same states. With --json the states are printed too. Exit code 1 if an error exceeds its bound.

@@ -20,8 +20,8 @@ const LINE_EVERY: Duration = Duration::from_secs(60);
 /// Solve scenarios with every combination of parameters of a grid, on all cores, and rank the parameters.
 ///
 /// Built in: table_09_pendulums, table_10_kinova, table_11_digit, table_12_kinova_obstacles, table_13_digit_obstacles,
-/// table_09_quick, table_10_quick, direct_quick, direct_limits_quick. The tables are the paper's, for the flow; the last
-/// two are for the direct method. An interrupted sweep is resumed.
+/// table_09_quick, table_10_quick, direct_quick, direct_limits_quick. The tables are the paper's, for the flow; the
+/// last two are for the direct method. An interrupted sweep is resumed.
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
     /// A built-in sweep, the path of a TOML file, "-" for the standard input, or a folder, all of whose scenarios are

@@ -32,8 +32,8 @@ pub struct Head {
     pub robot: Option<String>,
     /// The treatment of mimic joints; by default that of the scenario.
     pub mimic: Option<Mimic>,
-    /// The wall time after which a solve is stopped, s. Unlike the option of a solve it leaves a direct solve no time for
-    /// further starts.
+    /// The wall time after which a solve is stopped, s. Unlike the option of a solve it leaves a direct solve no time
+    /// for further starts.
     pub time_limit_s: f64,
 }
 

@@ -225,8 +225,8 @@ fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
     assert!(!row.results.contains_key("horizon_s"));
 }
 
-/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the direct method as
-/// it is.
+/// A folder stands for the scenarios in it, by name, whatever else is there; alone it is a sweep by the direct method
+/// as it is.
 #[test]
 fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let folder = folder("of_a_folder").join("problems");

@@ -1,13 +1,10 @@
-//! The objective of the direct method: its derivatives, and the matrices they are kept in.
+//! The transcribed objective: its derivatives.
 
 use crate::common::{slider, tree};
-use aghf::cost::{
-    ControlEffort, PackedHessian, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
-};
+use aghf::cost::{ControlEffort, Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use aghf::curve::{Basis, Continuity};
 use aghf::error::Result;
-use aghf::linalg::BlockTridiagonal;
-use aghf::model::{Model, random_tree};
+use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Jet, Scalar};
 use aghf::transcription::{Derivatives, Grid, Objective};
 use nalgebra::{DMatrix, DVector};
@@ -227,51 +224,5 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
         let own = second_order([unknowns, unknowns]);
         let found = [derivatives.horizon.first, derivatives.horizon.second];
         assert_close!(&found, &[own.re.eps[0], own.eps[0].eps[0]], 1e-11);
-    }
-}
-
-#[test]
-fn the_factors_of_a_block_tridiagonal_matrix_solve() {
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
-    // One block is larger than a panel of the factorisation.
-    let model = random_tree(4, 9).expect("n > 0");
-    let basis = Basis::new(3, 16, ends(false, true));
-    let grid = Grid::new(&basis, 20, 1.0);
-    let mut derivatives = Derivatives::new(&grid, 4);
-    Objective::new(&grid, ControlEffort::new(&model), 4)
-        .derivatives(&random(&mut rng, 4, basis.count()), &mut derivatives)
-        .expect("sizes agree");
-    let metric: BlockTridiagonal<f64> = derivatives.metric;
-    let (dense, order) = (metric.to_dense(), metric.order());
-    let x = random(&mut rng, order, 1).column(0).into_owned();
-    let image = metric.product(&x);
-    assert_close!(&image, &(&dense * &x), 1e-13);
-    let mut factor = metric.clone();
-    assert!(factor.factorise());
-    let mut back = image.clone();
-    factor.solve(&mut back);
-    assert_close!(&(dense * back), &image, 1e-9);
-    let mut indefinite = metric.clone();
-    indefinite.set_sum(&metric, -2.0, &metric);
-    assert!(!indefinite.factorise());
-}
-
-#[test]
-fn hessians_at_points_are_kept_whole() {
-    let mut rng = ChaCha8Rng::seed_from_u64(12);
-    for n in [1, 2, 3] {
-        let mut kept = PackedHessian::new(n, 5);
-        let half = random(&mut rng, 3 * n, 3 * n);
-        let whole = &half + half.transpose();
-        kept.set(2, &whole);
-        assert_close!(&kept.get(2), &whole, 1e-15);
-        let half = random(&mut rng, 2 * n, 2 * n);
-        let part = &half + half.transpose();
-        kept.add(2, &part);
-        let mut sum = whole;
-        let mut corner = sum.view_mut((0, 0), (2 * n, 2 * n));
-        corner += part;
-        assert_close!(&kept.get(2), &sum, 1e-15);
-        assert_eq!(kept.get(1), DMatrix::zeros(3 * n, 3 * n));
     }
 }
