@@ -20,18 +20,17 @@
 //!    violations between the points. Without rows it is Newton's method.
 //! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
 //!
-//! `transcription` computes integrals of running costs and rows and their derivatives; `running_cost` has user-defined
-//! costs; `tuning.rs` has all tuning constants.
+//! `transcription` computes integrals of running costs and rows and their derivatives; `cost` has user-defined costs;
+//! [`SearchOptions`] and [`nlp::Options`](crate::nlp::Options) have all constants.
 
 mod goal;
 mod minimise;
-
+mod options;
 mod settings;
 mod strategy;
 
-mod tuning;
-
 pub use goal::{GoalEnd, GoalSet};
+pub use options::SearchOptions;
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 
@@ -137,6 +136,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             grids: &grids,
             rows: &rows,
             watch: &watch,
+            settings,
             free_horizon: settings.free_horizon,
             goal: settings.goal.as_ref(),
         };

@@ -1,11 +1,11 @@
 //! The settings and the results of the direct method.
 
 use super::minimise::Stage;
-use super::tuning::{LAST_BARRIER, LOWER, SEGMENT_STEPS};
-use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum};
+use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, SearchOptions};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
+use crate::nlp;
 use std::time::Duration;
 
 /// The settings of a direct solve.
@@ -61,6 +61,11 @@ pub struct DirectSettings {
     pub free_horizon: Option<FreeHorizon>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,
+    /// The constants of the search.
+    pub search: SearchOptions,
+    /// Those of the interior-point method, with the rule of its barrier parameter. [`tolerance`](Self::tolerance) and
+    /// [`iterations`](Self::iterations) take the place of its own.
+    pub nlp: nlp::Options,
 }
 
 crate::names::named_enum! {
@@ -98,6 +103,8 @@ impl Default for DirectSettings {
             continuous_acceleration: false,
             free_horizon: None,
             goal: None,
+            search: SearchOptions::default(),
+            nlp: nlp::Options::default(),
         }
     }
 }
@@ -136,9 +143,8 @@ impl DirectSettings {
             tolerance: self.tolerance,
             iterations: self.iterations,
             quadrature_tolerance: self.quadrature_tolerance,
-            last_barrier: LAST_BARRIER.max(self.tolerance * self.tolerance),
-            // Whoever looks at the motion by other means finds it within the tolerance as well.
-            feasible: 0.5 * Self::FEASIBLE,
+            last_barrier: self.nlp.last_barrier.max(self.tolerance * self.tolerance),
+            feasible: self.nlp.feasible,
             last: true,
         }
     }
@@ -148,15 +154,16 @@ impl DirectSettings {
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
     /// a joint almost no freedom.
     pub(super) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
+        let lower = self.search.lower();
         let fewer_segments = Stage {
-            iterations: SEGMENT_STEPS,
-            ..LOWER
+            iterations: self.search.segment_iterations,
+            ..lower
         };
         let new = |segments, p| Basis::new(segments, p, continuity);
         let mut rungs: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
             .map(|p| Rung {
                 basis: new(1, p),
-                stage: LOWER,
+                stage: lower,
             })
             .collect();
         rungs.extend(Basis::fewer_segments(self.segments).map(|n| Rung {
@@ -228,6 +235,8 @@ impl DirectSettings {
     /// A setting is out of range.
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
         Self::check_size(self.degree, self.segments, self.continuity(problem))?;
+        self.search.check(self.continuity(problem))?;
+        self.nlp.check()?;
         for (what, value) in [
             ("tolerance", self.tolerance),
             ("quadrature_tolerance", self.quadrature_tolerance),

@@ -14,6 +14,7 @@
 //! | a [constraint](mod@constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
 //! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
 //! | the [running cost](mod@running_cost) of the direct method | a closure, or [`RunningCost`](crate::cost::RunningCost) | dual numbers |
+//! | the [optimiser](mod@optimiser): its barrier rule, its constants | [`BarrierUpdate`](crate::nlp::BarrierUpdate) | the same minimum |
 //! | the [scalar](mod@scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
 //! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
 //! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |
@@ -42,6 +43,9 @@ pub mod jacobian {}
 
 #[doc = include_str!("running_cost.md")]
 pub mod running_cost {}
+
+#[doc = include_str!("optimiser.md")]
+pub mod optimiser {}
 
 #[doc = include_str!("scalar.md")]
 pub mod scalar {}

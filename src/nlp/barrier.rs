@@ -1,6 +1,7 @@
 //! The barrier parameter and its update.
 
 use super::{Options, State};
+use std::fmt::Debug;
 
 /// The parameters of the barrier function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,40 +12,81 @@ pub struct Barrier {
     pub nu: f64,
 }
 
-/// A rule by which the barrier parameter decreases.
-pub(crate) trait BarrierUpdate {
-    /// Returns true if the barrier problem is solved well enough after a step that predicted this decrease.
-    fn is_solved(&self, state: &State, decrease: f64) -> bool;
+/// An iterate as a rule of the barrier parameter sees it. All values are relative to the objective, and sums over the
+/// rows have their weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BarrierState {
+    /// The barrier parameter summed over all rows, $\sum_j w_j \mu$.
+    pub mu: f64,
+    /// The complementarity $\sum_j w_j s_j z_j$ of slacks and multipliers, which is `mu` on the central path.
+    pub complementarity: f64,
+    /// The decrease of the barrier function that the last step predicted.
+    pub decrease: f64,
+    /// The fraction of that step that was taken.
+    pub alpha: f64,
+}
 
-    /// The next parameters.
-    fn next(&self, state: &State) -> Barrier;
+impl BarrierState {
+    /// The state after a step that predicted this decrease.
+    pub(super) fn after(state: &State, decrease: f64) -> Self {
+        let scale = state.scale();
+        Self {
+            mu: state.complementarity(),
+            complementarity: state.measure * state.iterate.gap() / scale,
+            decrease: decrease / scale,
+            alpha: state.progress.alpha,
+        }
+    }
+}
+
+/// A rule by which the barrier parameter changes.
+pub trait BarrierUpdate: Debug + Send + Sync {
+    /// Returns true if the barrier problem is solved well enough after a step. It also counts as solved where no step
+    /// decreases the barrier function.
+    fn is_solved(&self, state: &BarrierState) -> bool;
+
+    /// The next barrier parameter, summed over all rows and relative to the objective like [`BarrierState::mu`]. The
+    /// [last one](Options::last_barrier) takes its place if it is less.
+    fn next(&self, state: &BarrierState) -> f64;
 }
 
 /// The monotone rule of Fiacco and McCormick: $\mu \leftarrow \min(\kappa \mu, \mu^\theta)$, relative to the objective
 /// (WB 7).
-#[derive(Clone, Debug)]
-pub(crate) struct Monotone {
-    options: Options,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Monotone {
+    /// The linear factor $\kappa$ of a reduction: 0.2 as in WB.
+    pub factor: f64,
+    /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
+    pub power: f64,
+    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced.
+    pub done: f64,
 }
 
-impl Monotone {
-    pub fn new(options: &Options) -> Self {
-        let options = options.clone();
-        Self { options }
+impl Default for Monotone {
+    fn default() -> Self {
+        Self {
+            factor: 0.2,
+            power: 1.5,
+            done: 1.0,
+        }
     }
 }
 
 impl BarrierUpdate for Monotone {
-    fn is_solved(&self, state: &State, decrease: f64) -> bool {
-        decrease <= self.options.barrier_done * state.iterate.barrier.mu * state.total_weight()
+    fn is_solved(&self, state: &BarrierState) -> bool {
+        state.decrease <= self.done * state.mu
     }
 
-    fn next(&self, state: &State) -> Barrier {
-        let (options, now) = (&self.options, state.complementarity());
-        let next = (options.barrier_factor * now).min(now.powf(options.barrier_power));
-        let next = next.max(options.last_barrier);
-        Barrier {
-            mu: next * state.scale() / state.total_weight(),
+    fn next(&self, state: &BarrierState) -> f64 {
+        (self.factor * state.mu).min(state.mu.powf(self.power))
+    }
+}
+
+impl Barrier {
+    /// The parameters for a barrier parameter summed over all rows and relative to the objective.
+    pub(super) fn of_total(total: f64, state: &State, options: &Options) -> Self {
+        Self {
+            mu: total.max(options.last_barrier) * state.scale() / state.total_weight(),
             // The objective may have been zero at the start.
             nu: (options.penalty * state.scale() / state.measure).max(state.iterate.barrier.nu),
         }

@@ -19,7 +19,7 @@
 //! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values; each
 //!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2).
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
-//!    (`BarrierUpdate`).
+//!    ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature.
 
 mod barrier;
@@ -29,8 +29,7 @@ mod line_search;
 mod options;
 mod state;
 
-pub use barrier::Barrier;
-pub(crate) use barrier::{BarrierUpdate, Monotone};
+pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
 pub use iterate::{Equality, Iterate, Row, RowState, Term};
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
@@ -142,7 +141,7 @@ pub struct Solution {
 /// Solves a nonlinear program from `x`, with known multipliers if there are any.
 ///
 /// # Errors
-/// Those of the problem.
+/// Those of the problem; an [option](Options::check) is out of range.
 pub fn solve<P: Nlp>(
     problem: &mut P,
     x: DVector<f64>,
@@ -151,8 +150,8 @@ pub fn solve<P: Nlp>(
     options: &Options,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Solution> {
+    options.check()?;
     let mut state = State::new(problem, x, multipliers, kkt, options)?;
-    let update = Monotone::new(options);
     loop {
         state.derive(problem)?;
         if let Some(status) = state.stop(problem, options) {
@@ -174,9 +173,11 @@ pub fn solve<P: Nlp>(
         observe(&state.progress);
         let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
         state.kkt.adapt(alpha, used, options);
-        let solved = taken.is_none_or(|decrease| update.is_solved(&state, decrease));
+        let at = BarrierState::after(&state, taken.unwrap_or_default());
+        let solved = taken.is_none() || options.barrier.is_solved(&at);
         if solved && !state.is_last_barrier(options) {
-            let (before, barrier) = (state.iterate.barrier.mu, update.next(&state));
+            let before = state.iterate.barrier.mu;
+            let barrier = Barrier::of_total(options.barrier.next(&at), &state, options);
             if taken.is_none() {
                 // Rounding hides the rest of the decrease with this barrier parameter.
                 state.iterate.recentre(&state.h, barrier);

@@ -1,7 +1,11 @@
 //! The options of the interior-point method.
 
+use super::{BarrierUpdate, Monotone};
+use crate::error::{Error, Result, check_positive};
+use std::sync::Arc;
+
 /// All constants of the method, each with its reason. WB: Wächter and Biegler, 2006; NW: Nocedal and Wright, 2006.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// The Newton decrement at the end, relative to the objective: half its square is the excess over the minimum.
     pub tolerance: f64,
@@ -15,12 +19,8 @@ pub struct Options {
     pub warm_barrier: f64,
     /// The last barrier parameter: the relative excess of the objective over its minimum.
     pub last_barrier: f64,
-    /// The linear factor of a reduction of the barrier parameter: 0.2 as in WB (7).
-    pub barrier_factor: f64,
-    /// The exponent of a superlinear reduction: 1.5 as in WB (7).
-    pub barrier_power: f64,
-    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced.
-    pub barrier_done: f64,
+    /// The rule by which the barrier parameter changes.
+    pub barrier: Arc<dyn BarrierUpdate>,
     /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima.
     pub longest_step: f64,
     /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
@@ -84,9 +84,7 @@ impl Default for Options {
             first_barrier: 0.1,
             warm_barrier: 1e-2,
             last_barrier: 1e-7,
-            barrier_factor: 0.2,
-            barrier_power: 1.5,
-            barrier_done: 1.0,
+            barrier: Arc::new(Monotone::default()),
             longest_step: 1.0,
             fraction_to_boundary: 0.9,
             penalty: 1.0,
@@ -110,5 +108,100 @@ impl Default for Options {
             saddle_step: 0.3,
             rounds: 20,
         }
+    }
+}
+
+impl Options {
+    /// Refuses values out of range, with which a search would not end.
+    ///
+    /// # Errors
+    /// A value is out of range.
+    pub fn check(&self) -> Result<()> {
+        let [first, later, after] = self.regularisation_factors;
+        for (what, value) in [
+            ("tolerance", self.tolerance),
+            ("feasible", self.feasible),
+            ("first_barrier", self.first_barrier),
+            ("warm_barrier", self.warm_barrier),
+            ("last_barrier", self.last_barrier),
+            ("longest_step", self.longest_step),
+            ("penalty", self.penalty),
+            ("largest_penalty", self.largest_penalty),
+            ("infeasible_cost", self.infeasible_cost),
+            ("infeasible_progress", self.infeasible_progress),
+            ("largest_warm_slack", self.largest_warm_slack),
+            ("first_regularisation", self.first_regularisation),
+            ("smallest_regularisation", self.smallest_regularisation),
+            ("largest_regularisation", self.largest_regularisation),
+            ("short_fraction", self.short_fraction),
+            ("long_fraction", self.long_fraction),
+            ("saddle_step", self.saddle_step),
+        ] {
+            check_positive("nlp", what, value)?;
+        }
+        let growing = |x: f64| x > 1.0 && x.is_finite();
+        let shrinking = |x: f64| x > 0.0 && x < 1.0;
+        for (what, value, good, condition) in [
+            (
+                "penalty_factor",
+                self.penalty_factor,
+                growing as fn(f64) -> bool,
+                "more than 1",
+            ),
+            (
+                "equality_factor",
+                self.equality_factor,
+                growing,
+                "more than 1",
+            ),
+            (
+                "multiplier_range",
+                self.multiplier_range,
+                growing,
+                "more than 1",
+            ),
+            (
+                "regularisation_factors",
+                first,
+                growing,
+                "more than 1 for the first",
+            ),
+            (
+                "regularisation_factors",
+                later,
+                growing,
+                "more than 1 for the second",
+            ),
+            (
+                "regularisation_factors",
+                after,
+                shrinking,
+                "a number between 0 and 1 for the third",
+            ),
+            (
+                "fraction_to_boundary",
+                self.fraction_to_boundary,
+                shrinking,
+                "a number between 0 and 1",
+            ),
+            (
+                "sufficient_decrease",
+                self.sufficient_decrease,
+                shrinking,
+                "a number between 0 and 1",
+            ),
+            (
+                "backtracking",
+                self.backtracking,
+                shrinking,
+                "a number between 0 and 1",
+            ),
+        ] {
+            if !good(value) {
+                let condition = format!("it is {value}, {condition} is needed");
+                return Err(Error::input("nlp", what, condition));
+            }
+        }
+        Ok(())
     }
 }

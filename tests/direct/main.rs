@@ -11,6 +11,7 @@ mod goal;
 mod interrupt;
 mod minima;
 mod multistart;
+mod options;
 mod running_cost;
 mod segments;
 mod stage;

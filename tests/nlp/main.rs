@@ -4,7 +4,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod barrier;
 mod dense;
 mod iterate;
 mod kkt;
+mod options;
 mod problems;

@@ -88,7 +88,10 @@ impl Scenario {
     }
 
     /// The running cost that is minimised, without the weight of time.
-    pub(super) fn running_cost(&self) -> Result<ScenarioCost<'_>> {
+    ///
+    /// # Errors
+    /// The scenario has weights for another number of joints.
+    pub fn running_cost(&self) -> Result<impl CostWithControl> {
         let model = &self.model;
         Ok(match (&self.own.running_cost, &self.file.running_cost) {
             (Some(own), _) => {
@@ -105,7 +108,7 @@ impl Scenario {
 
 /// The running cost of a scenario.
 #[derive(Clone)]
-pub(super) enum ScenarioCost<'m> {
+enum ScenarioCost<'m> {
     /// Weighted squares.
     Squares(Box<ControlEffort<'m, f64, f64>>),
     /// A user-defined cost.

@@ -4,7 +4,6 @@ use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
-use crate::direct::tuning::{FLOOR, ON_THE_WAY, RESERVE};
 use crate::error::Result;
 use crate::transcription::Peak;
 
@@ -15,7 +14,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.evaluate_goal()?;
         let bounds = self.bounds();
         let rows = &mut self.objective.cost_mut().rows;
-        let peaks = scan.peaks(rows, &self.coefficients, horizon, FLOOR)?;
+        let floor = -self.search.scan_depth;
+        let peaks = scan.peaks(rows, &self.coefficients, horizon, floor)?;
         let units = &rows.attributes().units;
         let highest = peaks.iter().map(|peak| peak.height * units[peak.row]);
         let highest = highest.fold(0.0, f64::max);
@@ -44,23 +44,28 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let exact = self.finer.value(&self.coefficients)?;
         let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
         self.finer_cost = [exact, error];
-        let on_the_way = if end { 0.0 } else { ON_THE_WAY };
+        let on_the_way = if end {
+            0.0
+        } else {
+            self.search.quadrature_on_the_way
+        };
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
+        let reserve = self.search.reserve;
         let equalities = &self.objective.cost().rows.attributes().equalities;
         let margins = equalities
             .iter()
-            .map(|equality| if *equality { 0.0 } else { RESERVE });
+            .map(|equality| if *equality { 0.0 } else { reserve });
         let first = self.goal.first;
-        for (margin, reserve) in self.margins[..first].iter_mut().zip(margins.cycle()) {
-            *margin = reserve;
+        for (margin, of_row) in self.margins[..first].iter_mut().zip(margins.cycle()) {
+            *margin = of_row;
         }
         let of_goal = self.margins[first..].iter_mut().zip(&self.goal.equalities);
         for (margin, _) in of_goal.filter(|(_, held)| !**held) {
-            *margin = RESERVE;
+            *margin = reserve;
         }
     }
 
@@ -72,6 +77,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         if !grow {
             self.reserve();
         }
+        let reserve = self.search.reserve;
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
         let count = integrand.rows.count();
         for peak in peaks {
@@ -85,10 +91,10 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             for g in beside.into_iter().flatten() {
                 let at = g * count + peak.row;
                 if !grow {
-                    let beside = RESERVE + peak.height - integrand.h[at];
+                    let beside = reserve + peak.height - integrand.h[at];
                     self.margins[at] = self.margins[at].max(beside);
                 } else if peak.height > 0.0 {
-                    self.margins[at] += 2.0 * peak.height + RESERVE;
+                    self.margins[at] += 2.0 * peak.height + reserve;
                 }
             }
         }

@@ -16,10 +16,7 @@ mod working_set;
 
 pub(super) use candidate::{Candidate, Multipliers};
 
-use super::tuning::{
-    FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS, POINTS_OF_SEGMENTS,
-};
-use super::{FreeHorizon, GoalSet, Iteration};
+use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::check_integral;
@@ -52,6 +49,7 @@ pub(super) struct Context<'c, 'a, K, P> {
     pub grids: &'c Grids,
     pub rows: &'c Rows<'a, K, P>,
     pub watch: &'c Watch,
+    pub settings: &'c DirectSettings,
     pub free_horizon: Option<FreeHorizon>,
     pub goal: Option<&'c GoalSet>,
 }
@@ -72,9 +70,10 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Candidate> {
     let basis = candidate.path.basis.clone();
+    let search = &context.settings.search;
     let per_degree = match basis.segments() {
-        1 => POINTS,
-        _ => POINTS_OF_SEGMENTS,
+        1 => search.points,
+        _ => search.points_of_segments,
     };
     candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
     loop {
@@ -98,7 +97,12 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     stage: Stage,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Status> {
-    let Context { grids, rows, .. } = context;
+    let Context {
+        grids,
+        rows,
+        settings,
+        ..
+    } = context;
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
     let grid = if rows.attributes().equalities.contains(&true) {
         grids.collocated(&basis, points)
@@ -107,19 +111,22 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     };
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
-    let refinable = points < MOST_POINTS * basis.degree();
+    let refinable = points < settings.search.most_points * basis.degree();
     let both = [&*grid, &*finer];
     let mut program = Program::new(context, candidate, both, stage, refinable);
     let options = Options {
         tolerance: stage.tolerance,
         feasible: stage.feasible,
-        penalty: candidate.penalty.unwrap_or(Options::default().penalty),
+        penalty: candidate.penalty.unwrap_or(settings.nlp.penalty),
         iterations: stage.iterations,
         last_barrier: match rows.count() {
-            0 => LAST_BARRIER_OF_BOUNDS.min(stage.last_barrier),
+            0 => settings
+                .search
+                .last_barrier_of_bounds
+                .min(stage.last_barrier),
             _ => stage.last_barrier,
         },
-        ..Options::default()
+        ..settings.nlp.clone()
     };
     let known = candidate.multipliers.at(&grid.times, rows.count());
     let kkt = program.kkt().ok_or_else(|| {
@@ -192,14 +199,15 @@ fn look_at_passive_joints<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,
 ) -> Result<()> {
+    let search = &context.settings.search;
     let limits = &context.rows.constraints.torque;
     if limits.has_passive() {
         let problem = context.problem.with_horizon(candidate.horizon)?;
         let curve = curve_of(&problem, &candidate.path)?;
-        let times = FINE.div_ceil(curve.segments());
+        let times = search.last_scan.div_ceil(curve.segments());
         let model = context.problem.model();
         candidate.passive_share = passive_share(model, &curve, limits, times)?;
-        candidate.converged &= candidate.passive_share <= PASSIVE_SHARE;
+        candidate.converged &= candidate.passive_share <= search.passive_share;
     }
     Ok(())
 }

@@ -7,8 +7,7 @@ use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::FreeHorizon;
-use crate::direct::tuning::{EXACT_MARGINS, FINE, SCAN};
+use crate::direct::{FreeHorizon, SearchOptions};
 use crate::error::Result;
 use crate::motion::Watch;
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
@@ -43,6 +42,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     /// The value of each row of a point from which on it is in the working set, with that of its own.
     pub(super) nearest: Vec<f64>,
     pub(super) stage: Stage,
+    pub(super) search: &'g SearchOptions,
     /// The penalties of equalities to begin with, relative to those without a search before.
     pub equality_penalty: f64,
     /// True if the number of points may increase.
@@ -72,13 +72,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             grids,
             rows,
             watch,
+            settings,
             free_horizon,
             goal,
         } = context;
+        let search = &settings.search;
         let (n, basis) = (problem.model().dof(), &path.basis);
-        let looks = SCAN * grid.points();
+        let looks = search.scan * grid.points();
         let last = if stage.last {
-            looks.max(FINE / basis.segments())
+            looks.max(search.last_scan / basis.segments())
         } else {
             looks
         };
@@ -110,8 +112,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             kept: Vec::new(),
             grid,
             objective,
-            nearest: working_set::nearest(problem, rows.attributes()),
+            nearest: working_set::nearest(problem, rows.attributes(), search),
             stage,
+            search,
             equality_penalty: 1.0,
             watch,
         };
@@ -368,7 +371,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             self.kept.push(x.clone());
         }
         // Exact margins at first; then they only grow, so that the search ends.
-        self.set_margins(&peaks, round > EXACT_MARGINS);
+        self.set_margins(&peaks, round > self.search.exact_margins);
         Ok(Tightened::Violation(violation))
     }
 

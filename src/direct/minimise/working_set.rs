@@ -3,22 +3,26 @@
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::direct::tuning::{EQUALITY_PENALTY, MOTOR, NEAR, SHARE_OF_CUTOFF};
+use crate::direct::SearchOptions;
 use crate::motion::Problem;
 use crate::nlp::{Equality, Row};
 use crate::transcription::{Attributes, Grid};
 
 /// The value of each row of a point below which it is not in the working set: clearances are far from their bound most
 /// of the time.
-pub(super) fn nearest(problem: &Problem<'_>, attributes: &Attributes) -> Vec<f64> {
+pub(super) fn nearest(
+    problem: &Problem<'_>,
+    attributes: &Attributes,
+    search: &SearchOptions,
+) -> Vec<f64> {
     let near = match problem.reach() {
         // Without a scale all rows are in the working set.
         0.0 => f64::INFINITY,
-        reach => NEAR * reach,
+        reach => search.near * reach,
     };
     let rows = attributes.clearances.iter().zip(&attributes.cutoffs);
     rows.map(|(clearance, cutoff)| match clearance {
-        true => -near.min(SHARE_OF_CUTOFF * cutoff),
+        true => -near.min(search.share_of_cutoff * cutoff),
         false => f64::NEG_INFINITY,
     })
     .collect()
@@ -36,8 +40,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
             all.extend(held.iter().map(|row| {
                 let first = match rows.constraints.is_passive(*row) {
-                    true => MOTOR,
-                    false => EQUALITY_PENALTY * density,
+                    true => self.search.motor_penalty,
+                    false => self.search.equality_penalty * density,
                 };
                 let at = g * count + row;
                 Equality {
@@ -50,7 +54,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         }
         let of_goal = self.goal.range().zip(&self.goal.equalities);
         all.extend(of_goal.filter(|(_, held)| **held).map(|(at, _)| {
-            let first = EQUALITY_PENALTY * density;
+            let first = self.search.equality_penalty * density;
             Equality {
                 row: Row { at, weight: 1.0 },
                 first,

@@ -7,9 +7,6 @@ use crate::curve::Basis;
 use crate::direct::minimise::{Candidate, Context, minimise};
 use crate::direct::settings::{PlannedStarts, Rung};
 use crate::direct::strategy::planned::Planned;
-use crate::direct::tuning::{
-    HOPELESS, MORE_STARTS, MOST_STARTS, PASSIVE_SHARE, SAME_MINIMUM, SHARE_OF_STARTS, WAVE,
-};
 use crate::direct::{DirectSettings, DirectSolution, Iteration};
 use crate::error::Result;
 use crate::motion::Path;
@@ -63,10 +60,11 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     planned: &Planned<'_, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
+    let search = &settings.search;
     let stopped = || context.watch.stopped().is_some();
     // What comes after the starts needs its part of the time.
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
-    let share = if goes_on { SHARE_OF_STARTS } else { 1.0 };
+    let share = if goes_on { search.share_of_starts } else { 1.0 };
     let passive = context.rows.constraints.torque.has_passive();
     // A start is a single polynomial, whatever it is to become.
     let basis = &rungs[0].basis;
@@ -84,9 +82,9 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let found_before = ends.iter().any(is_found);
         // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
         let wave = match settings.time_limit {
-            _ if next < settings.starts => next..settings.starts.min(next + WAVE),
-            Some(_) => next..next + WAVE,
-            None => next..(next + MORE_STARTS).min(MOST_STARTS),
+            _ if next < settings.starts => next..settings.starts.min(next + search.wave),
+            Some(_) => next..next + search.wave,
+            None => next..(next + search.more_starts).min(search.most_starts),
         };
         next = wave.end;
         let start = |number| {
@@ -152,13 +150,13 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 // passive joint is given at a low rung says nothing of what the motion costs without.
                 let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
                     Some(left) if least[level].is_finite() && !passive => {
-                        let hopeless = HOPELESS[left.min(HOPELESS.len() - 1)];
+                        let hopeless = search.hopeless[left.min(search.hopeless.len() - 1)];
                         candidate.objective <= least[level] + hopeless * least[level].abs()
                     }
                     _ => true,
                 };
                 let inside = candidate.violation <= rung.stage.feasible
-                    && candidate.passive_share <= PASSIVE_SHARE;
+                    && candidate.passive_share <= search.passive_share;
                 if inside {
                     least[level] = least[level].min(candidate.objective);
                 }
@@ -172,14 +170,14 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
             Some(_) => next < DirectSettings::LARGEST_STARTS,
-            None => next < settings.starts || (!found && next < MOST_STARTS),
+            None => next < settings.starts || (!found && next < search.most_starts),
         };
         if stopped() || context.watch.is_late(share) || !more {
             break;
         }
     }
     ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
-    let (minima, curves) = minima_of(&ends);
+    let (minima, curves) = minima_of(&ends, search.same_minimum);
     let best = ends.swap_remove(0);
     Ok(Outcome {
         best: best.candidate,
@@ -204,15 +202,13 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     }
 }
 
-/// The minima among sorted ends, and the curves of the first few.
-fn minima_of(ends: &[Climber]) -> (Vec<LocalMinimum>, Vec<Candidate>) {
+/// The minima among sorted ends, which differ by more than the share `same`, and the curves of the first few.
+fn minima_of(ends: &[Climber], same: f64) -> (Vec<LocalMinimum>, Vec<Candidate>) {
     let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
     let ends = ends.iter().map(|end| &end.candidate);
     for end in ends.filter(|end| end.converged) {
         match minima.last_mut() {
-            Some(last) if end.objective - last.cost <= SAME_MINIMUM * last.cost.abs() => {
-                last.starts += 1
-            }
+            Some(last) if end.objective - last.cost <= same * last.cost.abs() => last.starts += 1,
             _ => {
                 if curves.len() < DirectSolution::MINIMA_CURVES {
                     curves.push(end.clone());

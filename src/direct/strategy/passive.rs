@@ -4,7 +4,6 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::direct::Iteration;
 use crate::direct::minimise::{Candidate, Context, Stage, minimise};
-use crate::direct::tuning::{LARGEST_PASSIVE_SIZE, PASSIVE_SHARE, SAME_MINIMUM};
 use crate::error::Result;
 
 /// Minimises in the last basis, then with more segments and then higher degrees while a passive joint has more residual
@@ -16,13 +15,14 @@ pub(crate) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
     least: f64,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Candidate> {
+    let search = &context.settings.search;
     let mut found = minimise(context, candidate, stage, observe)?;
-    while found.passive_share > PASSIVE_SHARE
+    while found.passive_share > search.passive_share
         && found.violation <= stage.feasible
-        && (1.0 + SAME_MINIMUM) * found.objective < least
+        && (1.0 + search.same_minimum) * found.objective < least
         && context.watch.stopped().is_none()
     {
-        let Some(basis) = found.path.basis.finer(LARGEST_PASSIVE_SIZE) else {
+        let Some(basis) = found.path.basis.finer(search.largest_passive_size) else {
             break;
         };
         found.path = found.path.in_basis(basis);

@@ -6,9 +6,6 @@ use crate::curve::Basis;
 use crate::direct::DirectSettings;
 use crate::direct::minimise::{Candidate, Context};
 use crate::direct::settings::PlannedStarts;
-use crate::direct::tuning::{
-    HORIZON_GROWTH, MARGIN_CHECKS, PLANNED_DEGREE, PLANNED_PENALTY, PLANNED_SEGMENTS,
-};
 use crate::error::Result;
 use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan};
@@ -88,7 +85,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         };
         let path = path.between_ends_of(&problem.with_horizon(horizon)?);
         Ok(Some(Candidate {
-            penalty: Some(PLANNED_PENALTY),
+            penalty: Some(self.settings.search.planned_penalty),
             ..Candidate::new(path, horizon)
         }))
     }
@@ -96,6 +93,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The curve along the path of this number; `None` without a path.
     fn path(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Path>> {
         let Context { rows, watch, .. } = self.context;
+        let search = &self.settings.search;
         let constraint = &rows.constraints.state;
         let mut plans = PlanSettings {
             seed: self.settings.seed,
@@ -104,7 +102,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             roundings: 0,
             ..PlanSettings::default()
         };
-        let budget = std::mem::replace(&mut plans.most_checks, MARGIN_CHECKS);
+        let budget = std::mem::replace(&mut plans.most_checks, search.margin_checks);
         let stopped = || watch.stopped().is_some();
         let mut found = plan(problem, constraint, &plans, &stopped)?;
         if matches!(found, Plan::OutOfBudget { .. }) {
@@ -115,12 +113,12 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let Plan::Found(path) = found else {
             return Ok(None);
         };
-        let segments = PLANNED_SEGMENTS.max(path.len() - 1);
+        let segments = search.planned_segments.max(path.len() - 1);
         let basis = if self.settings.segments >= segments {
             self.settings.basis(problem)
         } else {
             let continuity = self.settings.continuity(problem);
-            Basis::new(segments, PLANNED_DEGREE, continuity)
+            Basis::new(segments, search.planned_degree, continuity)
         };
         along(problem, constraint, &path, basis, &plans).map(Some)
     }
@@ -163,7 +161,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             if kept {
                 break;
             }
-            horizon = (HORIZON_GROWTH * horizon).min(longest);
+            horizon = (self.settings.search.horizon_growth * horizon).min(longest);
         }
         Ok(horizon)
     }

@@ -1,0 +1,216 @@
+//! The numerical options of the search.
+
+use super::DirectSettings;
+use super::minimise::Stage;
+use crate::curve::Continuity;
+use crate::error::{Error, Result, check_count, check_positive};
+
+/// The constants of the search around the [interior-point method](crate::nlp), each with its reason. No motion depends
+/// on them beyond its tolerances, but which minimum is found, and how fast, may.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOptions {
+    /// The initial number of quadrature points per degree, on one segment.
+    pub points: f64,
+    /// The same on several segments, which are shorter: the same costs in two thirds of the time on planned starts and
+    /// underactuated swing-ups.
+    pub points_of_segments: f64,
+    /// The largest number of points per degree: beyond it the curve has corners that no quadrature of this kind
+    /// resolves.
+    pub most_points: usize,
+    /// The accepted relative difference of quadratures before the end of a minimisation.
+    pub quadrature_on_the_way: f64,
+    /// The number of intervals per quadrature point at which rows are scanned.
+    pub scan: usize,
+    /// The smallest number of intervals of the last scan, on all segments together.
+    pub last_scan: usize,
+    /// The distance from its bound, relative to its scale, beyond which a scan ignores a row.
+    pub scan_depth: f64,
+    /// The number of times that margins are set anew at the end of the search before they only grow, so that it
+    /// terminates.
+    pub exact_margins: usize,
+    /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
+    pub reserve: f64,
+    /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the problem:
+    /// a few steps near the end are shorter.
+    pub near: f64,
+    /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
+    pub share_of_cutoff: f64,
+    /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are cheap to approach.
+    pub last_barrier_of_bounds: f64,
+    /// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other
+    /// start is as easy.
+    pub motor_penalty: f64,
+    /// The first penalty of other equalities, relative to the cost per second.
+    pub equality_penalty: f64,
+    /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
+    pub passive_share: f64,
+    /// The largest product of degree and number of segments when these are increased for passive joints.
+    pub largest_passive_size: usize,
+    /// The number of starts that are processed in parallel.
+    pub wave: usize,
+    /// The fraction of a time limit spent on starts if a horizon or a degree is searched after them.
+    pub share_of_starts: f64,
+    /// The relative excess over the cost of the best start before it beyond which a start is dropped, on the last basis
+    /// but one and on lower ones: low degrees are a poor indicator.
+    pub hopeless: [f64; 2],
+    /// The relative gradient norm at the end in the bases below the last one: a curve there is only the start of the
+    /// next.
+    pub lower_tolerance: f64,
+    /// The largest number of iterations there on one segment.
+    pub lower_iterations: usize,
+    /// The same on fewer segments than the last basis has, where the next breakpoints will reduce the cost further.
+    pub segment_iterations: usize,
+    /// The accepted relative difference of quadratures in lower bases.
+    pub lower_quadrature_tolerance: f64,
+    /// The last barrier parameter in lower bases, relative to the cost.
+    pub lower_last_barrier: f64,
+    /// The accepted violation of a row in lower bases, in its unit.
+    pub lower_feasible: f64,
+    /// The number of further starts that are tried at once while none of the requested ones ends within the
+    /// constraints.
+    pub more_starts: usize,
+    /// The largest number of starts while none of them ends within the constraints.
+    pub most_starts: usize,
+    /// The smallest number of segments of a planned start.
+    pub planned_segments: usize,
+    /// Their degree, unless that many segments are requested.
+    pub planned_degree: usize,
+    /// The first penalty of a violation from a planned start, relative to the cost: a start that keeps all rows stays
+    /// inside.
+    pub planned_penalty: f64,
+    /// The number of checked configurations after which a path no longer keeps a margin: a tenth of a second.
+    pub margin_checks: usize,
+    /// The factor between successive horizons of a planned start.
+    pub horizon_growth: f64,
+    /// The relative difference below which the costs of two minima count as equal.
+    pub same_minimum: f64,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            points: 3.5,
+            points_of_segments: 2.5,
+            most_points: 64,
+            quadrature_on_the_way: 0.05,
+            scan: 6,
+            last_scan: 2000,
+            scan_depth: 0.05,
+            exact_margins: 4,
+            reserve: 2e-7,
+            near: 0.05,
+            share_of_cutoff: 0.5,
+            last_barrier_of_bounds: 1e-12,
+            motor_penalty: 2.0,
+            equality_penalty: 1e3,
+            passive_share: 5e-4,
+            largest_passive_size: 512,
+            wave: 8,
+            share_of_starts: 0.5,
+            hopeless: [0.1, 1.0],
+            lower_tolerance: 0.1,
+            lower_iterations: 30,
+            segment_iterations: 60,
+            lower_quadrature_tolerance: 0.05,
+            lower_last_barrier: 1e-2,
+            lower_feasible: 1e-2,
+            more_starts: 2,
+            most_starts: 64,
+            planned_segments: 8,
+            planned_degree: 6,
+            planned_penalty: 10.0,
+            margin_checks: 25_000,
+            horizon_growth: 1.15,
+            same_minimum: 1e-3,
+        }
+    }
+}
+
+impl SearchOptions {
+    /// The largest number of quadrature points per degree that may be asked for.
+    const MOST_POINTS: usize = 1024;
+
+    /// The termination criteria below the last basis.
+    pub(super) fn lower(&self) -> Stage {
+        Stage {
+            tolerance: self.lower_tolerance,
+            iterations: self.lower_iterations,
+            quadrature_tolerance: self.lower_quadrature_tolerance,
+            last_barrier: self.lower_last_barrier,
+            feasible: self.lower_feasible,
+            last: false,
+        }
+    }
+
+    /// Refuses values out of range.
+    pub(super) fn check(&self, continuity: Continuity) -> Result<()> {
+        for (what, value) in [
+            ("points", self.points),
+            ("points_of_segments", self.points_of_segments),
+            ("quadrature_on_the_way", self.quadrature_on_the_way),
+            ("scan_depth", self.scan_depth),
+            ("reserve", self.reserve),
+            ("near", self.near),
+            ("share_of_cutoff", self.share_of_cutoff),
+            ("last_barrier_of_bounds", self.last_barrier_of_bounds),
+            ("motor_penalty", self.motor_penalty),
+            ("equality_penalty", self.equality_penalty),
+            ("passive_share", self.passive_share),
+            ("share_of_starts", self.share_of_starts),
+            ("hopeless", self.hopeless[0]),
+            ("hopeless", self.hopeless[1]),
+            ("lower_tolerance", self.lower_tolerance),
+            (
+                "lower_quadrature_tolerance",
+                self.lower_quadrature_tolerance,
+            ),
+            ("lower_last_barrier", self.lower_last_barrier),
+            ("lower_feasible", self.lower_feasible),
+            ("planned_penalty", self.planned_penalty),
+            ("same_minimum", self.same_minimum),
+        ] {
+            check_positive("search", what, value)?;
+        }
+        let most = Self::MOST_POINTS;
+        let points = self.points.max(self.points_of_segments);
+        if points > most as f64 {
+            let condition = format!("it is {points}, at most {most} is needed");
+            return Err(Error::input("search", "points", condition));
+        }
+        // Otherwise horizons would not grow.
+        if !(self.horizon_growth.is_finite() && self.horizon_growth > 1.0) {
+            let condition = format!("it is {}, more than 1 is needed", self.horizon_growth);
+            return Err(Error::input("search", "horizon_growth", condition));
+        }
+        let degrees = continuity.smallest_degree()..=DirectSettings::LARGEST_DEGREE;
+        let (iterations, starts) = (
+            1..=DirectSettings::MOST_ITERATIONS,
+            1..=DirectSettings::LARGEST_STARTS,
+        );
+        for (what, count, allowed) in [
+            ("most_points", self.most_points, 1..=most),
+            ("scan", self.scan, 1..=most),
+            ("last_scan", self.last_scan, 1..=1_000_000),
+            ("largest_passive_size", self.largest_passive_size, 1..=4096),
+            ("wave", self.wave, starts.clone()),
+            (
+                "lower_iterations",
+                self.lower_iterations,
+                iterations.clone(),
+            ),
+            ("segment_iterations", self.segment_iterations, iterations),
+            ("more_starts", self.more_starts, starts.clone()),
+            ("most_starts", self.most_starts, starts),
+            (
+                "planned_segments",
+                self.planned_segments,
+                1..=DirectSettings::LARGEST_SIZE,
+            ),
+            ("planned_degree", self.planned_degree, degrees),
+            ("margin_checks", self.margin_checks, 1..=1_000_000_000),
+        ] {
+            check_count(what, count, allowed)?;
+        }
+        Ok(())
+    }
+}

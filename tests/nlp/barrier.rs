@@ -1,0 +1,110 @@
+//! Rules of the barrier parameter.
+
+use crate::dense::{Dense, accurate};
+use aghf::cost::HyperDual64;
+use aghf::nlp::{BarrierState, BarrierUpdate, Monotone, Options, Status};
+use std::sync::{Arc, Mutex};
+
+/// The nearest point of a disc and a half-plane to $(2, 1)$, with an objective that is never zero.
+fn nearest(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
+    let away = (x[0] - 2.0) * (x[0] - 2.0) + (x[1] - 1.0) * (x[1] - 1.0);
+    let disc = x[0] * x[0] + x[1] * x[1] - 1.0;
+    (away + 1.0, vec![disc, x[1] - 0.2])
+}
+
+fn program() -> Dense {
+    Dense {
+        measure: 0.7,
+        ..Dense::new(nearest, &[-0.5, -0.5], 0, 2)
+    }
+}
+
+/// A share of the complementarity after every step, and a record of all that it was shown.
+#[derive(Debug, Default)]
+struct Adaptive {
+    seen: Mutex<Vec<BarrierState>>,
+}
+
+impl BarrierUpdate for Adaptive {
+    fn is_solved(&self, state: &BarrierState) -> bool {
+        self.seen.lock().expect("no panic").push(*state);
+        true
+    }
+
+    fn next(&self, state: &BarrierState) -> f64 {
+        0.2 * state.complementarity
+    }
+}
+
+/// A rule that returns one value, whatever it is shown.
+#[derive(Debug)]
+struct Always(f64);
+
+impl BarrierUpdate for Always {
+    fn is_solved(&self, _: &BarrierState) -> bool {
+        true
+    }
+
+    fn next(&self, _: &BarrierState) -> f64 {
+        self.0
+    }
+}
+
+fn by(rule: impl BarrierUpdate + 'static) -> Options {
+    Options {
+        barrier: Arc::new(rule),
+        ..accurate()
+    }
+}
+
+/// Every rule leads to the same point, which is known: $x_2 = 0.2$ on the circle.
+#[test]
+fn any_rule_leads_to_the_minimum() {
+    let slow = Monotone {
+        factor: 0.5,
+        ..Monotone::default()
+    };
+    let rules = [
+        accurate(),
+        by(slow),
+        by(Adaptive::default()),
+        by(Always(0.0)),
+        by(Always(f64::NAN)),
+    ];
+    for options in rules {
+        let end = program().solve(&options);
+        assert_eq!(end.status, Status::Converged, "{:?}", options.barrier);
+        let x = [0.96_f64.sqrt(), 0.2];
+        assert_close!(end.x.as_slice(), x.iter(), 1e-7);
+    }
+}
+
+/// All values are relative to the objective and summed with the weights of the rows, the measure included.
+#[test]
+fn rules_see_relative_sums() {
+    let rule = Arc::new(Adaptive::default());
+    let options = Options {
+        barrier: rule.clone(),
+        ..accurate()
+    };
+    let end = program().solve(&options);
+    let seen = rule.seen.lock().expect("no panic");
+    for state in &*seen {
+        assert!(state.alpha > 0.0 && state.alpha <= 1.0, "{state:?}");
+        assert!(state.decrease.is_finite() && state.mu > 0.0, "{state:?}");
+    }
+    let last = seen.last().expect("there were steps");
+    let iterate = &end.iterate;
+    let working = iterate.working.iter();
+    let products = working.map(|of| of.row.weight * of.slack * of.multiplier);
+    let own = 0.7 * products.sum::<f64>() / end.progress.objective;
+    assert!(
+        own <= 1.1 * options.last_barrier && own >= 0.5 * options.last_barrier,
+        "{own:e}"
+    );
+    // Near the end the iterates are on the central path.
+    assert!(
+        (last.complementarity / last.mu - 1.0).abs() < 0.1,
+        "{last:?}"
+    );
+}
