@@ -44,7 +44,7 @@ mod summary;
 mod yaml;
 
 pub use builtin::builtin_scenarios;
-pub use clearance::{Clearance, Clearances};
+pub use clearance::{Clearance, Clearances, PairClearance};
 pub use curve_file::CurveFile;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{Scenario, ScenarioFile};

@@ -47,6 +47,8 @@ pub struct Diagnosis {
     pub joints: BTreeMap<&'static str, usize>,
     /// The moving mass, kg, if the dynamics could be built.
     pub mass_kg: Option<f64>,
+    /// What keeps clear of what unless a scenario says otherwise.
+    pub kept_clear: &'static str,
     /// The collision shapes, if the dynamics could be built.
     pub shapes: Shapes,
     /// The configurations that were looked at: zero, and the named states of the SRDF.
@@ -151,6 +153,10 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
         links: robot.links.len(),
         joints: kinds(&robot),
         mass_kg: None,
+        kept_clear: match robot.links.iter().any(|link| !link.collision.is_empty()) {
+            true => "collision shapes of obstacles, and of each other but for neighbours",
+            false => "origins of joint frames of obstacles, links not of each other",
+        },
         shapes: Shapes::default(),
         states: Vec::new(),
         findings,

@@ -100,8 +100,8 @@ pub(super) fn covered(
         "link",
         unread.map(|shape| shape.link.clone()),
         [
-            "a collision shape of it cannot be used, for the reason in the table, so \"robot_shape\": \"collision\" is \
-             refused",
+            "a collision shape of it cannot be used, for the reason in the table, so a scenario is refused \
+             unless it says \"robot_shape\": \"joint_frames\" or \"swept_links\"",
             "--package NAME=FOLDER where the package is not found; another format or shape in the file otherwise",
         ],
     );
