@@ -90,9 +90,10 @@ pub enum RobotShape {
     },
     /// The collision shapes of the URDF: spheres as they are, others covered by balls.
     Collision {
-        /// The largest distance by which the balls may stick out, m.
-        #[serde(default = "default_excess")]
-        excess_m: f64,
+        /// The largest distance by which the balls may stick out, m; by default 0.005, of a box or a cylinder a tenth of
+        /// its smallest extent, from 0.005 to 0.02.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        excess_m: Option<f64>,
     },
 }
 
@@ -102,19 +103,13 @@ impl RobotShape {
     pub fn of(model: &Model) -> Self {
         match model.collisions() {
             [] => Self::JointFrames,
-            _ => Self::Collision {
-                excess_m: default_excess(),
-            },
+            _ => Self::Collision { excess_m: None },
         }
     }
 }
 
 pub(super) fn default_spacing() -> f64 {
     0.05
-}
-
-fn default_excess() -> f64 {
-    0.005
 }
 
 /// The pairs of links that may overlap; all others keep clear of each other.

@@ -145,7 +145,7 @@ impl MoveIt {
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,
             robot_shape: Some(RobotShape::Collision {
-                excess_m: self.excess,
+                excess_m: Some(self.excess),
             }),
             self_collision: Some(SelfCollision::IgnoredPairs(
                 ignored.into_iter().map(|pair| pair.links).collect(),
