@@ -1,8 +1,8 @@
 //! The covers of robots and the time of their rows.
 //!
-//! `cargo bench --bench covers -- EXCESS ROBOT.urdf ...` prints a line per robot: balls and the time in which they were
-//! found, the rows of the pairs of links that are no neighbours and do not always overlap, and the mean time of
-//! the rows at a configuration, of four side by side, over random ones.
+//! `cargo bench --bench covers -- EXCESS ROBOT.urdf ...`, with a number or `default` for the excess, prints a line per
+//! robot: balls and the time in which they were found, the rows of the pairs of links that are no neighbours and do not
+//! always overlap, and the mean time of the rows at a configuration, of four side by side, over random ones.
 
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator};
 use aghf::error::Result;
@@ -20,10 +20,7 @@ const SAMPLES: usize = 1000;
 
 fn main() -> Result<()> {
     let mut given = std::env::args().skip(1).filter(|arg| arg != "--bench");
-    let excess = given
-        .next()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(0.005);
+    let excess = given.next().and_then(|text| text.parse().ok());
     println!("| robot | balls | cover, s | pairs, s | rows | a point, us |");
     println!("| --- | --- | --- | --- | --- | --- |");
     for path in given {
@@ -35,7 +32,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn line(path: &str, excess: f64) -> Result<String> {
+fn line(path: &str, excess: Option<f64>) -> Result<String> {
     let source = RobotSource::find(path, Path::new(""))?;
     let mimic = Mimic::Independent;
     let (model, _) = source.parse(UrdfOptions {

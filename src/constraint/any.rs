@@ -5,7 +5,7 @@ use super::{
     SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
-use crate::geometry::{CollisionSphere, Margins, Obstacle, Scene, Shape, Sphere};
+use crate::geometry::{CollisionSphere, Obstacle, Scene, Shape, Sphere};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 
@@ -45,19 +45,19 @@ macro_rules! each {
 }
 
 impl AnyConstraint {
-    /// The constraints that keep the balls of a robot clear of obstacles and of each other: spheres by the squares of
-    /// (A3), then all other obstacles, then the pairs of balls; or, if the balls are in sets, all by these. Balls fixed
-    /// to the base count for the pairs alone, because they never move. The balls are larger by the
-    /// [margins](Scene::margins).
+    /// The constraints that keep the balls of a robot clear of obstacles and of each other: for each
+    /// [margin](Scene::obstacle_margins) spheres by the squares of (A3), then all other obstacles; then for each margin
+    /// the pairs of balls; or, if the balls are in sets, all by these. Balls fixed to the base count for the pairs
+    /// alone, because they never move. The balls are larger by the margins.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Vec<Self> {
         if scene.is_empty() {
             return Vec::new();
         }
         if !scene.robot().sets.is_empty() {
-            return vec![Self::Cover(CoverClearance::of_scene(scene))];
+            let covers = CoverClearance::of_scene(scene);
+            return covers.into_iter().map(Self::Cover).collect();
         }
-        let Margins { obstacles, itself } = scene.margins();
         let larger = |by: f64| {
             let all = scene.robot().balls.iter();
             all.map(move |ball| CollisionSphere {
@@ -65,37 +65,54 @@ impl AnyConstraint {
                 ..*ball
             })
         };
-        let balls: Vec<_> = larger(obstacles).filter(|b| b.body.is_some()).collect();
-        let (mut spheres, mut solids, mut names) = (Vec::new(), Vec::new(), Vec::new());
-        for Obstacle { name, solid } in scene.obstacles() {
-            if let Shape::Sphere { radius } = solid.shape {
-                let centre = solid.placement.translation;
-                spheres.push(Sphere { centre, radius });
-            } else {
-                solids.push(*solid);
-                names.push(name.clone());
+        let mut constraints = Vec::new();
+        for margin in distinct(scene.obstacle_margins()) {
+            let balls: Vec<_> = larger(margin).filter(|b| b.body.is_some()).collect();
+            let (mut spheres, mut solids, mut names) = (Vec::new(), Vec::new(), Vec::new());
+            let of_margin = scene.obstacles().iter().zip(scene.obstacle_margins());
+            for (Obstacle { name, solid }, _) in of_margin.filter(|(_, own)| **own == margin) {
+                if let Shape::Sphere { radius } = solid.shape {
+                    let centre = solid.placement.translation;
+                    spheres.push(Sphere { centre, radius });
+                } else {
+                    solids.push(*solid);
+                    names.push(name.clone());
+                }
+            }
+            if !spheres.is_empty() {
+                let balls = balls.clone();
+                constraints.push(Self::Spheres(SphereClearance { balls, spheres }));
+            }
+            if !solids.is_empty() {
+                constraints.push(Self::Solids(SolidClearance {
+                    balls,
+                    solids,
+                    names,
+                }));
             }
         }
-        let mut constraints = Vec::new();
-        if !spheres.is_empty() {
-            let balls = balls.clone();
-            constraints.push(Self::Spheres(SphereClearance { balls, spheres }));
-        }
-        if !solids.is_empty() {
-            constraints.push(Self::Solids(SolidClearance {
-                balls,
-                solids,
-                names,
-            }));
-        }
-        if !scene.pairs().is_empty() {
-            constraints.push(Self::SelfCollision(SelfClearance {
-                balls: larger(0.5 * itself).collect(),
-                pairs: scene.pairs().to_vec(),
-            }));
+        for margin in distinct(scene.pair_margins()) {
+            let pairs = scene.pairs_with_margin(margin);
+            if !pairs.is_empty() {
+                constraints.push(Self::SelfCollision(SelfClearance {
+                    balls: larger(0.5 * margin).collect(),
+                    pairs,
+                }));
+            }
         }
         constraints
     }
+}
+
+/// The different numbers in a list, in the order of the first ones.
+pub(super) fn distinct(numbers: &[f64]) -> Vec<f64> {
+    let mut all = Vec::new();
+    for number in numbers {
+        if !all.contains(number) {
+            all.push(*number);
+        }
+    }
+    all
 }
 
 impl<C: Scalar> Constraint<C> for AnyConstraint<C> {

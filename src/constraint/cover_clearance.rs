@@ -1,11 +1,12 @@
 //! Clearances of a robot that is covered by many balls.
 
+use super::any::distinct;
 use super::clearance::clearance;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
-use crate::geometry::{BallTree, FLAT, Margins, Scene, Solid};
+use crate::geometry::{BallTree, FLAT, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant, dot, outer};
@@ -122,31 +123,45 @@ impl<S: Scalar> Rows<S> {
 }
 
 impl CoverClearance {
-    /// The rows of a scene whose balls are in [sets](crate::geometry::CollisionGeometry::with_sets).
-    pub(super) fn of_scene(scene: &Scene) -> Self {
+    /// The rows of a scene whose balls are in [sets](crate::geometry::CollisionGeometry::with_sets), those with other
+    /// margins apart.
+    pub(super) fn of_scene(scene: &Scene) -> Vec<Self> {
         let (links, sets) = (scene.trees(), &scene.robot().sets);
         let count = |tree: &BallTree| {
             let leaves = tree.nodes.iter().filter_map(|node| node.leaf);
             leaves.map(|ball| sets[ball] + 1).max().unwrap_or(1)
         };
-        let moving = (0..links.len()).filter(|i| links[*i].body.is_some());
-        let solids = scene.obstacles().len();
-        let Margins { obstacles, itself } = scene.margins();
+        let moving: Vec<_> = (0..links.len())
+            .filter(|i| links[*i].body.is_some())
+            .collect();
         let roots = links.iter().filter_map(|tree| tree.nodes.first());
         let radii = roots.map(|root| root.bound.radius);
-        Self {
-            solid_pairs: moving
-                .flat_map(|i| (0..solids).map(move |j| [i, j]))
-                .collect(),
-            solids: scene.obstacles().iter().map(|o| o.solid).collect(),
-            names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
-            pairs: scene.tree_pairs().to_vec(),
-            margins: [obstacles, itself],
-            far: FAR * radii.fold(0.0, f64::max),
-            counts: links.iter().map(count).collect(),
-            sets: sets.clone(),
-            links: links.to_vec(),
-        }
+        let far = FAR * radii.fold(0.0, f64::max);
+        let (beside, between) = (scene.obstacle_margins(), scene.pair_margins());
+        let margins = [beside, between].map(distinct);
+        let of_margins = |k: usize| {
+            let margins = margins.each_ref().map(|all| all.get(k).copied());
+            let solids = (0..beside.len()).filter(|j| Some(beside[*j]) == margins[0]);
+            let solids: Vec<_> = solids.collect();
+            let pairs = scene.tree_pairs().iter().zip(between);
+            let pairs = pairs.filter(|(_, own)| Some(**own) == margins[1]);
+            Self {
+                solid_pairs: moving
+                    .iter()
+                    .flat_map(|i| solids.iter().map(move |j| [*i, *j]))
+                    .collect(),
+                solids: scene.obstacles().iter().map(|o| o.solid).collect(),
+                names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
+                pairs: pairs.map(|(pair, _)| *pair).collect(),
+                margins: margins.map(Option::unwrap_or_default),
+                far,
+                counts: links.iter().map(count).collect(),
+                sets: sets.clone(),
+                links: links.to_vec(),
+            }
+        };
+        let lengths = margins.each_ref().map(Vec::len);
+        (0..lengths[0].max(lengths[1])).map(of_margins).collect()
     }
 }
 

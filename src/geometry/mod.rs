@@ -38,5 +38,5 @@ pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
 pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};
-pub use scene::{ClosestPair, Collider, Margins, Obstacle, Part, Scene};
+pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
 pub use shape::{Distance, Shape, Solid, Sphere};

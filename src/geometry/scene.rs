@@ -5,6 +5,7 @@ use super::{BallTree, Solid, Sphere};
 use crate::error::Result;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
+use std::collections::HashSet;
 
 /// An obstacle at rest in the base frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,16 +25,9 @@ pub struct Scene {
     trees: Vec<BallTree>,
     tree_pairs: Vec<[usize; 2]>,
     pairs: Vec<[usize; 2]>,
-    margins: Margins,
-}
-
-/// The distances that a robot keeps, m; zero by default.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Margins {
-    /// From obstacles.
-    pub obstacles: f64,
-    /// Between its links.
-    pub itself: f64,
+    /// The distances that are kept: from each obstacle, and of each pair of trees, m.
+    obstacle_margins: Vec<f64>,
+    pair_margins: Vec<f64>,
 }
 
 /// A part of the robot.
@@ -65,6 +59,8 @@ pub struct ClosestPair<'a> {
     pub other: Collider<'a>,
     /// The closest point of each, in the base frame.
     pub points: [Vector3<f64>; 2],
+    /// The margin that was taken off the distance, m.
+    pub margin: f64,
 }
 
 impl Scene {
@@ -77,26 +73,43 @@ impl Scene {
         ignored_pairs: Option<&[[String; 2]]>,
     ) -> Self {
         let by_balls = ignored_pairs.filter(|_| robot.sets.is_empty());
+        let tree_pairs = ignored_pairs.map_or_else(Vec::new, |ignored| robot.tree_pairs(ignored));
         Self {
             trees: robot.trees(),
-            tree_pairs: ignored_pairs.map_or_else(Vec::new, |ignored| robot.tree_pairs(ignored)),
+            obstacle_margins: vec![0.0; obstacles.len()],
+            pair_margins: vec![0.0; tree_pairs.len()],
+            tree_pairs,
             pairs: by_balls.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
             robot,
             obstacles,
-            margins: Margins::default(),
         }
     }
 
-    /// The same with distances that the robot keeps.
+    /// The same with distances that the robot keeps, m: from each obstacle, by its index, and between two links, by
+    /// their names; without names for balls that belong to no links.
     #[must_use]
-    pub fn with_margins(self, margins: Margins) -> Self {
-        Self { margins, ..self }
+    pub fn with_margins(
+        mut self,
+        of_obstacle: impl Fn(usize) -> f64,
+        of_links: impl Fn([&str; 2]) -> f64,
+    ) -> Self {
+        self.obstacle_margins = (0..self.obstacles.len()).map(of_obstacle).collect();
+        let link = |i: usize| self.robot.link_of(&self.trees[i]).unwrap_or_default();
+        let pairs = self.tree_pairs.iter();
+        self.pair_margins = pairs.map(|pair| of_links(pair.map(link))).collect();
+        self
     }
 
-    /// The distances that the robot keeps.
+    /// The distances that the robot keeps from each obstacle, m.
     #[must_use]
-    pub fn margins(&self) -> Margins {
-        self.margins
+    pub fn obstacle_margins(&self) -> &[f64] {
+        &self.obstacle_margins
+    }
+
+    /// The distances that are kept between each [pair of trees](Self::tree_pairs), m.
+    #[must_use]
+    pub fn pair_margins(&self) -> &[f64] {
+        &self.pair_margins
     }
 
     /// The robot.
@@ -116,6 +129,30 @@ impl Scene {
     #[must_use]
     pub fn pairs(&self) -> &[[usize; 2]] {
         &self.pairs
+    }
+
+    /// The [pairs](Self::pairs) of balls that keep this distance, m.
+    #[must_use]
+    pub fn pairs_with_margin(&self, margin: f64) -> Vec<[usize; 2]> {
+        let own = self.pair_margins.iter().filter(|own| **own == margin);
+        if own.count() == self.pair_margins.len() {
+            return self.pairs.clone();
+        }
+        let mut tree_of = vec![0; self.robot.balls.len()];
+        for (i, tree) in self.trees.iter().enumerate() {
+            for ball in tree.nodes.iter().filter_map(|node| node.leaf) {
+                tree_of[ball] = i;
+            }
+        }
+        let pairs = self.tree_pairs.iter().zip(&self.pair_margins);
+        let of_margin = pairs.filter(|(_, own)| **own == margin);
+        let of_margin: HashSet<_> = of_margin
+            .flat_map(|([i, j], _)| [[*i, *j], [*j, *i]])
+            .collect();
+        let pairs = self.pairs.iter().copied();
+        pairs
+            .filter(|pair| of_margin.contains(&pair.map(|ball| tree_of[ball])))
+            .collect()
     }
 
     /// The [trees](CollisionGeometry::trees) of the robot.
@@ -144,11 +181,11 @@ impl Scene {
     /// # Errors
     /// `placements` has no entry for a body.
     pub fn closest_pair(&self, placements: &[Placement<f64>]) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, None)
+        self.closest(placements, true)
     }
 
     /// Finds the [closest pair](Self::closest_pair) by the balls alone, with their distances less the
-    /// [margins](Self::margins), as the constraints do.
+    /// [margins](Self::with_margins), as the constraints do.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
@@ -156,7 +193,7 @@ impl Scene {
         &self,
         placements: &[Placement<f64>],
     ) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, Some(self.margins))
+        self.closest(placements, false)
     }
 
     /// The distance of the [closest pair](Self::closest_pair), m; infinite if the scene is empty.
@@ -171,9 +208,9 @@ impl Scene {
     fn closest(
         &self,
         placements: &[Placement<f64>],
-        margins: Option<Margins>,
+        by_capsules: bool,
     ) -> Result<Option<ClosestPair<'_>>> {
-        let (by_capsules, margins) = (margins.is_none(), margins.unwrap_or_default());
+        let kept = |margin: &f64| if by_capsules { 0.0 } else { *margin };
         let part = |i: usize, body| Part {
             body,
             link: self.robot.links.get(i).map(String::as_str),
@@ -188,9 +225,10 @@ impl Scene {
         let is_closer = |distance: f64, closest: &Option<ClosestPair>| {
             closest.is_none_or(|known| distance < known.distance)
         };
-        for Obstacle { name, solid } in &self.obstacles {
-            let distance_of =
-                |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margins.obstacles;
+        for (Obstacle { name, solid }, margin) in self.obstacles.iter().zip(&self.obstacle_margins)
+        {
+            let margin = kept(margin);
+            let distance_of = |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margin;
             let pair = |ball: &Sphere, part| {
                 let (distance, normal) = (
                     distance_of(ball),
@@ -201,6 +239,7 @@ impl Scene {
                     part,
                     other: Collider::Obstacle(name),
                     points: along(ball, &normal, distance),
+                    margin,
                 }
             };
             let nearest = match by_capsules {
@@ -232,7 +271,8 @@ impl Scene {
                 );
             }
         }
-        for [t, u] in &self.tree_pairs {
+        for ([t, u], margin) in self.tree_pairs.iter().zip(&self.pair_margins) {
+            let margin = kept(margin);
             let (tree, other) = (&self.trees[*t], &self.trees[*u]);
             let balls = |[i, j]: [usize; 2]| {
                 [
@@ -242,7 +282,7 @@ impl Scene {
             };
             let gap = |at| {
                 let [ball, beside] = balls(at);
-                ball.gap(&beside) - margins.itself
+                ball.gap(&beside) - margin
             };
             tree.search_pairs(other, gap, f64::lt, |[i, j], gap| {
                 let is_near = is_closer(*gap, &closest);
@@ -256,6 +296,7 @@ impl Scene {
                         part: part(a, tree.body),
                         other: Collider::Robot(part(b, other.body)),
                         points: along(&ball, &normal, *gap),
+                        margin,
                     });
                 }
                 is_near

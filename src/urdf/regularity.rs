@@ -40,7 +40,8 @@ impl Model<f64> {
         // Relative to the total inertia, so that rounding errors do not count as inertia.
         let totals = self.subtree_inertias(&q)?;
         let condition = "nothing that it moves has inertia about it, so the mass matrix is singular; rotor inertia \
-            (in a scenario: \"losses\": {\"armature\": ...}) would make it regular";
+            (in a scenario: \"losses\": {\"armature\": ...}) would make it regular, and so would a joint that does not \
+            move (\"locked_joints\", \"group\")";
         let counts = |own: f64, total: f64| own.abs() > 1e-12 * total.abs();
         let massless = (0..n).rev().filter(|i| !counts(h[(*i, *i)], totals[*i]));
         let massless: Vec<_> = massless.map(|i| (i, condition)).collect();

@@ -56,6 +56,10 @@ fn a_search_without_time_is_its_first_guess() {
             solution.iterations.iter().all(|i| i.step == 0.0),
             "nothing moved"
         );
+        assert!(
+            solution.iterations.iter().all(|i| i.start == Some(0)),
+            "no other start was begun"
+        );
         assert!(solution.cost.is_finite() && solution.cost > 0.0);
     }
 }

@@ -4,6 +4,7 @@ use super::{PASSIVE_TORQUE_SHARE, Scenario};
 use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use aghf::curve::Curve;
 use aghf::error::Result;
+use aghf::model::JointKind;
 use aghf::motion::{Violation, largest_torques, sample, violations};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -106,6 +107,50 @@ pub enum Limit {
     Clearance,
     /// Any other quantity.
     Other,
+}
+
+impl Limit {
+    /// The kinds of limits that belong to a joint.
+    pub(super) const OF_JOINTS: [Self; 5] = [
+        Self::Position,
+        Self::Velocity,
+        Self::Torque,
+        Self::Acceleration,
+        Self::Jerk,
+    ];
+
+    /// The name of the limit, which is its key in a scenario.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Torque => "torque",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+            Self::Passive => "passive torque",
+            Self::Clearance => "clearance",
+            Self::Other => "other",
+        }
+    }
+
+    /// The unit of the limit for a joint of this kind.
+    pub(super) fn unit(self, kind: JointKind) -> &'static str {
+        let slides = kind == JointKind::Prismatic;
+        match self {
+            Self::Position if slides => "m",
+            Self::Position => "rad",
+            Self::Velocity if slides => "m/s",
+            Self::Velocity => "rad/s",
+            Self::Acceleration if slides => "m/s^2",
+            Self::Acceleration => "rad/s^2",
+            Self::Jerk if slides => "m/s^3",
+            Self::Jerk => "rad/s^3",
+            Self::Torque | Self::Passive if slides => "N",
+            Self::Torque | Self::Passive => "N m",
+            Self::Clearance => "m",
+            Self::Other => "",
+        }
+    }
 }
 
 impl From<RowKind> for Limit {

@@ -49,7 +49,7 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
     pub mimic: Mimic,
-    /// The path of an SRDF relative to the scenario file, for `group`.
+    /// The path of an SRDF relative to the scenario file, for `group` and for pairs of links that may overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub srdf: Option<PathBuf>,
     /// The group of the SRDF whose joints are planned. All others are locked: where `locked_joints` says, otherwise in
@@ -116,10 +116,13 @@ pub struct ScenarioFile {
     /// The obstacles to keep clear of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<Obstacle>,
-    /// The parts of the robot that keep clear of obstacles.
-    #[serde(default)]
-    pub robot_shape: RobotShape,
-    /// The links that keep clear of each other; none by default.
+    /// The parts of the robot that keep clear of obstacles; by default `collision`, or `joint_frames` for a robot
+    /// without collision shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot_shape: Option<RobotShape>,
+    /// The links that keep clear of each other, or `off`. By default, with the shape `collision`, all but those that
+    /// the SRDF disables, without one those with a single moving joint between them; those that always overlap may
+    /// overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_collision: Option<SelfCollision>,
     /// The distances that the robot keeps from obstacles and between its links, m; zero by default.

@@ -1,14 +1,15 @@
 //! The joints of a group, which are planned, and the others, which are held.
 
-use super::ScenarioFile;
+use super::{RobotShape, ScenarioFile, SelfCollision};
 use aghf::error::{Error, Result};
 use aghf::model::Model;
 use aghf::urdf::{Follower, Mimic, RobotSource, Srdf, followers};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Locks the joints outside of the group that a file names, and takes the group out of it, so that the scenario depends
-/// on no other file.
+/// Locks the joints outside of the group that a file names, lets the links overlap that the SRDF disables unless
+/// `self_collision` is given, and takes the group and the SRDF out of the file, so that the scenario depends on no
+/// other.
 ///
 /// A joint is held where `locked_joints` has it, otherwise in the named state, otherwise, a mimic joint, where its
 /// master takes it, otherwise at the position that is nearest to zero. `robot` has all joints that move, mimic joints
@@ -25,21 +26,29 @@ pub(super) fn hold_others(
     path: &str,
 ) -> Result<()> {
     let (group, srdf, state) = (file.group.take(), file.srdf.take(), file.held_state.take());
-    let Some(group) = group else {
-        let without = [("srdf", srdf.is_some()), ("held_state", state.is_some())];
-        return match without.iter().find(|(_, given)| *given) {
-            Some((key, _)) => Err(Error::input(path, *key, "it is given without a group")),
-            None => Ok(()),
-        };
-    };
+    if group.is_none() && state.is_some() {
+        let condition = "it is given without a group";
+        return Err(Error::input(path, "held_state", condition));
+    }
     let Some(srdf) = srdf else {
         let condition = "the group is in an SRDF, which is not given";
-        return Err(Error::input(path, "srdf", condition));
+        return match group {
+            Some(_) => Err(Error::input(path, "srdf", condition)),
+            None => Ok(()),
+        };
     };
     let srdf_path = folder.join(srdf);
     let srdf_name = srdf_path.display().to_string();
     let of_key = |key: &'static str| move |e: Error| Error::input(path, key, e.to_string());
     let srdf = Srdf::load(&srdf_path, robot).map_err(of_key("srdf"))?;
+    let shape = file.robot_shape.unwrap_or_else(|| RobotShape::of(robot));
+    if file.self_collision.is_none() && matches!(shape, RobotShape::Collision { .. }) {
+        let links: Vec<_> = srdf.disabled.iter().map(|p| p.links.clone()).collect();
+        if !links.is_empty() {
+            file.self_collision = Some(SelfCollision::IgnoredPairs(links));
+        }
+    }
+    let Some(group) = group else { return Ok(()) };
     let group = srdf
         .joints_of_group(&group, robot, &srdf_name)
         .map_err(of_key("group"))?;

@@ -44,7 +44,7 @@ mod summary;
 mod yaml;
 
 pub use builtin::builtin_scenarios;
-pub use clearance::{Clearance, Clearances};
+pub use clearance::{Clearance, Clearances, PairClearance};
 pub use curve_file::CurveFile;
 pub use feasibility::{Feasibility, Limit, LimitViolation};
 pub use file::{Scenario, ScenarioFile};
@@ -66,7 +66,7 @@ pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use rate_limits::{RateLimits, Urdf};
 pub use report::{Record, Solve, SolveReport, Trace};
-pub use robot_shape::cover_links;
+pub use robot_shape::{cover_links, cover_shape};
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
 pub use summary::{Details, DirectDetails, FlowDetails, RestDetails, Summary, Verdict};

@@ -5,7 +5,7 @@ use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
 };
 use aghf::error::{Error, Result, plain};
-use aghf::model::{JointKind, Model};
+use aghf::model::Model;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 #[serde(
     deny_unknown_fields,
     default,
-    expecting = "an object with some of the keys position, velocity, torque, acceleration and jerk"
+    expecting = "an object with some of the keys position, velocity, torque, max_velocity, acceleration and jerk"
 )]
 pub struct EnforcedLimits {
     /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
@@ -24,6 +24,9 @@ pub struct EnforcedLimits {
     pub velocity: Enforced,
     /// The torque and force limits.
     pub torque: Enforced,
+    /// The largest velocities, rad/s or m/s, beside those of the robot: the smaller ones hold; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_velocity: Option<RateLimits>,
     /// For the direct method: the largest accelerations, rad/s^2 or m/s^2; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<RateLimits>,
@@ -66,6 +69,7 @@ impl EnforcedLimits {
         position: Enforced::No,
         velocity: Enforced::No,
         torque: Enforced::No,
+        max_velocity: None,
         acceleration: None,
         jerk: None,
     };
@@ -82,13 +86,23 @@ impl EnforcedLimits {
     #[must_use]
     pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
         let rates = match limit {
+            Limit::Velocity => &self.max_velocity,
             Limit::Acceleration => &self.acceleration,
             Limit::Jerk => &self.jerk,
             _ => &None,
         };
-        if let Some(most) = rates.as_ref().and_then(|rates| rates.of(joint)) {
-            return Some([-most, most]);
+        let of_robot = self.bound_of_robot(model, limit, joint);
+        match rates.as_ref().and_then(|rates| rates.of(joint)) {
+            None => of_robot,
+            Some(most) => {
+                let [lower, upper] = of_robot.unwrap_or([-most, most]);
+                Some([lower.max(-most), upper.min(most)])
+            }
         }
+    }
+
+    /// The enforced part of a limit of the robot.
+    fn bound_of_robot(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
         let joint = model.joints().get(joint)?;
         let share = self.of(limit)?.share(joint.name())?;
         let limits = joint.limits();
@@ -114,7 +128,11 @@ impl EnforcedLimits {
 
     /// Refuses invalid shares and limits, and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
-        for (key, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
+        for (key, limits) in [
+            ("max_velocity", &self.max_velocity),
+            ("acceleration", &self.acceleration),
+            ("jerk", &self.jerk),
+        ] {
             if let Some(limits) = limits {
                 limits.check(model.dof(), &format!("enforced_limits.{key}"), path)?;
             }
@@ -162,50 +180,6 @@ impl Enforced {
         };
         let named = |joints: &Vec<String>| joints.iter().any(|name| name == joint);
         joints.as_ref().is_none_or(named).then_some(*share)
-    }
-}
-
-impl Limit {
-    /// The kinds of limits that belong to a joint.
-    pub(super) const OF_JOINTS: [Self; 5] = [
-        Self::Position,
-        Self::Velocity,
-        Self::Torque,
-        Self::Acceleration,
-        Self::Jerk,
-    ];
-
-    /// The name of the limit, which is its key in a scenario.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Torque => "torque",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-            Self::Passive => "passive torque",
-            Self::Clearance => "clearance",
-            Self::Other => "other",
-        }
-    }
-
-    /// The unit of the limit for a joint of this kind.
-    pub(super) fn unit(self, kind: JointKind) -> &'static str {
-        let slides = kind == JointKind::Prismatic;
-        match self {
-            Self::Position if slides => "m",
-            Self::Position => "rad",
-            Self::Velocity if slides => "m/s",
-            Self::Velocity => "rad/s",
-            Self::Acceleration if slides => "m/s^2",
-            Self::Acceleration => "rad/s^2",
-            Self::Jerk if slides => "m/s^3",
-            Self::Jerk => "rad/s^3",
-            Self::Torque | Self::Passive if slides => "N",
-            Self::Torque | Self::Passive => "N m",
-            Self::Clearance => "m",
-            Self::Other => "",
-        }
     }
 }
 

@@ -143,8 +143,7 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 }
 
 impl Scenario {
-    /// The keys of this scenario that the method ignores, and the parts of the robot that are kept clear of nothing
-    /// though no key says so, in words.
+    /// The keys of this scenario that the method ignores, and what keeps clear of what though no key says so, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let unnamed = |IgnoredPair {
                            links: [a, b],
@@ -155,7 +154,7 @@ impl Scenario {
             )
         };
         let mut notes: Vec<_> = self.overlapping.iter().map(unnamed).collect();
-        notes.extend(self.not_kept_clear());
+        notes.extend(self.kept_clear().map(str::to_owned));
         if method == Method::Flow && self.file.running_cost.is_some() {
             let note = "running_cost: the published flow minimises the control effort alone";
             notes.push(note.to_owned());
@@ -163,23 +162,27 @@ impl Scenario {
         notes
     }
 
-    /// The note that a robot with shapes is not kept clear of obstacles by them, or not of itself.
-    fn not_kept_clear(&self) -> Option<String> {
+    /// The note on what keeps clear of what by default.
+    fn kept_clear(&self) -> Option<&'static str> {
         let file = &self.file;
-        let note = match file.robot_shape {
-            RobotShape::JointFrames
-                if !file.obstacles.is_empty() && !self.model.collisions().is_empty() =>
-            {
-                "robot_shape: only the origins of joint frames keep clear of obstacles; \"collision\" takes the shapes \
-                 of the robot"
-            }
-            RobotShape::Collision { .. } if file.self_collision.is_none() => {
-                "self_collision: the links are not kept clear of each other, as it is not given; `aghf pairs` finds \
-                 the pairs that may touch"
-            }
-            _ => return None,
-        };
-        Some(note.to_owned())
+        match (self.robot_shape(), &file.robot_shape, &file.self_collision) {
+            (RobotShape::JointFrames, None, _) if !file.obstacles.is_empty() => Some(
+                "robot_shape: the robot has no collision shapes, so only the origins of joint frames keep clear of \
+                 obstacles; \"swept_links\" takes its links with a radius",
+            ),
+            (RobotShape::Collision { .. }, None, None) => Some(
+                "robot_shape: the collision shapes of the robot keep clear of obstacles, and of each other but for \
+                 neighbours; \"joint_frames\" plans without them",
+            ),
+            (RobotShape::Collision { .. }, None, Some(_)) if !file.obstacles.is_empty() => Some(
+                "robot_shape: the collision shapes of the robot keep clear of obstacles; \"joint_frames\" plans \
+                 without them",
+            ),
+            (RobotShape::Collision { .. }, Some(_), None) => Some(
+                "self_collision: links keep clear of each other but for neighbours; \"off\" lets them overlap",
+            ),
+            _ => None,
+        }
     }
 
     /// Refuses keys that the method does not support: those of the direct method alone, and passive joints in the

@@ -2,6 +2,7 @@
 
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::{self, Shape, Solid};
+use aghf::model::Model;
 use aghf::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
@@ -25,6 +26,9 @@ pub struct Obstacle {
     pub shape: ObstacleShape,
     /// The pose of the shape.
     pub pose: Pose,
+    /// The distance that the robot keeps from it, m; by default that of all obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
 }
 
 /// The shape of an obstacle, about the origin of its own frame.
@@ -71,11 +75,10 @@ pub struct Pose {
 }
 
 /// The parts of the robot that keep clear of obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RobotShape {
     /// The origins of all joint frames: the paper's measure.
-    #[default]
     JointFrames,
     /// The whole arm: capsules along all links.
     SweptLinks {
@@ -87,24 +90,34 @@ pub enum RobotShape {
     },
     /// The collision shapes of the URDF: spheres as they are, others covered by balls.
     Collision {
-        /// The largest distance by which the balls may stick out, m.
-        #[serde(default = "default_excess")]
-        excess_m: f64,
+        /// The largest distance by which the balls may stick out, m; by default 0.005, of a box or a cylinder a tenth of
+        /// its smallest extent, from 0.005 to 0.02.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        excess_m: Option<f64>,
     },
+}
+
+impl RobotShape {
+    /// The default for a robot: its collision shapes, or the joint frames if it has none.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        match model.collisions() {
+            [] => Self::JointFrames,
+            _ => Self::Collision { excess_m: None },
+        }
+    }
 }
 
 pub(super) fn default_spacing() -> f64 {
     0.05
 }
 
-fn default_excess() -> f64 {
-    0.005
-}
-
 /// The pairs of links that may overlap; all others keep clear of each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", try_from = "WrittenPairs")]
+#[serde(rename_all = "snake_case", from = "WrittenPairs")]
 pub enum SelfCollision {
+    /// All pairs may overlap.
+    Off,
     /// A list of pairs of links.
     IgnoredPairs(Vec<[String; 2]>),
     /// The path of a file with such pairs, as written by [`IgnoredPairs`](super::IgnoredPairs), relative to the
@@ -116,24 +129,36 @@ pub enum SelfCollision {
 #[derive(Deserialize, JsonSchema)]
 #[schemars(inline)]
 #[serde(
+    untagged,
     deny_unknown_fields,
-    expecting = "an object with the key ignored_pairs or ignored_pairs_file"
+    expecting = "\"off\" or an object with the key ignored_pairs or ignored_pairs_file is needed"
 )]
-struct WrittenPairs {
-    /// Pairs of links.
-    ignored_pairs: Option<Vec<[String; 2]>>,
-    /// The path of a file with such pairs, as written by `aghf pairs`, relative to the scenario.
-    ignored_pairs_file: Option<String>,
+enum WrittenPairs {
+    Off(Off),
+    List {
+        /// Pairs of links.
+        ignored_pairs: Vec<[String; 2]>,
+    },
+    File {
+        /// The path of a file with such pairs, as written by `aghf pairs`, relative to the scenario.
+        ignored_pairs_file: String,
+    },
 }
 
-impl TryFrom<WrittenPairs> for SelfCollision {
-    type Error = &'static str;
+/// The word for no pairs.
+#[derive(Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Off {
+    /// All links may overlap.
+    Off,
+}
 
-    fn try_from(written: WrittenPairs) -> std::result::Result<Self, Self::Error> {
-        match (written.ignored_pairs, written.ignored_pairs_file) {
-            (Some(pairs), None) => Ok(Self::IgnoredPairs(pairs)),
-            (None, Some(file)) => Ok(Self::IgnoredPairsFile(file)),
-            _ => Err("one of the keys ignored_pairs and ignored_pairs_file is needed"),
+impl From<WrittenPairs> for SelfCollision {
+    fn from(written: WrittenPairs) -> Self {
+        match written {
+            WrittenPairs::Off(Off::Off) => Self::Off,
+            WrittenPairs::List { ignored_pairs } => Self::IgnoredPairs(ignored_pairs),
+            WrittenPairs::File { ignored_pairs_file } => Self::IgnoredPairsFile(ignored_pairs_file),
         }
     }
 }

@@ -227,11 +227,7 @@ impl Scenario {
             Collider::Robot(_) => "link ",
             Collider::Obstacle(_) => "",
         };
-        let margins = self.scene.margins();
-        let margin = match contact.other {
-            Collider::Robot(_) => margins.itself,
-            Collider::Obstacle(_) => margins.obstacles,
-        };
+        let margin = contact.margin;
         let mut condition = if depth < margin {
             let distance = margin - depth;
             format!(
@@ -239,7 +235,14 @@ impl Scenario {
             )
         } else {
             let depth = depth - margin;
-            format!("{link} is {depth:.3e} m inside {what}'{other}'")
+            let but = match contact.other {
+                Collider::Robot(_) => {
+                    "; if they may touch, self_collision.ignored_pairs has to name them, and a smaller \
+                     robot_shape.collision.excess_m covers them more tightly"
+                }
+                Collider::Obstacle(_) => "",
+            };
+            format!("{link} is {depth:.3e} m inside {what}'{other}'{but}")
         };
         let clear = self.scene.clearance(&placements)?;
         if margin == 0.0 && clear >= 0.0 {

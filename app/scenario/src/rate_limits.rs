@@ -1,4 +1,4 @@
-//! Limits of acceleration and jerk.
+//! Limits of velocity, acceleration and jerk that a scenario gives.
 
 use super::json::by_name;
 use super::yaml::read_yaml;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf_rs::Robot;
 
-/// The largest accelerations or jerks of the joints.
+/// The largest velocities, accelerations or jerks of the joints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -29,8 +29,8 @@ pub enum RateLimits {
     Urdf(Urdf),
     /// Those of a file.
     File {
-        /// The path of a `joint_limits.yaml` of MoveIt, relative to the scenario, whose limits of acceleration,
-        /// deceleration and jerk are read.
+        /// The path of a `joint_limits.yaml` of MoveIt, relative to the scenario, whose limits of velocity,
+        /// acceleration, deceleration and jerk are read.
         file: PathBuf,
     },
 }
@@ -38,7 +38,7 @@ pub enum RateLimits {
 /// The URDF as the source of limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Urdf {
-    /// The attributes `acceleration`, `deceleration` and `jerk` of its `limit` elements, of URDF 1.2.
+    /// The attributes `velocity` and, of URDF 1.2, `acceleration`, `deceleration` and `jerk` of its `limit` elements.
     #[serde(rename = "urdf")]
     Urdf,
 }
@@ -54,6 +54,8 @@ struct JointLimitsFile {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct JointLimits {
+    has_velocity_limits: bool,
+    max_velocity: Option<f64>,
     has_acceleration_limits: bool,
     max_acceleration: Option<f64>,
     has_deceleration_limits: bool,
@@ -66,6 +68,7 @@ impl JointLimits {
     /// The keys of the limits of a kind that hold, each with its number.
     fn of(&self, limit: Limit) -> Vec<(&'static str, Option<f64>)> {
         let all = match limit {
+            Limit::Velocity => vec![(self.has_velocity_limits, "max_velocity", self.max_velocity)],
             Limit::Jerk => vec![(self.has_jerk_limits, "max_jerk", self.max_jerk)],
             _ => vec![
                 (
@@ -163,6 +166,7 @@ fn of_urdf(robot: &Robot, limit: Limit, model: &Model) -> Vec<Option<f64>> {
         let joint = robot.joints.iter().find(|joint| joint.name == name)?;
         let written = &joint.limit;
         let numbers = match limit {
+            Limit::Velocity => [written.velocity; 2],
             Limit::Jerk => [written.jerk; 2],
             _ => [written.acceleration, written.deceleration],
         };
@@ -215,12 +219,13 @@ impl EnforcedLimits {
         folder: &Path,
         path: &str,
     ) -> Result<()> {
-        for (limit, limits) in [
-            (Limit::Acceleration, &mut self.acceleration),
-            (Limit::Jerk, &mut self.jerk),
+        for (limit, key, limits) in [
+            (Limit::Velocity, "max_velocity", &mut self.max_velocity),
+            (Limit::Acceleration, "acceleration", &mut self.acceleration),
+            (Limit::Jerk, "jerk", &mut self.jerk),
         ] {
             if let Some(limits) = limits {
-                let key = format!("enforced_limits.{}", limit.name());
+                let key = format!("enforced_limits.{key}");
                 let read = limits.read(limit, model, source, folder);
                 read.map_err(|e| Error::input(path, key, e.to_string()))?;
             }

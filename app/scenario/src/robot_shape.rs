@@ -16,14 +16,48 @@ use std::path::Path;
 /// The largest number of balls that cover a robot: with one sphere obstacle the search then takes 130 MB at degree 16.
 const MOST_BALLS: f64 = 1e4;
 
+/// The excess of shapes if none is given, m: of meshes, and the least and the largest of others.
+const EXCESS: [f64; 2] = [0.005, 0.02];
+
+/// The excess of a box or a cylinder if none is given, relative to its smallest extent. The edges of large ones take
+/// thousands of balls with that of a mesh.
+const SHARE: f64 = 0.1;
+
 /// Covers the shapes of the links of a robot by balls, in [sets](CollisionGeometry::with_sets) unless all shapes are
-/// spheres: these as they are, others [covered](aghf::geometry::Shape::cover) by balls that stick out by `excess` at
-/// most, m. Meshes are looked for from `folder`, that of the URDF, and covered by [`cover_triangles`].
+/// spheres: these as they are, others by [`cover_shape`]. Meshes are looked for from `folder`, that of the URDF.
 ///
 /// # Errors
 /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
-pub fn cover_links(model: &Model, folder: &Path, excess: f64) -> Result<CollisionGeometry> {
-    cover_with(model, None, folder, excess)
+pub fn cover_links(
+    model: &Model,
+    folder: &Path,
+    excess: impl Into<Option<f64>>,
+) -> Result<CollisionGeometry> {
+    cover_with(model, None, folder, excess.into())
+}
+
+/// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with
+/// [`Shape::cover`] or [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest extent, from 5 to
+/// 20 mm. A mesh is looked for from `folder`, that of the URDF.
+///
+/// # Errors
+/// A mesh cannot be read, or too many balls are needed.
+pub fn cover_shape(
+    shape: &CollisionShape,
+    folder: &Path,
+    excess: impl Into<Option<f64>>,
+) -> Result<Cover> {
+    let [least, most] = EXCESS;
+    let given = excess.into();
+    match shape {
+        CollisionShape::Solid(solid) => {
+            let by_size = || (2.0 * SHARE * solid.half_lengths().min()).clamp(least, most);
+            solid.cover(given.unwrap_or_else(by_size))
+        }
+        CollisionShape::Mesh { file, scale } => {
+            cover_triangles(&load_mesh(file, folder, scale)?, given.unwrap_or(least))
+        }
+    }
 }
 
 /// Covers the shapes of a robot, and of a load that it carries.
@@ -31,7 +65,7 @@ fn cover_with(
     model: &Model,
     load: Option<&Collision>,
     folder: &Path,
-    excess: f64,
+    excess: Option<f64>,
 ) -> Result<CollisionGeometry> {
     if model.collisions().is_empty() {
         let condition = "none of its links has a collision element";
@@ -62,7 +96,7 @@ fn balls(
     model: &Model,
     collision: &Collision,
     folder: &Path,
-    excess: f64,
+    excess: Option<f64>,
 ) -> Result<Vec<CollisionSphere>> {
     let Collision {
         link,
@@ -77,18 +111,8 @@ fn balls(
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    let cover = cover(collision, folder, excess).map_err(named)?;
+    let cover = cover_shape(&collision.shape, folder, excess).map_err(named)?;
     Ok(cover.balls.into_iter().map(placed).collect())
-}
-
-/// The cover of a shape in its own frame.
-fn cover(collision: &Collision, folder: &Path, excess: f64) -> Result<Cover> {
-    match &collision.shape {
-        CollisionShape::Solid(shape) => shape.cover(excess),
-        CollisionShape::Mesh { file, scale } => {
-            cover_triangles(&load_mesh(file, folder, scale)?, excess)
-        }
-    }
 }
 
 /// Builds the collision geometry of a scenario's robot and of the load that it carries; `path` names the scenario in
@@ -126,11 +150,11 @@ pub(super) fn collision_geometry(
             }
             let capsules = Capsule::along_links(model, radius_m);
             let count = capsules.iter().map(|c| c.pieces(spacing_m) + 1.0).sum();
-            check_count("swept_links.spacing_m", spacing_m, count, path)?;
+            check_count("swept_links.spacing_m", Some(spacing_m), count, path)?;
             (capsules, spacing_m)
         }
         RobotShape::Collision { excess_m } => {
-            if !(bounded(&[excess_m]) && excess_m > 0.0) {
+            if !excess_m.is_none_or(|excess| bounded(&[excess]) && excess > 0.0) {
                 return refuse(format!(
                     "a positive excess of at most {LARGEST_LENGTH} m is needed"
                 ));
@@ -146,7 +170,7 @@ pub(super) fn collision_geometry(
         }
     };
     if let Some(load) = load {
-        let balls = balls(model, load, folder, spacing.min(default_spacing()))
+        let balls = balls(model, load, folder, Some(spacing.min(default_spacing())))
             .map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
         capsules.extend(balls.into_iter().map(|ball| Capsule {
             body: ball.body,
@@ -161,12 +185,12 @@ pub(super) fn collision_geometry(
 }
 
 /// Refuses too many balls.
-fn check_count(key: &str, given: f64, count: f64, path: &str) -> Result<()> {
+fn check_count(key: &str, given: Option<f64>, count: f64, path: &str) -> Result<()> {
     if count <= MOST_BALLS {
         return Ok(());
     }
-    let [given, count] = [given, count].map(plain);
-    let key = format!("robot_shape.{key}");
+    let given = given.map_or_else(|| "not given".to_owned(), plain);
+    let (count, key) = (plain(count), format!("robot_shape.{key}"));
     let condition = format!(
         "it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
     );

@@ -3,7 +3,9 @@
 use super::feasibility::three_digits;
 use super::obstacles::placed;
 use super::robot_shape::collision_geometry;
-use super::self_collision::{IgnoredPair, always_overlapping, check_links, never_meeting};
+use super::self_collision::{
+    IgnoredPair, always_overlapping, check_links, neighbours, never_meeting,
+};
 use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
@@ -33,39 +35,44 @@ pub(super) fn scene(
 ) -> Result<(Scene, Vec<IgnoredPair>)> {
     let obstacles = placed(&file.obstacles, path)?;
     let bodies = reduced.map(|reduced| reduced.bodies.as_slice());
-    let geometry = collision_geometry((robot, load), bodies, file.robot_shape, folder, path)?;
+    let shape = (file.robot_shape).unwrap_or_else(|| RobotShape::of(robot));
+    let geometry = collision_geometry((robot, load), bodies, shape, folder, path);
+    let geometry = geometry.map_err(|e| by_default(e, file.robot_shape.is_none()))?;
     let refuse = |key: &str, condition: String| Err(Error::input(path, key, condition));
+    let moving = reduced.map_or(robot, |reduced| &reduced.model);
+    let has_links = matches!(shape, RobotShape::Collision { .. });
     let ignored_pairs = match &file.self_collision {
-        None => None,
-        Some(SelfCollision::IgnoredPairs(pairs)) => Some(pairs),
+        Some(SelfCollision::Off) => None,
+        None if !has_links => None,
+        None => Some(neighbours(moving, &geometry)),
+        Some(SelfCollision::IgnoredPairs(_)) if !has_links => {
+            let condition = "links are told apart with the robot_shape 'collision' only";
+            return refuse("self_collision", condition.to_owned());
+        }
+        Some(SelfCollision::IgnoredPairs(pairs)) => {
+            check_links(pairs, robot, path)?;
+            Some(pairs.clone())
+        }
         Some(SelfCollision::IgnoredPairsFile(_)) => {
             let condition = "a file is read when a scenario is, and not here";
             return refuse("self_collision", condition.to_owned());
         }
     };
-    let margins = file.clearance_m.margins(path)?;
-    let (mut overlapping, mut ignored) = (Vec::new(), None);
-    if let Some(pairs) = ignored_pairs {
-        check_links(pairs, robot, path)?;
-        if !matches!(file.robot_shape, RobotShape::Collision { .. }) {
-            let condition = "links are told apart with the robot_shape 'collision' only";
-            return refuse("self_collision", condition.to_owned());
-        }
-        let moving = reduced.map_or(robot, |reduced| &reduced.model);
-        overlapping = always_overlapping(moving, &geometry, pairs)?;
-        let mut all = pairs.clone();
+    let margins = file.clearance_m.margins(&file.obstacles, path)?;
+    // Pairs that may overlap, and with them those that never meet.
+    let (mut overlapping, mut may_overlap, mut ignored) = (Vec::new(), None, None);
+    if let Some(mut all) = ignored_pairs {
+        overlapping = always_overlapping(moving, &geometry, &all)?;
         all.extend(overlapping.iter().map(|pair| pair.links.clone()));
+        may_overlap = Some(all.clone());
         let limited = file.enforced_limits.position.is_of_all();
-        all.extend(never_meeting(
-            moving,
-            &geometry,
-            &all,
-            limited,
-            margins.itself,
-        )?);
+        let margin = |links: [&str; 2]| margins.of_links(links);
+        let never = never_meeting(moving, &geometry, &all, limited, margin)?;
+        all.extend(never);
         ignored = Some(all);
     }
-    let scene = Scene::new(geometry, obstacles, ignored.as_deref()).with_margins(margins);
+    let scene = Scene::new(geometry, obstacles, ignored.as_deref());
+    let scene = margins.of_scene(scene, may_overlap.as_deref(), robot, path)?;
     let rows: usize = AnyConstraint::of_scene(&scene)
         .iter()
         .map(Constraint::dim)
@@ -85,7 +92,40 @@ pub(super) fn scene(
     Ok((scene, overlapping))
 }
 
+/// The error of a shape of the robot, with the way out if nobody asked for the shape.
+fn by_default(error: Error, is_default: bool) -> Error {
+    match error {
+        Error::Input {
+            file,
+            element,
+            condition,
+        } if is_default => {
+            let condition = format!(
+                "{condition}; \"robot_shape\": \"joint_frames\" plans without the shapes, by the origins of joint \
+                 frames alone"
+            );
+            Error::input(file, element, condition)
+        }
+        other => other,
+    }
+}
+
 impl Scenario {
+    /// The parts of the robot that keep clear, by the key or by default.
+    #[must_use]
+    pub fn robot_shape(&self) -> RobotShape {
+        (self.file.robot_shape).unwrap_or_else(|| RobotShape::of(&self.model))
+    }
+
+    /// Returns true if links keep clear of each other, by the key or by default.
+    #[must_use]
+    pub fn keeps_links_clear(&self) -> bool {
+        match self.file.self_collision {
+            Some(SelfCollision::Off) => false,
+            _ => matches!(self.robot_shape(), RobotShape::Collision { .. }),
+        }
+    }
+
     /// The smallest [clearance](Scene::clearance) over configurations, in m; `None` without obstacles or pairs of
     /// links.
     ///

@@ -65,20 +65,14 @@ impl IgnoredPairs {
     /// # Errors
     /// A ball belongs to a body that the robot does not have.
     pub fn by_sampling(model: &Model, robot: &CollisionGeometry) -> Result<Self> {
-        let links = Links::of(robot);
-        let parent = |body: usize| model.joints()[body].parent();
-        let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
-        let (neighbours, others): (Vec<_>, Vec<_>) =
-            links.pairs(&[]).into_iter().partition(|pair| {
-                let [a, b] = pair.map(|i| links.trees[i].body);
-                follows(a, b) || follows(b, a)
-            });
-        let neighbour = |pair| IgnoredPair {
-            links: links.names(pair),
+        let neighbours = neighbours(model, robot);
+        let others = always_overlapping(model, robot, &neighbours)?;
+        let neighbour = |links| IgnoredPair {
+            links,
             reason: "neighbours".to_owned(),
         };
         let mut ignored: Vec<_> = neighbours.into_iter().map(neighbour).collect();
-        ignored.extend(links.always_overlapping(model, others)?);
+        ignored.extend(others);
         ignored.sort_by(|a, b| a.links.cmp(&b.links));
         Ok(Self {
             robot: model.name().to_owned(),
@@ -136,6 +130,19 @@ pub fn always_overlapping(
     links.always_overlapping(model, links.pairs(ignored))
 }
 
+/// The pairs of links that are separated by a single moving joint.
+pub(super) fn neighbours(model: &Model, robot: &CollisionGeometry) -> Vec<[String; 2]> {
+    let links = Links::of(robot);
+    let parent = |body: usize| model.joints()[body].parent();
+    let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| parent(b) == a);
+    let mut pairs = links.pairs(&[]);
+    pairs.retain(|pair| {
+        let [a, b] = pair.map(|i| links.trees[i].body);
+        follows(a, b) || follows(b, a)
+    });
+    pairs.into_iter().map(|pair| links.names(pair)).collect()
+}
+
 /// The pairs of links, without those of `ignored`, that are proved to [never meet](never_meet).
 ///
 /// # Errors
@@ -145,13 +152,15 @@ pub(super) fn never_meeting(
     robot: &CollisionGeometry,
     ignored: &[[String; 2]],
     limited: bool,
-    margin: f64,
+    margin: impl Fn([&str; 2]) -> f64,
 ) -> Result<Vec<[String; 2]>> {
     let links = Links::of(robot);
     let mut found = Vec::new();
     for pair in links.pairs(ignored) {
+        let names = links.names(pair);
+        let margin = margin(names.each_ref().map(String::as_str));
         if never_meet(model, pair.map(|i| &links.trees[i]), limited, margin)? {
-            found.push(links.names(pair));
+            found.push(names);
         }
     }
     Ok(found)

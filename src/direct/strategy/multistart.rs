@@ -117,6 +117,10 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 .partition(|climber| climber.first > level);
             climbing = waiting;
             let found = side_by_side(here, settings.threads, |climber| {
+                // One candidate is needed; a first look at the others would go on for long after the end.
+                if climber.number > 0 && level == climber.first && stopped() {
+                    return Ok(None);
+                }
                 let mut candidate = climber.candidate.clone();
                 if climber.first < level {
                     candidate.path = candidate.path.in_basis(rung.basis.clone());
@@ -134,10 +138,12 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     candidate,
                     ..climber
                 };
-                Ok((climber, iterations))
+                Ok(Some((climber, iterations)))
             });
             for found in found {
-                let (climber, iterations) = found?;
+                let Some((climber, iterations)) = found? else {
+                    continue;
+                };
                 let candidate = &climber.candidate;
                 for iteration in iterations {
                     let start = Some(climber.number);

@@ -23,9 +23,10 @@ pub(super) struct Pairs {
     /// SRDF of the robot.
     #[arg(long)]
     srdf: Option<PathBuf>,
-    /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
-    #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
-    excess: f64,
+    /// Largest distance by which balls may stick out that cover shapes other than spheres, m [default: 0.005, of a box
+    /// or a cylinder a tenth of its smallest extent, from 0.005 to 0.02].
+    #[arg(long, allow_negative_numbers = true)]
+    excess: Option<f64>,
     /// File for the pairs [default: printed].
     #[arg(long, short)]
     out: Option<PathBuf>,

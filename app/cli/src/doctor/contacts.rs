@@ -66,9 +66,9 @@ pub(super) fn pairs_and_states(
         "state",
         touching.map(|state| state.name.clone()),
         [
-            "links overlap there, as listed below, so that a motion from or to it is refused with \"self_collision\"",
+            "links overlap there, as listed below, so that a motion from or to it is refused",
             "a finer cover, \"robot_shape\": {\"collision\": {\"excess_m\": ...}}, where the excess is larger than \
-             the depth; \"ignored_pairs\" where the links may touch",
+             the depth; \"self_collision\": {\"ignored_pairs\": [...]} where the links may touch, or \"off\"",
         ],
     ));
     Ok((states, findings))
@@ -97,10 +97,8 @@ fn not_disabled(
                 .to_owned(),
         ),
         false => (
-            "they cannot keep clear of each other, and self-collision must not count them",
-            format!(
-                "aghf pairs {robot} -o PAIRS.json and \"self_collision\": {{\"ignored_pairs_file\": \"PAIRS.json\"}}"
-            ),
+            "they cannot keep clear of each other, and need not",
+            format!("nothing is needed; aghf pairs {robot} lists them"),
         ),
     };
     Finding::about(Severity::Note, "pair", names, [condition, &mend])

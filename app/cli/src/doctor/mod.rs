@@ -30,8 +30,9 @@ pub struct Examination {
     pub srdf: Option<PathBuf>,
     /// The folders of packages by their names.
     pub packages: BTreeMap<String, PathBuf>,
-    /// The largest distance by which balls may stick out that cover shapes other than spheres, m.
-    pub excess: f64,
+    /// The largest distance by which balls may stick out that cover shapes other than spheres, m; by default that of
+    /// scenarios.
+    pub excess: Option<f64>,
 }
 
 /// What was found out about a robot.
@@ -47,6 +48,8 @@ pub struct Diagnosis {
     pub joints: BTreeMap<&'static str, usize>,
     /// The moving mass, kg, if the dynamics could be built.
     pub mass_kg: Option<f64>,
+    /// What keeps clear of what unless a scenario says otherwise.
+    pub kept_clear: &'static str,
     /// The collision shapes, if the dynamics could be built.
     pub shapes: Shapes,
     /// The configurations that were looked at: zero, and the named states of the SRDF.
@@ -137,8 +140,9 @@ impl Finding {
 /// # Errors
 /// The excess is not positive, a file cannot be read, or the robot is no URDF.
 pub fn examine(examination: &Examination) -> Result<Diagnosis> {
-    if !(examination.excess.is_finite() && examination.excess > 0.0) {
-        let condition = format!("it is {}, a positive number is needed", examination.excess);
+    let is_good = |excess: &f64| excess.is_finite() && *excess > 0.0;
+    if let Some(excess) = examination.excess.filter(|excess| !is_good(excess)) {
+        let condition = format!("it is {excess}, a positive number is needed");
         return Err(Error::input("options", "excess", condition));
     }
     let source = RobotSource::find(&examination.robot, Path::new(""))?;
@@ -151,6 +155,10 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
         links: robot.links.len(),
         joints: kinds(&robot),
         mass_kg: None,
+        kept_clear: match robot.links.iter().any(|link| !link.collision.is_empty()) {
+            true => "collision shapes of obstacles, and of each other but for neighbours",
+            false => "origins of joint frames of obstacles, links not of each other",
+        },
         shapes: Shapes::default(),
         states: Vec::new(),
         findings,

@@ -29,7 +29,7 @@ pub fn page(diagnosis: &Diagnosis) -> String {
     if let Some(mass) = diagnosis.mass_kg {
         text += &format!("; {} kg moving", short(mass));
     }
-    text.push('\n');
+    text += &format!("\n  kept clear by default: {}\n", diagnosis.kept_clear);
     for (severity, title) in [
         (Severity::Refused, "In the way"),
         (Severity::NeedsKey, "Needs a key"),

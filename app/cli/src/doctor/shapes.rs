@@ -1,10 +1,9 @@
 //! The collision shapes of a robot: which are read, and how far their covers extend beyond them.
 
 use super::{Finding, Severity};
-use aghf::error::Result;
-use aghf::geometry::{CollisionGeometry, CollisionSphere, Cover, cover_triangles};
-use aghf::model::{Collision, CollisionShape, Model};
-use aghf::urdf::load_mesh;
+use aghf::geometry::{CollisionGeometry, CollisionSphere};
+use aghf::model::{CollisionShape, Model};
+use aghf_scenario::cover_shape;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -54,11 +53,11 @@ impl Shapes {
 pub(super) fn covered(
     model: &Model,
     folder: &Path,
-    excess: f64,
+    excess: Option<f64>,
 ) -> (Shapes, CollisionGeometry, Option<Finding>) {
     let all = model.collisions().par_iter();
     let covers: Vec<_> = all
-        .map(|collision| cover(collision, folder, excess))
+        .map(|collision| cover_shape(&collision.shape, folder, excess))
         .collect();
     let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
     for (collision, cover) in model.collisions().iter().zip(covers) {
@@ -100,20 +99,10 @@ pub(super) fn covered(
         "link",
         unread.map(|shape| shape.link.clone()),
         [
-            "a collision shape of it cannot be used, for the reason in the table, so \"robot_shape\": \"collision\" is \
-             refused",
+            "a collision shape of it cannot be used, for the reason in the table, so a scenario is refused \
+             unless it says \"robot_shape\": \"joint_frames\" or \"swept_links\"",
             "--package NAME=FOLDER where the package is not found; another format or shape in the file otherwise",
         ],
     );
     (shapes, geometry, found)
-}
-
-/// The cover of a shape in its own frame.
-fn cover(collision: &Collision, folder: &Path, excess: f64) -> Result<Cover> {
-    match &collision.shape {
-        CollisionShape::Solid(shape) => shape.cover(excess),
-        CollisionShape::Mesh { file, scale } => {
-            cover_triangles(&load_mesh(file, folder, scale)?, excess)
-        }
-    }
 }

@@ -294,7 +294,9 @@ pub fn scenario_table() -> Result<String> {
     let mut table = table();
     let builtin = builtin_scenarios().map(str::to_owned);
     for name in builtin.chain(generated_scenarios()) {
-        let Scenario { file, scene, .. } = Scenario::load(&name)?;
+        let scenario = Scenario::load(&name)?;
+        let shape = scenario.robot_shape();
+        let Scenario { file, scene, .. } = scenario;
         let mut counts: Vec<(&str, usize)> = Vec::new();
         for obstacle in scene.obstacles() {
             let name = obstacle.solid.shape.name();
@@ -309,7 +311,7 @@ pub fn scenario_table() -> Result<String> {
             _ => format!("{count} {name}s"),
         });
         let obstacles: Vec<String> = counted.collect();
-        let against = match file.robot_shape {
+        let against = match shape {
             _ if obstacles.is_empty() => String::new(),
             RobotShape::JointFrames => "joint frames".to_owned(),
             RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),

@@ -74,7 +74,7 @@ pub(super) fn without_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Op
     };
     let good = witness.keeps_limits(TORQUE_SHARES[0])?;
     Ok(good.then(|| Candidate {
-        shape: RobotShape::default(),
+        shape: RobotShape::JointFrames,
         ..Candidate::new(witness, 0.0)
     }))
 }

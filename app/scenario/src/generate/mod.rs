@@ -101,6 +101,7 @@ fn obstacle(shape: ObstacleShape, position: Vector3<f64>) -> Obstacle {
             position_m: position.into(),
             orientation_xyzw: None,
         },
+        clearance_m: None,
     }
 }
 
@@ -312,7 +313,7 @@ impl Family {
             }),
             free_horizon: None,
             obstacles: made.obstacles,
-            robot_shape: made.shape,
+            robot_shape: Some(made.shape),
             self_collision: None,
             clearance_m: Clearance::default(),
             enforced_limits: if self.within_limits {

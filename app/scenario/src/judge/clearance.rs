@@ -3,7 +3,7 @@
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::Scenario;
 use aghf::error::Result;
-use aghf::geometry::{BallTree, CollisionSphere, Margins, Obstacle, Sphere};
+use aghf::geometry::{BallTree, CollisionSphere, Obstacle, Sphere};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
@@ -15,8 +15,14 @@ const PLACING: usize = 20;
 /// The relative accuracy of a positive least clearance.
 const PRECISION: f64 = 0.05;
 
-/// A link and an obstacle or another link that must not overlap.
-enum Pair {
+/// A link and an obstacle or another link that must not overlap, and the distance that they keep.
+struct Pair {
+    between: Between,
+    margin: f64,
+}
+
+/// The two sides of a pair.
+enum Between {
     /// The balls of a link, as the index of their tree, and an obstacle.
     Obstacle { tree: usize, obstacle: usize },
     /// The balls of two links, and the joints that carry only one of them.
@@ -39,8 +45,6 @@ struct Surroundings<'a> {
     trees: &'a [BallTree],
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
-    /// The margins from obstacles and between links.
-    margins: [f64; 2],
     intervals: &'a Intervals,
 }
 
@@ -51,31 +55,36 @@ pub(super) fn clearances(
     overlap: f64,
 ) -> Result<Vec<Row>> {
     let model = &scenario.model;
-    let Margins {
-        obstacles: beside,
-        itself,
-    } = scenario.scene.margins();
     let trees = scenario.scene.trees();
     let scene = Surroundings {
-        margins: [beside, itself],
         paths: trees.iter().map(|t| carriers(model, t.body)).collect(),
         obstacles: scenario.scene.obstacles(),
         trees,
         intervals,
     };
     let moving = (0..trees.len()).filter(|tree| !scene.paths[*tree].is_empty());
+    let beside = scenario.scene.obstacle_margins().iter().enumerate();
     let obstacles = moving.flat_map(|tree| {
-        (0..scene.obstacles.len()).map(move |obstacle| Pair::Obstacle { tree, obstacle })
+        beside.clone().map(move |(obstacle, margin)| Pair {
+            between: Between::Obstacle { tree, obstacle },
+            margin: *margin,
+        })
     });
-    let links = scenario.scene.tree_pairs().iter().map(|trees| {
+    let links = scenario.scene.tree_pairs().iter();
+    let links = links.zip(scenario.scene.pair_margins());
+    let links = links.map(|(trees, margin)| {
         let alone = |of: usize, other: usize| {
             let shared = &scene.paths[trees[other]];
             let path = scene.paths[trees[of]].iter();
             path.filter(|i| !shared.contains(i)).copied().collect()
         };
-        Pair::Links {
+        let between = Between::Links {
             trees: *trees,
             paths: [alone(0, 1), alone(1, 0)],
+        };
+        Pair {
+            between,
+            margin: *margin,
         }
     });
     let mut rows = Vec::new();
@@ -85,21 +94,19 @@ pub(super) fn clearances(
     ] {
         if pairs.is_empty() {
             let why = match check {
-                Check::SelfCollision if scenario.file.self_collision.is_none() => {
-                    "it is not asked for"
-                }
+                Check::SelfCollision if !scenario.keeps_links_clear() => "links may overlap",
                 _ => "there is nothing to keep clear of",
             };
             rows.push(Row::not_checked(check, overlap, why));
             continue;
         }
         let search = Search::new(&scene, Reach::new(model), &pairs, overlap);
-        let margin = match check {
-            Check::Obstacles => beside,
-            _ => itself,
-        };
         let place = |gap: Gap| place_of(scenario, &pairs[gap.pair], gap);
-        rows.push(search.run()?.row(check, place).beyond(margin));
+        let search = search.run()?;
+        let kept = pairs[search.at.0.pair].margin;
+        let least = pairs.iter().map(|pair| pair.margin);
+        let least = least.fold(f64::INFINITY, f64::min);
+        rows.push(search.row(check, place).beyond(kept, least));
     }
     Ok(rows)
 }
@@ -123,12 +130,12 @@ fn place_of(scenario: &Scenario, pair: &Pair, gap: Gap) -> String {
         }
     };
     let [node, beside] = gap.nodes;
-    match pair {
-        Pair::Obstacle { tree, obstacle } => {
+    match &pair.between {
+        Between::Obstacle { tree, obstacle } => {
             let name = &scenario.scene.obstacles()[*obstacle].name;
             format!("{} and '{name}'", part(*tree, node))
         }
-        Pair::Links { trees: [a, b], .. } => {
+        Between::Links { trees: [a, b], .. } => {
             format!("{} and {}", part(*a, node), part(*b, beside))
         }
     }
@@ -279,12 +286,12 @@ impl<'a> Search<'a> {
     /// The gaps below one; `None` for one between two balls.
     fn below(&self, gap: Gap) -> Option<[Gap; 2]> {
         let [node, beside] = gap.nodes;
-        let nodes = match &self.pairs[gap.pair] {
-            Pair::Obstacle { tree, .. } => {
+        let nodes = match &self.pairs[gap.pair].between {
+            Between::Obstacle { tree, .. } => {
                 let below = self.scene.trees[*tree].below(node)?;
                 below.map(|node| [node, beside])
             }
-            Pair::Links { trees, .. } => {
+            Between::Links { trees, .. } => {
                 let [tree, other] = trees.map(|i| &self.scene.trees[i]);
                 tree.below_pair(other, gap.nodes)?
             }
@@ -305,17 +312,17 @@ impl<'a> Search<'a> {
 
     /// The current gap, m; negative for an overlap.
     fn distance(&self, gap: Gap) -> f64 {
-        let [beside, between] = self.scene.margins;
-        match &self.pairs[gap.pair] {
-            Pair::Obstacle { tree, obstacle } => {
+        let margin = self.pairs[gap.pair].margin;
+        match &self.pairs[gap.pair].between {
+            Between::Obstacle { tree, obstacle } => {
                 let solid = &self.scene.obstacles[*obstacle].solid;
                 let ball = self.ball(*tree, gap.nodes[0]);
-                solid.distance(&self.reach.centre(&ball)) - ball.radius - beside
+                solid.distance(&self.reach.centre(&ball)) - ball.radius - margin
             }
-            Pair::Links { trees, .. } => {
+            Between::Links { trees, .. } => {
                 let [a, b] = [0, 1].map(|i| self.ball(trees[i], gap.nodes[i]));
                 let [p, q] = [a, b].map(|ball| self.reach.centre(&ball));
-                (p - q).norm() - a.radius - b.radius - between
+                (p - q).norm() - a.radius - b.radius - margin
             }
         }
     }
@@ -327,9 +334,9 @@ impl<'a> Search<'a> {
             self.reach.way(&centre, path, &self.ways)
         };
         let [node, beside] = gap.nodes;
-        match &self.pairs[gap.pair] {
-            Pair::Obstacle { tree, .. } => way(*tree, node, &self.scene.paths[*tree]),
-            Pair::Links { trees, paths } => {
+        match &self.pairs[gap.pair].between {
+            Between::Obstacle { tree, .. } => way(*tree, node, &self.scene.paths[*tree]),
+            Between::Links { trees, paths } => {
                 way(trees[0], node, &paths[0]) + way(trees[1], beside, &paths[1])
             }
         }

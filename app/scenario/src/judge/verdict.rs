@@ -214,13 +214,13 @@ impl Check {
 }
 
 impl Row {
-    /// The row of distances from which a margin was subtracted.
-    pub(super) fn beyond(mut self, margin: f64) -> Self {
+    /// The row of distances from which margins were subtracted: `kept` from the worst, and at least `least` from all.
+    pub(super) fn beyond(mut self, kept: f64, least: f64) -> Self {
         if let Some(worst) = &mut self.worst {
-            worst.value += margin;
-            worst.at_least = worst.at_least.map(|least| least + margin);
+            worst.value += kept;
+            worst.at_least = worst.at_least.map(|bound| bound + kept);
         }
-        self.proved_at_least = self.proved_at_least.map(|least| least + margin);
+        self.proved_at_least = self.proved_at_least.map(|proved| proved + least);
         self
     }
 

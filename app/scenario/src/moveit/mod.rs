@@ -144,9 +144,9 @@ impl MoveIt {
             running_cost: None,
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,
-            robot_shape: RobotShape::Collision {
-                excess_m: self.excess,
-            },
+            robot_shape: Some(RobotShape::Collision {
+                excess_m: Some(self.excess),
+            }),
             self_collision: Some(SelfCollision::IgnoredPairs(
                 ignored.into_iter().map(|pair| pair.links).collect(),
             )),

@@ -111,6 +111,7 @@ fn obstacle(
         name: Some(name),
         shape,
         pose,
+        clearance_m: None,
     };
     obstacle.solid()?;
     Ok(obstacle)

@@ -58,10 +58,10 @@ fn the_balls_of_a_scenario_cover_its_links() {
         let [AnyConstraint::Spheres(SphereClearance { balls, .. }), ..] = &constraints[..] else {
             panic!("{name}: {constraints:?}");
         };
-        let RobotShape::SweptLinks {
+        let Some(RobotShape::SweptLinks {
             radius_m,
             spacing_m,
-        } = scenario.file.robot_shape
+        }) = scenario.file.robot_shape
         else {
             panic!("{name}: the whole robot is meant");
         };

@@ -2,7 +2,7 @@
 
 use crate::written::{folder, load_text, with};
 use aghf::urdf::{UrdfOptions, load_robot_with};
-use aghf_scenario::{EnforcedLimits, FlowOptions, RobotShape};
+use aghf_scenario::{EnforcedLimits, FlowOptions};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -77,7 +77,7 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
         (9, 1e9, 0.1)
     );
     assert_eq!((file.flow.k_cons, file.flow.c_cons), (1e9, 1.0));
-    assert_eq!(file.robot_shape, RobotShape::JointFrames);
+    assert_eq!((file.robot_shape, &file.self_collision), (None, &None));
     assert_eq!(file.enforced_limits, EnforcedLimits::default());
     assert!(file.enforced_limits.any() && file.obstacles.is_empty());
     assert_eq!(

@@ -124,7 +124,7 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
     let mut nowhere = files();
     nowhere.as_object_mut().expect("it is one").remove("srdf");
     for (scenario, words) in [
-        (alone, "srdf: it is given without a group"),
+        (alone, "held_state: it is given without a group"),
         (nowhere, "srdf: the group is in an SRDF, which is not given"),
         (with(files(), json!({ "srdf": "none.srdf" })), "srdf: "),
         (

@@ -14,7 +14,7 @@ const ALL: [Limit; 3] = [Limit::Position, Limit::Velocity, Limit::Torque];
 fn plain(robot: &str, n: usize) -> Value {
     let zeros = vec![0.0; n];
     json!({
-        "robot": robot, "horizon_s": 2.0,
+        "robot": robot, "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": zeros, "v_start": zeros, "q_goal": zeros, "v_goal": zeros,
     })
 }

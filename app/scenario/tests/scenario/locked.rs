@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 pub fn five() -> Value {
     json!({
         "robot": "kinova_gen3", "locked_joints": { "joint_3": 0.5, "joint_5": -0.25 }, "horizon_s": 3.0,
+        "robot_shape": "joint_frames",
         "q_start": [0.0, 0.5, 1.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0],
         "q_goal": [0.5, 0.4, 1.0, 0.5, 0.0], "v_goal": [0.0, 0.0, 0.0, 0.0, 0.0],
     })

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 /// A motion of Kinova, each joint by a third of a radian in 2 s.
 fn arm() -> Value {
     json!({
-        "robot": "kinova_gen3", "horizon_s": 2.0,
+        "robot": "kinova_gen3", "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_start": vec![0.0; 7],
         "q_goal": [0.3, 0.8, 0.3, 1.3, 0.3, 0.8, 0.3], "v_goal": vec![0.0; 7],
         "losses": true, "enforced_limits": { "velocity": false, "torque": false },

@@ -78,7 +78,7 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
     // In the order of the robot.
     let wrists = json!({
         "robot": "kinova_gen3", "locked_joints": { "joint_3": 0.0 }, "passive": ["joint_7", "joint_5"],
-        "horizon_s": 2.0,
+        "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": vec![0.0; 6], "v_start": vec![0.0; 6], "q_goal": vec![0.0; 6], "v_goal": vec![0.0; 6],
     });
     assert_eq!(

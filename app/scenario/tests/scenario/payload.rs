@@ -14,7 +14,7 @@ fn carrying(payload: Value, keys: Value) -> Result<Scenario, String> {
     let mut all = json!({ "link": "end_effector_link", "mass_kg": 2.0 });
     all = with(all, payload);
     let scenario = json!({
-        "robot": "kinova_gen3", "horizon_s": 2.0, "payload": all,
+        "robot": "kinova_gen3", "robot_shape": "joint_frames", "horizon_s": 2.0, "payload": all,
         "q_start": Q, "v_start": vec![0.0; 7], "q_goal": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_goal": vec![0.0; 7],
     });
     load("carrying", &with(scenario, keys))

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 /// A motion of Kinova that has a solution.
 fn kinova() -> Value {
     json!({
-        "robot": "kinova_gen3", "horizon_s": 2.0,
+        "robot": "kinova_gen3", "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         "q_goal": [1.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_goal": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     })

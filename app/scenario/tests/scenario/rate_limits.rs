@@ -1,4 +1,4 @@
-//! Limits of acceleration and jerk that come with a robot.
+//! Limits of velocity, acceleration and jerk that come with a robot.
 
 use crate::written::{folder, load, with};
 use aghf_scenario::{Limit, Scenario};
@@ -80,6 +80,51 @@ fn limits_are_those_of_the_files_in_the_order_of_the_joints() {
     });
     let scenario = load("held", &with(files(), keys)).expect("it is good");
     assert_eq!(of(&scenario, Limit::Acceleration), [None, Some(1.5)]);
+}
+
+/// Of two limits of velocity the smaller one holds; that of the robot, a share of it or none.
+#[test]
+fn velocities_are_the_smaller_ones() {
+    let file = json!({ "file": "joint_limits.yaml" });
+    for (velocity, source, bounds) in [
+        (json!(true), file.clone(), [Some(1.0), Some(1.0), Some(1.0)]),
+        (json!(false), file.clone(), [Some(2.0), None, None]),
+        (
+            json!(0.5),
+            json!([0.6, 0.4, null]),
+            [Some(0.5), Some(0.4), Some(0.5)],
+        ),
+        (
+            json!(false),
+            json!("urdf"),
+            [Some(1.0), Some(1.0), Some(1.0)],
+        ),
+        (
+            json!(true),
+            json!(0.25),
+            [Some(0.25), Some(0.25), Some(0.25)],
+        ),
+    ] {
+        let keys = json!({ "enforced_limits": { "velocity": velocity, "max_velocity": source } });
+        let scenario = load("fast", &with(files(), keys.clone())).expect("it is good");
+        assert_eq!(of(&scenario, Limit::Velocity), bounds, "{keys}");
+    }
+    // It is a constraint, and it counts for the least horizon.
+    let keys = json!({ "enforced_limits": { "max_velocity": [0.01, null, null] } });
+    let error = load("slow", &with(files(), keys))
+        .expect("it is good")
+        .check_feasible();
+    let error = error.expect_err("0.1 rad take ten seconds").to_string();
+    assert!(
+        error.contains("joint 'turn_a' needs at least 10"),
+        "{error}"
+    );
+    let keys = json!({ "enforced_limits": { "max_velocity": 0.0 } });
+    let error = load("none", &with(files(), keys)).expect_err("it is no limit");
+    assert!(
+        error.starts_with("enforced_limits.max_velocity: it is 0"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
 use aghf::urdf::{Srdf, builtin_robot};
-use aghf_scenario::{IgnoredPair, IgnoredPairs, always_overlapping, cover_links};
+use aghf_scenario::{IgnoredPair, IgnoredPairs, SelfCollision, always_overlapping, cover_links};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -182,4 +182,32 @@ fn links_that_may_meet_are_not_left_out() {
     let limited = count(json!({}));
     assert!(limited < count(json!({ "clearance_m": 1.0 })));
     assert!(limited < count(json!({ "enforced_limits": { "position": false } })));
+}
+
+/// The links that the SRDF disables may overlap, unless the scenario names pairs or lets all overlap.
+#[test]
+fn an_srdf_says_which_links_may_overlap() {
+    let srdf = r#"<robot name="panda">
+        <disable_collisions link1="panda_hand" link2="panda_link2" reason="Never"/></robot>"#;
+    std::fs::write(folder().join("panda.srdf"), srdf).expect("it is writable");
+    let disabled = [["panda_hand".to_owned(), "panda_link2".to_owned()]];
+    for (keys, pairs) in [
+        (json!(null), SelfCollision::IgnoredPairs(disabled.into())),
+        (json!("off"), SelfCollision::Off),
+        (
+            json!({ "ignored_pairs": [] }),
+            SelfCollision::IgnoredPairs(Vec::new()),
+        ),
+    ] {
+        let keys = json!({ "srdf": "panda.srdf", "self_collision": keys });
+        let file = load("srdf", &with(panda(), keys)).expect("it is good").file;
+        assert_eq!((file.srdf, file.self_collision), (None, Some(pairs)));
+    }
+    let keys = json!({
+        "srdf": "panda.srdf", "self_collision": null, "robot_shape": { "swept_links": { "radius_m": 0.05 } },
+    });
+    let file = load("swept", &with(panda(), keys))
+        .expect("it is good")
+        .file;
+    assert_eq!(file.self_collision, None);
 }

@@ -1,12 +1,12 @@
 //! Obstacles of every shape and the collision shapes of the robot.
 
-use crate::written::{load, solved_once, with};
+use crate::written::{folder, load, solved_once, with};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Shape, Sphere};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{DirectOptions, Scenario, Solve, cover_links};
+use aghf_scenario::{DirectOptions, RobotShape, Scenario, Solve, cover_links};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -90,7 +90,11 @@ fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
     let capsule = &panda()["obstacles"][3];
     let scenario = |gap: f64| {
         let alone = with(panda(), json!({ "obstacles": [table(gap), capsule] }));
-        load("clearance", &with(alone, json!({ "self_collision": null }))).expect("it is good")
+        load(
+            "clearance",
+            &with(alone, json!({ "self_collision": "off" })),
+        )
+        .expect("it is good")
     };
     let clear = scenario(0.02);
     let found = clear.scene.clearance(&placements).expect("lengths agree");
@@ -120,7 +124,7 @@ fn a_robot_with_locked_joints_keeps_its_shapes() {
     let near = json!({ "shape": { "sphere": { "radius_m": 0.05 } }, "pose": { "position_m": [0.3, 0.1, 0.3] } });
     let near = with(
         panda(),
-        json!({ "obstacles": [near], "self_collision": null }),
+        json!({ "obstacles": [near], "self_collision": "off" }),
     );
     let whole = clearance(&load("locked", &near).expect("it is good"));
     for locked in [&[3][..], &[0, 1], &[1, 4, 6]] {
@@ -203,16 +207,10 @@ fn bad_surroundings_are_refused_by_key() {
         ),
         (
             own(json!({ "pairs": [] })),
-            "self_collision.pairs: ;unknown field `pairs`",
-        ),
-        (
-            own(json!({})),
-            "self_collision: one of the keys ignored_pairs and ignored_pairs_file",
-        ),
-        (
-            own(json!(true)),
             "self_collision: ;the key ignored_pairs or",
         ),
+        (own(json!({})), "self_collision: ;the key ignored_pairs or"),
+        (own(json!("on")), "self_collision: ;\"off\" or an object"),
         (
             shape(json!("collision")),
             "robot_shape.collision: ;{\"collision\": {...}} is needed",
@@ -286,27 +284,129 @@ fn an_obstacle_far_away_gets_a_remark() {
     );
 }
 
-/// A robot whose shapes are not kept clear of obstacles, or not of each other, is told.
+/// By default the shapes of a robot keep clear of obstacles and of each other, which is told; keys say otherwise.
 #[test]
-fn what_is_kept_clear_of_nothing_is_told() {
-    let notes = |keys| {
-        let obstacle = json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [2.0, 0.0, 0.5] } });
-        let scenario = json!({
-            "robot": "kinova_gen3", "horizon_s": 2.0,
-            "q_start": [0, 0.5, 0, 1.0, 0, 0.5, 0], "v_start": [0, 0, 0, 0, 0, 0, 0],
-            "q_goal": [0.2, 0.5, 0, 1.0, 0, 0.5, 0], "v_goal": [0, 0, 0, 0, 0, 0, 0],
-            "obstacles": [obstacle]
-        });
-        let scenario = load("told", &with(scenario, keys)).expect("it is good");
-        solved_once(&scenario).summary.notes.join("; ")
-    };
-    let of_shape = "robot_shape: only the origins of joint frames";
-    let of_links = "self_collision: the links are not kept clear";
+fn shapes_keep_clear_by_default() {
+    let obstacle = json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [2.0, 0.0, 0.5] } });
+    let kinova = json!({
+        "robot": "kinova_gen3", "horizon_s": 2.0,
+        "q_start": [0, 0.5, 0, 1.0, 0, 0.5, 0], "v_start": [0, 0, 0, 0, 0, 0, 0],
+        "q_goal": [0.2, 0.5, 0, 1.0, 0, 0.5, 0], "v_goal": [0, 0, 0, 0, 0, 0, 0],
+        "obstacles": [obstacle]
+    });
+    let pendulum = json!({
+        "robot": "pendulum_1", "horizon_s": 2.0, "q_start": [0], "v_start": [0], "q_goal": [0.2], "v_goal": [0],
+        "obstacles": [obstacle]
+    });
+    let both =
+        "robot_shape: the collision shapes of the robot keep clear of obstacles, and of each other";
     let shapes = json!({ "collision": { "excess_m": 0.02 } });
-    let joints = notes(json!({}));
-    assert!(joints.starts_with(of_shape), "{joints}");
-    let alone = notes(json!({ "robot_shape": shapes }));
-    assert!(alone.starts_with(of_links), "{alone}");
-    let all = notes(json!({ "robot_shape": shapes, "self_collision": { "ignored_pairs": [] } }));
-    assert!(!all.contains(of_shape) && !all.contains(of_links), "{all}");
+    for (scenario, keys, links, told) in [
+        (&kinova, json!({}), true, Some(both)),
+        (&kinova, json!({ "obstacles": [] }), true, Some(both)),
+        (
+            &kinova,
+            json!({ "robot_shape": shapes }),
+            true,
+            Some("self_collision: links keep clear"),
+        ),
+        (
+            &kinova,
+            json!({ "robot_shape": shapes, "self_collision": "off" }),
+            false,
+            None,
+        ),
+        (
+            &kinova,
+            json!({ "robot_shape": "joint_frames" }),
+            false,
+            None,
+        ),
+        (
+            &kinova,
+            json!({ "self_collision": "off" }),
+            false,
+            Some("robot_shape: the collision shapes of the robot keep clear of obstacles;"),
+        ),
+        (
+            &pendulum,
+            json!({}),
+            false,
+            Some("robot_shape: the robot has no collision shapes"),
+        ),
+        (&pendulum, json!({ "obstacles": [] }), false, None),
+    ] {
+        let scenario = load("told", &with(scenario.clone(), keys.clone())).expect("it is good");
+        let has_shapes = !scenario.scene.robot().links.is_empty();
+        let is_collision = matches!(scenario.robot_shape(), RobotShape::Collision { .. });
+        assert_eq!(has_shapes, is_collision, "{keys}");
+        let pairs = scenario.scene.tree_pairs();
+        assert_eq!(
+            (scenario.keeps_links_clear(), !pairs.is_empty()),
+            (links, links),
+            "{keys}"
+        );
+        let notes = solved_once(&scenario).summary.notes;
+        let about = |note: &&String| {
+            note.starts_with("robot_shape") || note.starts_with("self_collision: links keep")
+        };
+        let note = notes.iter().find(about);
+        match told {
+            Some(told) => assert!(
+                note.is_some_and(|note| note.starts_with(told)),
+                "{keys}: {note:?}"
+            ),
+            None => assert_eq!(note, None, "{keys}"),
+        }
+    }
+    // What is written is what was read.
+    let file = load("told", &kinova).expect("it is good").file;
+    let written = serde_json::to_value(&file).expect("it is written");
+    assert!(written.get("robot_shape").is_none() && written.get("self_collision").is_none());
+    let off = load("told", &with(kinova, json!({ "self_collision": "off" }))).expect("it is good");
+    let written = serde_json::to_value(&off.file).expect("it is written");
+    assert_eq!(written["self_collision"], "off");
+}
+
+/// By default neighbours may overlap, and all other pairs but those that never meet keep clear.
+#[test]
+fn neighbours_may_overlap_by_default() {
+    let keys = json!({ "self_collision": null, "obstacles": [] });
+    let scenario = load("neighbours", &with(panda(), keys)).expect("it is good");
+    let scene = &scenario.scene;
+    let names = |pair: &[usize; 2]| {
+        pair.map(|i| scene.robot().link_of(&scene.trees()[i]).unwrap_or_default())
+    };
+    let kept: Vec<_> = scene.tree_pairs().iter().map(names).collect();
+    let keeps = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);
+    assert!(!keeps("panda_link3", "panda_link4") && !keeps("panda_link0", "panda_link1"));
+    assert!(
+        keeps("panda_hand", "panda_link2") && keeps("panda_link0", "panda_link6"),
+        "{kept:?}"
+    );
+    scenario.check_feasible().expect("nothing overlaps");
+}
+
+/// A shape that nobody asked for and that cannot be read is refused with the key that does without.
+#[test]
+fn a_shape_by_default_that_cannot_be_read_is_refused_with_the_way_out() {
+    let urdf = r#"<robot name="one"><link name="base"/><link name="arm">
+        <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+        <collision><geometry><mesh filename="nowhere.stl"/></geometry></collision></link>
+        <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+        </robot>"#;
+    std::fs::write(folder().join("nowhere.urdf"), urdf).expect("it is writable");
+    let scenario = json!({
+        "robot": "nowhere.urdf", "horizon_s": 1.0, "q_start": [0], "v_start": [0], "q_goal": [0.1], "v_goal": [0]
+    });
+    let error = load("nowhere", &scenario).expect_err("there is no mesh");
+    assert!(
+        error.contains("nowhere.stl") && error.contains("\"robot_shape\": \"joint_frames\""),
+        "{error}"
+    );
+    let shape = json!({ "robot_shape": { "collision": {} } });
+    let asked = load("nowhere", &with(scenario.clone(), shape)).expect_err("there is no mesh");
+    assert!(!asked.contains("joint_frames"), "{asked}");
+    let without = with(scenario, json!({ "robot_shape": "joint_frames" }));
+    load("nowhere", &without).expect("it needs no mesh");
 }
