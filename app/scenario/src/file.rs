@@ -296,7 +296,7 @@ impl Scenario {
         (file.enforced_limits).read(&model, &source, folder, path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;
-        let mut scenario = Self {
+        Ok(Self {
             name: name_of(path),
             file,
             model,
@@ -308,9 +308,7 @@ impl Scenario {
             source,
             goal,
             own: OwnTerms::default(),
-        };
-        scenario.find_ends(path)?;
-        Ok(scenario)
+        })
     }
 
     /// The trajectory optimisation problem of this scenario.
@@ -319,12 +317,10 @@ impl Scenario {
     /// As [`Problem::new`].
     pub fn problem(&self) -> Result<Problem<'_>> {
         let state = |q: &[f64], v: &[f64]| [q, v].concat();
-        let end = self.goal.as_ref().and_then(|goal| goal.ends.first());
-        let q_goal = end.map_or(&self.file.q_goal, |end| &end.q);
         Problem::new(
             &self.model,
             state(&self.file.q_start, &self.file.v_start),
-            state(q_goal, &self.file.v_goal),
+            state(&self.file.q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
     }

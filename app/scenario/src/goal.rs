@@ -183,8 +183,8 @@ impl Goal {
     }
 }
 
-/// The alternatives of the goal, without ends; `None` without a goal. The state at the end is by default
-/// that at the start, at rest.
+/// The alternatives of the goal, with the first guess as their only end; `None` without a goal. The state at the end is
+/// by default that at the start, at rest.
 pub(super) fn goal_set(
     file: &mut ScenarioFile,
     model: &Model,
@@ -210,22 +210,14 @@ pub(super) fn goal_set(
     }
     Ok(Some(GoalSet {
         alternatives,
-        ends: Vec::new(),
+        ends: vec![GoalEnd {
+            q: file.q_goal.clone(),
+            alternative: 0,
+        }],
     }))
 }
 
 impl Scenario {
-    /// Finds the ends of starts.
-    pub(super) fn find_ends(&mut self, _path: &str) -> Result<()> {
-        if let Some(goal) = &mut self.goal {
-            goal.ends.push(GoalEnd {
-                q: self.file.q_goal.clone(),
-                alternative: 0,
-            });
-        }
-        Ok(())
-    }
-
     /// The most violated row of the goal at a final configuration, of the alternative that is violated least, and its
     /// violation in m or rad, which is negative inside; `None` if the goal is no set.
     pub(super) fn off_goal(&self, q: &[f64]) -> Result<Option<(f64, RowLabel)>> {

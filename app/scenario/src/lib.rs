@@ -15,6 +15,7 @@ mod file;
 mod flow_parameters;
 mod generate;
 mod goal;
+mod goal_ends;
 mod group;
 pub mod guide;
 mod joint_trajectory;
@@ -69,4 +70,6 @@ pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::cover_links;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
-pub use summary::{Details, DirectDetails, FlowDetails, RestDetails, Summary, Verdict};
+pub use summary::{
+    Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict,
+};
