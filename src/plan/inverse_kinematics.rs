@@ -112,7 +112,11 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
                 _ => f64::INFINITY,
             };
             let draw = |(near, [lower, upper]): (&f64, &[f64; 2])| {
-                let most = if upper - lower <= TAU { spread } else { spread.min(PI) };
+                let most = if upper - lower <= TAU {
+                    spread
+                } else {
+                    spread.min(PI)
+                };
                 let (from, to) = (lower.max(near - most), upper.min(near + most));
                 (from + (to - from) * rng.random::<f64>()).clamp(*lower, *upper)
             };
@@ -180,7 +184,9 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
 
     fn clamp(&self, q: &[f64]) -> Vec<f64> {
         let bounds = q.iter().zip(&self.bounds);
-        bounds.map(|(q, [lower, upper])| q.clamp(*lower, *upper)).collect()
+        bounds
+            .map(|(q, [lower, upper])| q.clamp(*lower, *upper))
+            .collect()
     }
 
     /// Computes the residuals and their norm.
@@ -204,9 +210,19 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
         let n = self.bounds.len();
         let scaled = self.residuals.iter().zip(&self.scales);
         let first: Vec<_> = scaled.map(|(r, scale)| r * scale).collect();
-        let rows = self.residuals.iter().zip(&self.equalities).zip(&self.scales);
+        let rows = self
+            .residuals
+            .iter()
+            .zip(&self.equalities)
+            .zip(&self.scales);
         let squares: Vec<_> = rows
-            .map(|((r, equality), scale)| if *equality || *r > 0.0 { scale * scale } else { 0.0 })
+            .map(|((r, equality), scale)| {
+                if *equality || *r > 0.0 {
+                    scale * scale
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let mut placed = self.evaluator.at(&self.state)?;
         let gradient = placed.weighted_derivatives(

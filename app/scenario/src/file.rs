@@ -5,6 +5,7 @@ use super::flow_parameters::FlowParameters;
 use super::goal::{Goal, goal_set};
 use super::group::hold_others;
 use super::json::{by_name, one_or_more, read_json};
+use super::keep::{Kept, kept_rows};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
@@ -98,6 +99,9 @@ pub struct ScenarioFile {
     )]
     #[schemars(schema_with = "schema::one_or_more::<Goal>")]
     pub goal: Vec<Goal>,
+    /// For the direct method: conditions that are kept along the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keep: Vec<Kept>,
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
@@ -243,6 +247,7 @@ impl Scenario {
             }
         };
         let goal = goal_set(&mut file, &model, path)?;
+        let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -307,7 +312,11 @@ impl Scenario {
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
             goal,
-            own: OwnTerms::default(),
+            own: OwnTerms {
+                constraints: kept,
+                stage: kept_between,
+                running_cost: None,
+            },
         })
     }
 

@@ -28,7 +28,7 @@ impl Scenario {
     /// # Errors
     /// None is found for any alternative: they are out of reach, in collision, beyond the torques at rest, or the
     /// search did not find one.
-    pub(super) fn goal_with_ends(&self) -> Result<Option<GoalSet>> {
+    pub fn goal_with_ends(&self) -> Result<Option<GoalSet>> {
         let Some(mut goal) = self.goal.clone() else {
             return Ok(None);
         };
@@ -75,7 +75,10 @@ impl Scenario {
         for guess in search.guesses(&file.q_goal, 0).take(GUESSES) {
             let end = search.solve(&guess)?;
             if end.violation > InverseKinematics::<[AnyConstraint]>::TOLERANCE {
-                if nearest.as_ref().is_none_or(|(least, _)| end.violation < *least) {
+                if nearest
+                    .as_ref()
+                    .is_none_or(|(least, _)| end.violation < *least)
+                {
                     nearest = Some((end.violation, end.q));
                 }
                 continue;
@@ -151,7 +154,13 @@ fn effort_to(problem: &Problem<'_>, q: &[f64]) -> Result<f64> {
 /// The reason why a position is beyond the reach of the frame: it is farther from the first joint of the frame than all
 /// links and strokes from there on add up to.
 fn beyond_reach(goal: &Goal, model: &Model) -> Option<String> {
-    let frame = model.frames().iter().find(|frame| frame.name == goal.frame)?;
+    let frame = model
+        .frames()
+        .iter()
+        .find(|frame| frame.name == goal.frame)?;
+    if goal.relative_to.is_some() {
+        return None;
+    }
     let position = Vector3::from(goal.position_m?);
     let (mut reach, mut first) = (frame.placement.translation.norm(), None);
     let mut body = frame.body;

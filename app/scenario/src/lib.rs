@@ -21,6 +21,7 @@ pub mod guide;
 mod joint_trajectory;
 mod json;
 pub mod judge;
+mod keep;
 mod limits;
 mod load;
 mod losses;
@@ -53,6 +54,7 @@ pub use flow_parameters::FlowParameters;
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use goal::{AxisDirection, Goal, PositionBox};
 pub use joint_trajectory::{Header, JointTrajectory, JointTrajectoryPoint, Stamp};
+pub use keep::{Kept, PointSpeed};
 pub use limits::{Enforced, EnforcedLimits};
 pub use load::LoadOptions;
 pub use losses::{JointNumbers, LossNumbers, Losses};
@@ -70,6 +72,4 @@ pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::cover_links;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
-pub use summary::{
-    Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict,
-};
+pub use summary::{Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict};
