@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures goals by pose: random reachable poses of the last frame, beside the joint goals from which they are made.
 
-    pip install pinocchio numpy
+    pip install pin numpy
     cargo build --release
     python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --count 200
     python3 benches/goals.py --robot panda --frame panda_link8 --obstacle
@@ -10,12 +10,13 @@
 Start and goal are drawn uniformly within the position limits, such that the motors hold them; the pose of the goal is
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
 least one of the joint goal at its velocity limits; all limits are enforced. Both scenarios are solved on one core with
-all defaults, and judged. With --obstacle a ball of 0.1 m is halfway between the frame at start and goal, if all joints
+all defaults, and judged; `cpu` is the processor time of the whole program, loading and tests included. With --obstacle a ball of 0.1 m is halfway between the frame at start and goal, if all joints
 at both are clear of it by 0.1 m.
 """
 
 import argparse
 import json
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -79,16 +80,18 @@ def scenario(robot: Robot, name: str, with_obstacle: bool) -> tuple[dict, pinocc
         return made, robot.pose(goal)
 
 
-def solve(made: dict, folder: Path) -> tuple[dict | None, str]:
+def solve(made: dict, folder: Path, options: list[str]) -> tuple[dict | None, str]:
     """The summary of a solve with the verdict of the judge, or the reason why there is none."""
     file = folder / "scenario.json"
     file.write_text(json.dumps(made))
     out = folder / "out"
-    asked = [AGHF, "solve", file, "--json", "--no-report", "--threads", "1", "--out", out, "--force"]
+    asked = [AGHF, "solve", file, "--json", "--no-report", "--threads", "1", "--out", out, "--force", *options]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     run = subprocess.run(asked, capture_output=True, text=True)
+    cpu = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     if not run.stdout:
         return None, run.stderr.strip()
-    summary = json.loads(run.stdout)
+    summary = json.loads(run.stdout) | {"cpu": cpu}
     table = out / ("trajectory.csv" if summary["success"] else "trajectory.failed.csv")
     judged = subprocess.run([AGHF, "judge", file, table], capture_output=True, text=True)
     summary["judged"] = judged.returncode == 0
@@ -103,7 +106,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--obstacle", action="store_true")
     parser.add_argument("--json", type=Path, help="a file for all numbers")
+    parser.add_argument("--starts", type=int, help="the number of starts of goals by pose [default: that of aghf]")
     given = parser.parse_args()
+    options = ["--starts", str(given.starts)] if given.starts else []
     builtin = ROOT / "robots" / given.robot / f"{given.robot}.urdf"
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
     rows, drawn = [], 0
@@ -111,24 +116,24 @@ def main() -> None:
         while len(rows) < given.count:
             made, pose = scenario(robot, given.robot, given.obstacle)
             drawn += 1
-            joint, why = solve(made, Path(folder))
+            joint, why = solve(made, Path(folder), [])
             row = {"draw": drawn, "joint": joint and joint["success"]}
             rotation = pinocchio.Quaternion(pose.rotation)
             goal = {"frame": given.frame, "position_m": list(pose.translation)}
             goal["orientation_xyzw"] = list(rotation.normalized().coeffs())
             by_pose = {key: value for key, value in made.items() if key not in ("q_goal", "v_goal")}
-            found, why = solve(by_pose | {"goal": goal}, Path(folder))
+            found, why = solve(by_pose | {"goal": goal}, Path(folder), options)
             row["solved"] = bool(found and found["success"] and found["judged"])
             if found:
                 details = found
                 reached = robot.pose(np.array(details["end"]["q"]))
                 row["position"] = float(np.linalg.norm(reached.translation - pose.translation))
                 row["rotation"] = float(np.linalg.norm(pinocchio.log3(pose.rotation.T @ reached.rotation)))
-                row |= {"seconds": found["solve_seconds"], "starts": details["starts_tried"]}
+                row |= {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": details["starts_tried"]}
                 row["verdict"] = found["verdict"]
                 if joint and joint["success"]:
                     row["ratio"] = details["cost"] / joint["cost"]
-                    row["joint_seconds"] = joint["solve_seconds"]
+                    row |= {"joint_seconds": joint["solve_seconds"], "joint_cpu": joint["cpu"]}
             if not row["solved"]:
                 print(drawn, json.dumps(row), why, flush=True)
             rows.append(row)
@@ -143,7 +148,7 @@ def report(rows: list[dict]) -> None:
     if not solved:
         return
     print(f"largest error: {max(r['position'] for r in solved):.1e} m, {max(r['rotation'] for r in solved):.1e} rad")
-    for key in ("seconds", "joint_seconds"):
+    for key in ("seconds", "joint_seconds", "cpu", "joint_cpu"):
         times = sorted(row[key] for row in solved if key in row)
         if times:
             last = times[min(len(times) - 1, round(0.99 * len(times)))]
