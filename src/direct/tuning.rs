@@ -60,6 +60,9 @@ pub(super) const SHARE_OF_STARTS: f64 = 0.5;
 /// remaining bases: low degrees are a poor indicator.
 pub(super) const HOPELESS: [f64; 2] = [0.1, 1.0];
 
+/// The number of starts of a wave that are continued to the next basis if the goal is a set.
+pub(super) const KEPT_ENDS: usize = 1;
+
 /// The termination criteria below the last basis: a curve there is only the start of the next.
 pub(super) const LOWER: Stage = Stage {
     tolerance: 0.1,

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
-const GOAL_STARTS: usize = 4;
+const GOAL_STARTS: usize = 6;
 
 /// The options of the direct method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -37,13 +37,19 @@ fn kinova(goal: Value) -> Value {
 }
 
 fn ends(scenario: &Scenario) -> Vec<Vec<f64>> {
-    let goal = scenario.goal_with_ends().expect("it is reachable").expect("a set");
+    let goal = scenario
+        .goal_with_ends()
+        .expect("it is reachable")
+        .expect("a set");
     goal.ends.into_iter().map(|end| end.q).collect()
 }
 
 fn refusal(scenario: &Value) -> String {
     let scenario = load("refused", scenario).expect("it is good");
-    scenario.goal_with_ends().expect_err("it is refused").to_string()
+    scenario
+        .goal_with_ends()
+        .expect_err("it is refused")
+        .to_string()
 }
 
 /// Every end has the pose, is within the limits and differs from the others.
@@ -72,20 +78,29 @@ fn a_motion_ends_in_the_pose_at_least_cost() {
     let scenario = load("pose", &kinova(pose_at(&REACHED))).expect("it is good");
     let joints = json!({ "goal": [], "q_goal": REACHED, "v_goal": [0.0; 7] });
     let joints = load("joints", &with(kinova(json!([])), joints)).expect("it is good");
-    let [by_pose, by_joints] = [&scenario, &joints].map(|of| Solve::new(of).run().expect("it is good"));
+    let [by_pose, by_joints] =
+        [&scenario, &joints].map(|of| Solve::new(of).run().expect("it is good"));
     let Details::Direct(details) = &by_pose.summary.details else {
         panic!("by the direct method");
     };
     let end = details.end.as_ref().expect("a set");
     assert!(by_pose.summary.success && by_joints.summary.success);
     assert_eq!(end.goal, 0);
-    let (at, wanted) = (pose(&scenario.model, TOOL, &end.q), pose(&scenario.model, TOOL, &REACHED));
+    let (at, wanted) = (
+        pose(&scenario.model, TOOL, &end.q),
+        pose(&scenario.model, TOOL, &REACHED),
+    );
     assert!((at.translation - wanted.translation).norm() < 1e-6);
     assert!((at.rotation - wanted.rotation).norm() < 1e-6);
     let Details::Direct(of_joints) = &by_joints.summary.details else {
         panic!("by the direct method");
     };
-    assert!(details.cost < 1.02 * of_joints.cost, "{} {}", details.cost, of_joints.cost);
+    assert!(
+        details.cost < 1.02 * of_joints.cost,
+        "{} {}",
+        details.cost,
+        of_joints.cost
+    );
     let samples = aghf::motion::sample(&scenario.model, &by_pose.curve, 200).expect("its joints");
     let trajectory = Trajectory::of_samples(samples);
     let judged = judge(&scenario, &trajectory, Tolerances::default()).expect("its joints");
@@ -110,20 +125,32 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
     let far = json!({ "frame": TOOL, "position_m": [2.0, 0.0, 0.3] });
     let words = "goal: its position is ";
     let refused = refusal(&kinova(far.clone()));
-    assert!(refused.contains(words) && refused.contains("add up to"), "{refused}");
+    assert!(
+        refused.contains(words) && refused.contains("add up to"),
+        "{refused}"
+    );
     // Below a floor.
     let floor = json!({ "obstacles": [{ "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, 0] } }],
         "robot_shape": { "swept_links": { "radius_m": 0.02 } } });
     let below = json!({ "frame": TOOL, "position_m": [0.4, 0.0, -0.2] });
     let refused = refusal(&with(kinova(below), floor));
-    assert!(refused.contains("is refused, the first because"), "{refused}");
+    assert!(
+        refused.contains("is refused, the first because"),
+        "{refused}"
+    );
     assert!(refused.contains("'floor'"), "{refused}");
     // Within the sum of the links, but folded beyond the limits of the elbow.
     let inside = json!({ "frame": TOOL, "position_m": [0.0, 0.0, 0.28], "orientation_xyzw": [1.0, 0.0, 0.0, 0.0] });
     let refused = refusal(&kinova(inside));
-    assert!(refused.contains("no proof that there is none; the nearest one is off by"), "{refused}");
+    assert!(
+        refused.contains("no proof that there is none; the nearest one is off by"),
+        "{refused}"
+    );
     // Of several goals one is enough.
     let two = load("two", &kinova(json!([far, pose_at(&REACHED)]))).expect("it is good");
-    let goal = two.goal_with_ends().expect("one is reachable").expect("a set");
+    let goal = two
+        .goal_with_ends()
+        .expect("one is reachable")
+        .expect("a set");
     assert!(goal.ends.iter().all(|end| end.alternative == 1));
 }

@@ -12,6 +12,7 @@ mod feasibility;
 mod file;
 mod goal_ends;
 mod group;
+mod keep;
 mod limits;
 mod load;
 mod locked;
