@@ -10,8 +10,8 @@
 Start and goal are drawn uniformly within the position limits, such that the motors hold them; the pose of the goal is
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
 least one of the joint goal at its velocity limits; all limits are enforced. Both scenarios are solved on one core with
-all defaults, and judged; `cpu` is the processor time of the whole program, loading and tests included. With --obstacle a ball of 0.1 m is halfway between the frame at start and goal, if all joints
-at both are clear of it by 0.1 m.
+all defaults, and judged; `cpu` is the processor time of the whole program, loading and tests included. With --obstacle
+a ball of 0.1 m is halfway between the frame at start and goal, if all joints at both are clear of it by 0.1 m.
 """
 
 import argparse

@@ -90,8 +90,8 @@ pub struct ScenarioFile {
     /// Velocity at the end; with `goal` zero by default.
     #[serde(default)]
     pub v_goal: Vec<f64>,
-    /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that costs
-    /// least. The configuration at the end is then an unknown.
+    /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that
+    /// costs least. The configuration at the end is then an unknown.
     #[serde(
         default,
         deserialize_with = "one_or_more",

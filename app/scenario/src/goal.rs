@@ -12,8 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A set of poses of a frame of the robot, in the base frame or in another frame: at least one of the keys `position_m`, `box`,
-/// `orientation_xyzw` and `axis` is needed.
+/// A set of poses of a frame of the robot, in the base frame or in another frame: at least one of the keys
+/// `position_m`, `box`, `orientation_xyzw` and `axis` is needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Goal {
@@ -31,7 +31,8 @@ pub struct Goal {
     /// A box, which has the position of its origin, instead of `position_m`.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub within: Option<PositionBox>,
-    /// The unit quaternion that rotates the axes of the base, or of that frame, into those of the frame; by default any.
+    /// The unit quaternion that rotates the axes of the base, or of that frame, into those of the frame; any by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
     /// An axis of the frame and its direction, instead of `orientation_xyzw`.

@@ -72,7 +72,8 @@ fn ends_have_the_pose() {
     }
 }
 
-/// A solve ends in the pose, no motion to the configuration of which the pose was made costs less, and the judge agrees.
+/// A solve ends in the pose, at hardly more than the cost of a motion to the configuration from which the pose was
+/// made, and the judge agrees.
 #[test]
 fn a_motion_ends_in_the_pose_at_least_cost() {
     let scenario = load("pose", &kinova(pose_at(&REACHED))).expect("it is good");
@@ -130,7 +131,8 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
         "{refused}"
     );
     // Below a floor.
-    let floor = json!({ "obstacles": [{ "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, 0] } }],
+    let floor = json!({
+        "obstacles": [{ "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, 0] } }],
         "robot_shape": { "swept_links": { "radius_m": 0.02 } } });
     let below = json!({ "frame": TOOL, "position_m": [0.4, 0.0, -0.2] });
     let refused = refusal(&with(kinova(below), floor));

@@ -10,6 +10,7 @@ mod clearance;
 mod direct;
 mod feasibility;
 mod file;
+mod goal;
 mod goal_ends;
 mod group;
 mod keep;
