@@ -68,6 +68,8 @@ impl Scenario {
         }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         let bounds = (0..model.dof()).map(|i| self.bound(Limit::Position, i).unwrap_or(all));
+        // The end also keeps what is kept throughout.
+        let rows = &[rows, self.own.constraints.as_slice()].concat()[..];
         let mut search = InverseKinematics::new(model, rows, bounds.collect())?;
         let mut found = Vec::<Vec<f64>>::new();
         let (mut refused, mut reason) = (0, None);
@@ -111,16 +113,25 @@ impl Scenario {
                 "each of {refused} configurations that reach it is refused, the first because {reason}"
             )));
         }
+        self.not_found(rows, nearest).map(Err)
+    }
+
+    /// The condition of a goal for which no search succeeded, with the configuration that is nearest to it.
+    fn not_found(
+        &self,
+        rows: &[AnyConstraint],
+        nearest: Option<(f64, Vec<f64>)>,
+    ) -> Result<String> {
         let mut condition = format!(
             "none of {GUESSES} searches found a configuration that reaches it, which is no proof that there is none"
         );
         if let Some((_, q)) = nearest {
-            let x = [q, vec![0.0; model.dof()]].concat();
-            if let Some((off, RowLabel { name, unit, .. })) = worst_row(rows, model, &x)? {
+            let x = [q, vec![0.0; self.model.dof()]].concat();
+            if let Some((off, RowLabel { name, unit, .. })) = worst_row(rows, &self.model, &x)? {
                 condition += &format!("; the nearest one is off by {off:.3e} {unit}: {name}");
             }
         }
-        Ok(Err(condition))
+        Ok(condition)
     }
 
     /// The key of an alternative of the goal.
