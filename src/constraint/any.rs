@@ -1,8 +1,8 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, RowLabel,
-    SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, PointSpeedLimit,
+    RowLabel, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Obstacle, Scene, Shape, Sphere};
@@ -25,6 +25,8 @@ pub enum AnyConstraint<C: Scalar = f64> {
     Bounds(Bounds<C>),
     /// The placement of a frame.
     Frame(FrameRows<C>),
+    /// The speed of a point.
+    Speed(PointSpeedLimit<C>),
     /// Any other constraint, evaluated over fewer scalars: see [`DynConstraint`].
     Other(Box<dyn DynConstraint<C>>),
 }
@@ -39,6 +41,7 @@ macro_rules! each {
             AnyConstraint::Cover($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Frame($it) => $what,
+            AnyConstraint::Speed($it) => $what,
             AnyConstraint::Other($it) => $what,
         }
     };

@@ -12,6 +12,7 @@
 
 mod any;
 mod autodiff;
+mod between;
 mod bounds;
 mod clearance;
 mod composition;
@@ -21,6 +22,7 @@ mod evaluator;
 mod frame_rows;
 mod label;
 mod pair_loads;
+mod point_speed;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
@@ -28,6 +30,7 @@ mod torque_limits;
 mod weighted_derivatives;
 
 pub use any::AnyConstraint;
+pub use between::Between;
 pub use bounds::{Bound, Bounds, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
@@ -35,6 +38,7 @@ pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
 pub use label::{RowKind, RowLabel};
+pub use point_speed::PointSpeedLimit;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
 pub(crate) use stage::{RateLimit, still};

@@ -53,6 +53,8 @@ pub struct SearchOptions {
     /// The relative excess over the cost of the best start before it beyond which a start is dropped, on the last basis
     /// but one and on lower ones: low degrees are a poor indicator.
     pub hopeless: [f64; 2],
+    /// The number of starts of a wave that go on to the next basis if the goal is a set.
+    pub kept_ends: usize,
     /// The relative gradient norm at the end in the bases below the last one: a curve there is only the start of the
     /// next.
     pub lower_tolerance: f64,
@@ -108,6 +110,7 @@ impl Default for SearchOptions {
             wave: 8,
             share_of_starts: 0.5,
             hopeless: [0.1, 1.0],
+            kept_ends: 1,
             lower_tolerance: 0.1,
             lower_iterations: 30,
             segment_iterations: 60,
@@ -200,7 +203,8 @@ impl SearchOptions {
             ),
             ("segment_iterations", self.segment_iterations, iterations),
             ("more_starts", self.more_starts, starts.clone()),
-            ("most_starts", self.most_starts, starts),
+            ("most_starts", self.most_starts, starts.clone()),
+            ("kept_ends", self.kept_ends, starts),
             (
                 "planned_segments",
                 self.planned_segments,

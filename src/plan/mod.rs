@@ -11,17 +11,21 @@
 //!    shortest one is kept.
 //! 3. `fit.rs`: the path as a curve of cubics, as smooth as the obstacles permit.
 //!
+//! [`InverseKinematics`] finds configurations that keep rows, such as the pose of a frame.
+//!
 //! All random numbers come from the seed, and the budget is a number of configurations: the same problem has the same
 //! path on any machine.
 
 mod checker;
 mod fit;
+mod inverse_kinematics;
 mod shorten;
 mod tree;
 
 pub use checker::Checker;
 pub(crate) use fit::along;
 pub use fit::curve_along;
+pub use inverse_kinematics::{InverseKinematics, Posture};
 
 use crate::constraint::Constraint;
 use crate::error::{Error, Result, check_count, check_positive};

@@ -4,11 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod between;
 mod composition;
 mod cover_clearance;
 mod derivatives;
 mod dynamic;
 mod frame_rows;
+mod point_speed;
 mod self_clearance;
 mod solid_clearance;
 mod stage;

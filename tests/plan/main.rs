@@ -5,6 +5,7 @@
 mod common;
 
 mod fit;
+mod inverse_kinematics;
 mod paths;
 mod starts;
 

@@ -3,6 +3,7 @@
 use super::{PASSIVE_TORQUE_SHARE, Scenario};
 use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use aghf::curve::Curve;
+use aghf::direct::DirectSettings;
 use aghf::error::Result;
 use aghf::model::JointKind;
 use aghf::motion::{Violation, largest_torques, sample, violations};
@@ -255,7 +256,8 @@ impl Feasibility {
 fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>) -> Result<()> {
     let last = curve.x().column(curve.x().ncols() - 1);
     let off = scenario.off_goal(&last.as_slice()[..curve.dof()])?;
-    let off = off.filter(|(by, _)| *by > 0.0);
+    // An equality is met to rounding at best.
+    let off = off.filter(|(by, _)| *by > 0.1 * DirectSettings::FEASIBLE);
     found.extend(off.map(|(by, RowLabel { name, unit, .. })| LimitViolation {
         joint: None,
         limit: Limit::Other,

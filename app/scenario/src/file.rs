@@ -5,6 +5,7 @@ use super::flow_parameters::FlowParameters;
 use super::goal::{Goal, goal_set};
 use super::group::hold_others;
 use super::json::{by_name, one_or_more, read_json};
+use super::keep::{Kept, kept_rows};
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
@@ -98,6 +99,9 @@ pub struct ScenarioFile {
     )]
     #[schemars(schema_with = "schema::one_or_more::<Goal>")]
     pub goal: Vec<Goal>,
+    /// For the direct method: conditions that are kept along the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keep: Vec<Kept>,
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
@@ -246,6 +250,7 @@ impl Scenario {
             }
         };
         let goal = goal_set(&mut file, &model, path)?;
+        let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -299,7 +304,7 @@ impl Scenario {
         (file.enforced_limits).read(&model, &source, folder, path)?;
         file.enforced_limits.check(&model, path)?;
         check_passive(&file, &model, path)?;
-        let mut scenario = Self {
+        Ok(Self {
             name: name_of(path),
             file,
             model,
@@ -310,10 +315,12 @@ impl Scenario {
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
             goal,
-            own: OwnTerms::default(),
-        };
-        scenario.find_ends(path)?;
-        Ok(scenario)
+            own: OwnTerms {
+                constraints: kept,
+                stage: kept_between,
+                running_cost: None,
+            },
+        })
     }
 
     /// The trajectory optimisation problem of this scenario.
@@ -322,12 +329,10 @@ impl Scenario {
     /// As [`Problem::new`].
     pub fn problem(&self) -> Result<Problem<'_>> {
         let state = |q: &[f64], v: &[f64]| [q, v].concat();
-        let end = self.goal.as_ref().and_then(|goal| goal.ends.first());
-        let q_goal = end.map_or(&self.file.q_goal, |end| &end.q);
         Problem::new(
             &self.model,
             state(&self.file.q_start, &self.file.v_start),
-            state(q_goal, &self.file.v_goal),
+            state(&self.file.q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
     }

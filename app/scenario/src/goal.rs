@@ -12,13 +12,16 @@ use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A set of poses of a frame of the robot, in the base frame: at least one of the keys `position_m`, `box`,
-/// `orientation_xyzw` and `axis` is needed.
+/// A set of poses of a frame of the robot, in the base frame or in another frame: at least one of the keys
+/// `position_m`, `box`, `orientation_xyzw` and `axis` is needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Goal {
     /// The name of the frame: a link.
     pub frame: String,
+    /// The name of the frame in which the poses are: a link; by default the base frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_to: Option<String>,
     /// The position of its origin, m; by default any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_m: Option<[f64; 3]>,
@@ -28,10 +31,11 @@ pub struct Goal {
     /// A box, which has the position of its origin, instead of `position_m`.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub within: Option<PositionBox>,
-    /// The unit quaternion that rotates the axes of the base into those of the frame; by default any.
+    /// The unit quaternion that rotates the axes of the base, or of that frame, into those of the frame; any by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_xyzw: Option<[f64; 4]>,
-    /// An axis of the frame and its direction in the base frame, instead of `orientation_xyzw`.
+    /// An axis of the frame and its direction, instead of `orientation_xyzw`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<AxisDirection>,
     /// The largest angle from the orientation or the direction, rad; zero by default.
@@ -55,7 +59,7 @@ pub struct PositionBox {
 pub struct AxisDirection {
     /// The axis in the frame, of any length but zero.
     pub of_frame: [f64; 3],
-    /// Its direction in the base frame, of any length but zero.
+    /// Its direction in the base frame or the one that the pose is relative to, of any length but zero.
     pub direction: [f64; 3],
 }
 
@@ -70,11 +74,32 @@ impl Goal {
             let condition = format!("the robot has no link '{}' that moves", self.frame);
             return Err(refuse("frame", condition));
         };
+        let reference = match &self.relative_to {
+            None => Frame::new("goal", None, Placement::identity()),
+            Some(name) => {
+                let found = model.frames().iter().find(|frame| frame.name == *name);
+                let Some(found) = found.filter(|found| found.body != frame.body) else {
+                    let condition = format!(
+                        "the robot has no link '{name}' that moves against '{}'",
+                        self.frame
+                    );
+                    return Err(refuse("relative_to", condition));
+                };
+                found.clone()
+            }
+        };
+        let at = |placement: Placement<f64>| {
+            let placement = reference.placement.compose(&placement);
+            FrameRows::new(
+                frame,
+                Frame::new(&reference.name, reference.body, placement),
+            )
+        };
         let mut all = Vec::new();
-        if let Some(rows) = self.position(frame, &refuse)? {
+        if let Some(rows) = self.position(&at, &refuse)? {
             all.push(AnyConstraint::Frame(rows));
         }
-        if let Some(rows) = self.orientation(frame, &refuse)? {
+        if let Some(rows) = self.orientation(&at, &refuse)? {
             all.push(AnyConstraint::Frame(rows));
         }
         if all.is_empty() {
@@ -86,10 +111,9 @@ impl Goal {
 
     fn position(
         &self,
-        frame: &Frame<f64>,
+        at: &impl Fn(Placement<f64>) -> FrameRows,
         refuse: &impl Fn(&str, String) -> Error,
     ) -> Result<Option<FrameRows>> {
-        let at = |placement| FrameRows::new(frame, Frame::new("goal", None, placement));
         let rows = match (self.position_m, &self.within) {
             (Some(_), Some(_)) => {
                 return Err(refuse("box", "it excludes position_m".to_owned()));
@@ -133,10 +157,9 @@ impl Goal {
 
     fn orientation(
         &self,
-        frame: &Frame<f64>,
+        at: &impl Fn(Placement<f64>) -> FrameRows,
         refuse: &impl Fn(&str, String) -> Error,
     ) -> Result<Option<FrameRows>> {
-        let at = |placement| FrameRows::new(frame, Frame::new("goal", None, placement));
         let rows = match (self.orientation_xyzw, &self.axis) {
             (Some(_), Some(_)) => {
                 return Err(refuse("axis", "it excludes orientation_xyzw".to_owned()));
@@ -183,8 +206,8 @@ impl Goal {
     }
 }
 
-/// The alternatives of the goal, without ends; `None` without a goal. The state at the end is by default
-/// that at the start, at rest.
+/// The alternatives of the goal, with the first guess as their only end; `None` without a goal. The state at the end is
+/// by default that at the start, at rest.
 pub(super) fn goal_set(
     file: &mut ScenarioFile,
     model: &Model,
@@ -210,22 +233,14 @@ pub(super) fn goal_set(
     }
     Ok(Some(GoalSet {
         alternatives,
-        ends: Vec::new(),
+        ends: vec![GoalEnd {
+            q: file.q_goal.clone(),
+            alternative: 0,
+        }],
     }))
 }
 
 impl Scenario {
-    /// Finds the ends of starts.
-    pub(super) fn find_ends(&mut self, _path: &str) -> Result<()> {
-        if let Some(goal) = &mut self.goal {
-            goal.ends.push(GoalEnd {
-                q: self.file.q_goal.clone(),
-                alternative: 0,
-            });
-        }
-        Ok(())
-    }
-
     /// The most violated row of the goal at a final configuration, of the alternative that is violated least, and its
     /// violation in m or rad, which is negative inside; `None` if the goal is no set.
     pub(super) fn off_goal(&self, q: &[f64]) -> Result<Option<(f64, RowLabel)>> {

@@ -192,6 +192,7 @@ impl Scenario {
         let keys = [
             ("free_final_velocity", file.free_final_velocity),
             ("goal", !file.goal.is_empty()),
+            ("keep", !file.keep.is_empty()),
             ("free_horizon", file.free_horizon.is_some()),
             (
                 "enforced_limits.acceleration",

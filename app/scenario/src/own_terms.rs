@@ -35,7 +35,7 @@ pub(super) fn worst_row(
 /// A running cost of any type.
 pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 
-/// User-defined constraints and a user-defined running cost.
+/// The constraints of what is kept along the way, user-defined constraints and a user-defined running cost.
 #[derive(Clone, Default)]
 pub(super) struct OwnTerms {
     pub constraints: Vec<AnyConstraint>,

@@ -2,7 +2,7 @@
 
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
-use super::summary::{Details, DirectDetails, Summary, Verdict};
+use super::summary::{Details, DirectDetails, ReachedEnd, Summary, Verdict};
 use super::{CurveFile, DirectOptions, Feasibility, Method, Provenance, Scenario, SolveOptions};
 use aghf::curve::Curve;
 use aghf::direct::{Direct, DirectSettings, DirectSolution, Iteration};
@@ -146,12 +146,13 @@ fn solve_directly(
     interrupt: Interrupt,
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Solution> {
+    let started = Instant::now();
     let problem = scenario.problem()?;
     let settings = &DirectSettings {
         interrupt,
+        goal: scenario.goal_with_ends()?,
         ..options.settings(scenario)?
     };
-    let started = Instant::now();
     let constraints = scenario.constraints();
     let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
     let solution = Direct::new(&problem)
@@ -194,6 +195,10 @@ fn solve_directly(
         minima: solution.minima,
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
+        end: settings.goal.as_ref().map(|_| ReachedEnd {
+            goal: solution.alternative,
+            q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
+        }),
     });
     let history = iterations.into_iter().map(Record::Direct).collect();
     // No reported value depends on the penalty.

@@ -212,6 +212,18 @@ pub struct DirectDetails {
     pub iterations: usize,
     /// Cholesky factorisations.
     pub factorisations: usize,
+    /// The end in a goal that is a set; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<ReachedEnd>,
+}
+
+/// The end of a motion in a goal that is a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReachedEnd {
+    /// The index of the goal in the list of the scenario.
+    pub goal: usize,
+    /// The final configuration, rad or m, `N` entries.
+    pub q: Vec<f64>,
 }
 
 /// Reads a number that JSON has no name for, written as null, as not a number.

@@ -170,6 +170,9 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     climbing.push(climber);
                 }
             }
+            if level + 1 < rungs.len() && context.goal.is_some() {
+                keep_best(&mut climbing, level, rung.stage.feasible, search.kept_ends);
+            }
             climbing.sort_by_key(|climber| climber.number);
         }
         ends.extend(climbing);
@@ -192,6 +195,29 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         curves,
         best_start: (best.number, best.guess),
     })
+}
+
+/// Drops all but the best `kept` of those that are at a level, for a goal that is a set: they differ in their ends, of which
+/// the order of the costs at a low degree is a good sign, and each of them takes a whole search at the next degree.
+fn keep_best(climbing: &mut Vec<Climber>, level: usize, feasible: f64, kept: usize) {
+    let (mut here, waiting): (Vec<_>, Vec<_>) = climbing
+        .drain(..)
+        .partition(|climber| climber.first <= level);
+    let order = |climber: &Climber| {
+        let Candidate {
+            violation,
+            objective,
+            ..
+        } = climber.candidate;
+        (violation.max(feasible), objective)
+    };
+    here.sort_by(|a, b| {
+        let [(off, cost), (beside, other)] = [a, b].map(order);
+        off.total_cmp(&beside).then(cost.total_cmp(&other))
+    });
+    here.truncate(kept);
+    climbing.extend(here);
+    climbing.extend(waiting);
 }
 
 /// The order of candidates: successful ones first, by their cost, then the others by their violation.

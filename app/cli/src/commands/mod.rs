@@ -7,6 +7,7 @@ mod compare;
 mod doctor;
 mod eval;
 mod export;
+mod ik;
 mod import;
 mod judge;
 mod options;
@@ -72,6 +73,7 @@ enum Command {
     Judge(judge::Judge),
     Benchmark(benchmark::Benchmark),
     Pairs(pairs::Pairs),
+    Ik(ik::Ik),
     Eval(eval::Eval),
     Check(check::Check),
     Prove(prove::Prove),
@@ -226,6 +228,7 @@ pub fn main() -> ExitCode {
         Command::Judge(judge) => judge.run(),
         Command::Benchmark(benchmark) => benchmark.run(),
         Command::Pairs(pairs) => pairs.run(),
+        Command::Ik(ik) => ik.run(),
         Command::Eval(eval) => eval.run(),
         Command::Check(check) => check.run(),
         Command::Prove(prove) => prove.run(),

@@ -17,6 +17,8 @@ pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
 pub(crate) use rows::csv_cell;
 pub use rows::csv_of;
-pub use table::{check_table, robot_table, scenario_table, summary_table, verdict_table};
+pub use table::{
+    check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
+};
 pub(crate) use table::{short, summary_rows, table};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

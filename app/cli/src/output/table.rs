@@ -179,6 +179,13 @@ fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
         ("cost of the starts at the lowest degree", starts.join(", ")),
         ("work", work),
     ]);
+    if let Some(end) = &d.end {
+        let q: Vec<_> = end.q.iter().map(|q| short(*q)).collect();
+        rows.push((
+            "end in the goal",
+            format!("goal {}: {}", end.goal, q.join(", ")),
+        ));
+    }
     (settings, rows)
 }
 
@@ -242,6 +249,17 @@ pub fn check_table(findings: &[Finding]) -> String {
             f.sample.to_string(),
             if f.passes() { "ok" } else { "OFF" }.to_owned(),
         ]);
+    }
+    table.to_string()
+}
+
+/// Formats configurations of a robot, one per row.
+#[must_use]
+pub fn configurations_table(model: &Model, all: &[Vec<f64>]) -> String {
+    let mut table = table();
+    table.set_header(model.joints().iter().map(|joint| joint.name()));
+    for q in all {
+        table.add_row(q.iter().map(|q| format!("{q:.9}")));
     }
     table.to_string()
 }

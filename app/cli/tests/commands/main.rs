@@ -8,6 +8,7 @@ mod check;
 mod doctor;
 mod eval;
 mod export;
+mod ik;
 mod import;
 mod input;
 mod judge;

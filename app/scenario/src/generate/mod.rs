@@ -304,6 +304,7 @@ impl Family {
             v_start,
             q_goal,
             goal: Vec::new(),
+            keep: Vec::new(),
             v_goal,
             free_final_velocity: false,
             continuity: Some(Continuous::Velocity),

@@ -9,5 +9,8 @@ pub mod first_motion {}
 #[doc = include_str!("pictures/obstacles.svg")]
 pub mod asking_for_more {}
 
+#[doc = include_str!("goals.md")]
+pub mod goals {}
+
 #[doc = include_str!("variants.md")]
 pub mod variants {}

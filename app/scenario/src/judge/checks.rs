@@ -1,8 +1,8 @@
 //! The checks joint by joint.
 
+use super::poses::goal_row;
 use super::{Check, Intervals, Row, Trajectory, Worst, joint_name, unit_of};
 use crate::{Limit, Scenario};
-use aghf::constraint::RowLabel;
 use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 
@@ -81,9 +81,8 @@ fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Res
         }
         let mut row = Row::new(check, tolerance);
         if check == Check::GoalPosition
-            && let Some((off, RowLabel { name, unit, .. })) = scenario.off_goal(found)?
+            && let Some(row) = goal_row(scenario, found, at_s, tolerance)?
         {
-            row.take(difference(off, unit, at_s), || name);
             rows.push(row);
             continue;
         }

@@ -18,6 +18,8 @@
 //! | u is inverse dynamics | at the samples, with their accelerations |
 //! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between them |
 //! | position and velocity limits | the extrema of the cubics, in closed form |
+//! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
+//! | kept along the way | the poses of frames at all times, and speeds of points at the samples and halfway between them |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
 //!
 //! **Clearances** are proved. A ball is within a [bound](Reach) of its position in the middle of an interval, so that
@@ -28,12 +30,15 @@
 //! [`Scene::pairs`](aghf::geometry::Scene::pairs). If the work exceeds a limit, the check is
 //! undecided, and reports the proved bound.
 //!
+//! Poses that are kept are proved in the same way, to the accepted excess.
+//!
 //! An excess up to the [`Tolerances`] passes.
 
 mod checks;
 mod clearance;
 mod cubic;
 mod message;
+mod poses;
 mod reach;
 mod rows;
 mod trajectory;
@@ -78,6 +83,12 @@ pub fn judge(
         scenario,
         &intervals,
         tolerances.overlap_m,
+    )?);
+    rows.extend(poses::kept(
+        scenario,
+        trajectory,
+        &intervals,
+        tolerances.tolerance,
     )?);
     let given = [
         (

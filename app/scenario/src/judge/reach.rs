@@ -60,6 +60,11 @@ impl<'m> Reach<'m> {
         }
     }
 
+    /// The placements of the bodies.
+    pub(super) fn placements(&self) -> &[Placement<f64>] {
+        &self.placements
+    }
+
     /// A bound on the displacement of a ball with this centre, m, when joint `i` moves by at most `ways[i]`, rad or m.
     /// Only the joints of `path` count: those that carry the ball, from its body on, all of them or those beyond a
     /// common body.

@@ -182,6 +182,8 @@ pub enum Check {
     AccelerationLimits,
     /// Limits of the rates of accelerations.
     JerkLimits,
+    /// Conditions along the way.
+    Kept,
     /// Clearances from obstacles.
     Obstacles,
     /// Clearances between links.
@@ -207,6 +209,7 @@ impl Check {
             Self::PositionLimits => "position limits",
             Self::VelocityLimits => "velocity limits",
             Self::TorqueLimits => "torque limits",
+            Self::Kept => "kept along the way",
             Self::Obstacles => "obstacles",
             Self::SelfCollision => "self-collision",
         }

@@ -138,6 +138,7 @@ impl MoveIt {
             v_start: zeros.clone(),
             q_goal,
             goal: Vec::new(),
+            keep: Vec::new(),
             v_goal: zeros,
             free_final_velocity: false,
             continuity: None,

@@ -8,6 +8,9 @@ use aghf::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// The number of starts by default if the goal is a set, so that several of its ends are tried.
+const GOAL_STARTS: usize = 6;
+
 /// The options of the direct method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -52,6 +55,9 @@ impl DirectOptions {
             default.starts = starts_of(scenario.model.dof());
             default.start_amplitude = DirectSettings::default().start_amplitude;
             default.lowest_degree = DirectSettings::default().lowest_degree;
+        }
+        if scenario.goal.is_some() {
+            default.starts = default.starts.max(GOAL_STARTS);
         }
         Ok(DirectSettings {
             degree: self.degree.unwrap_or(default.degree),

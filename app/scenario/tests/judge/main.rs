@@ -7,6 +7,7 @@ mod common;
 mod clearance;
 mod cubic;
 mod message;
+mod poses;
 mod reach;
 mod robot;
 mod rows;

@@ -1,0 +1,198 @@
+//! Final configurations in a goal that is a set, by inverse kinematics.
+
+use super::own_terms::worst_row;
+use super::{Goal, Limit, Scenario};
+use aghf::constraint::{AnyConstraint, RowLabel};
+use aghf::curve::{Chebyshev, Curve};
+use aghf::direct::{GoalEnd, GoalSet};
+use aghf::error::{Error, Result, plain};
+use aghf::flow::effort_of;
+use aghf::model::{JointKind, Model};
+use aghf::motion::Problem;
+use aghf::plan::InverseKinematics;
+use nalgebra::{DMatrix, Vector3};
+
+/// The number of first guesses for each alternative.
+const GUESSES: usize = 64;
+/// The number of ends of an alternative after which no further one is looked for.
+const ENOUGH: usize = 12;
+/// The difference of some joint from which on two configurations are different ends, rad or m.
+const DIFFERENT: f64 = 0.2;
+/// The degree of the polynomials by which the effort of first motions is compared.
+const DEGREE: usize = 16;
+
+impl Scenario {
+    /// The goal with the final configurations from which searches start, those with the least effort of the cubic to
+    /// them first; `None` if the goal is no set.
+    ///
+    /// # Errors
+    /// None is found for any alternative: they are out of reach, in collision, beyond the torques at rest, or the
+    /// search did not find one.
+    pub fn goal_with_ends(&self) -> Result<Option<GoalSet>> {
+        let Some(mut goal) = self.goal.clone() else {
+            return Ok(None);
+        };
+        let problem = self.problem()?;
+        let (mut ends, mut refused) = (Vec::new(), None);
+        for alternative in 0..goal.alternatives.len() {
+            match self.ends_of(alternative, &goal.alternatives[alternative])? {
+                Ok(found) => {
+                    for q in found {
+                        let effort = effort_to(&problem, &q)?;
+                        ends.push((effort, GoalEnd { q, alternative }));
+                    }
+                }
+                Err(condition) => {
+                    let error = Error::input(&self.name, self.key_of_goal(alternative), condition);
+                    refused = refused.or(Some(error));
+                }
+            }
+        }
+        if let (true, Some(error)) = (ends.is_empty(), refused) {
+            return Err(error);
+        }
+        ends.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        goal.ends = ends.into_iter().map(|(_, end)| end).collect();
+        Ok(Some(goal))
+    }
+
+    /// Different final configurations of an alternative, or the reason why there is none.
+    fn ends_of(
+        &self,
+        alternative: usize,
+        rows: &[AnyConstraint],
+    ) -> Result<std::result::Result<Vec<Vec<f64>>, String>> {
+        let (file, model) = (&self.file, &self.model);
+        if let Some(condition) = beyond_reach(&file.goal[alternative], model) {
+            return Ok(Err(condition));
+        }
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let bounds = (0..model.dof()).map(|i| self.bound(Limit::Position, i).unwrap_or(all));
+        // The end also keeps what is kept throughout.
+        let rows = &[rows, self.own.constraints.as_slice()].concat()[..];
+        let mut search = InverseKinematics::new(model, rows, bounds.collect())?;
+        let mut found = Vec::<Vec<f64>>::new();
+        let (mut refused, mut reason) = (0, None);
+        let mut nearest: Option<(f64, Vec<f64>)> = None;
+        for guess in search.guesses(&file.q_goal, 0).take(GUESSES) {
+            let end = search.solve(&guess)?;
+            if end.violation > InverseKinematics::<[AnyConstraint]>::TOLERANCE {
+                if nearest
+                    .as_ref()
+                    .is_none_or(|(least, _)| end.violation < *least)
+                {
+                    nearest = Some((end.violation, end.q));
+                }
+                continue;
+            }
+            let q = search.nearer(&end.q, &file.q_start);
+            let same = |other: &Vec<f64>| {
+                let apart = q.iter().zip(other).map(|(a, b)| (a - b).abs());
+                apart.fold(0.0, f64::max) < DIFFERENT
+            };
+            if found.iter().any(same) {
+                continue;
+            }
+            match self.check_end(&q) {
+                Ok(()) => found.push(q),
+                Err(Error::Input { condition, .. }) => {
+                    refused += 1;
+                    reason = reason.or(Some(condition));
+                }
+                Err(other) => return Err(other),
+            }
+            if found.len() == ENOUGH {
+                break;
+            }
+        }
+        if !found.is_empty() {
+            return Ok(Ok(found));
+        }
+        if let Some(reason) = reason {
+            return Ok(Err(format!(
+                "each of {refused} configurations that reach it is refused, the first because {reason}"
+            )));
+        }
+        self.not_found(rows, nearest).map(Err)
+    }
+
+    /// The condition of a goal for which no search succeeded, with the configuration that is nearest to it.
+    fn not_found(
+        &self,
+        rows: &[AnyConstraint],
+        nearest: Option<(f64, Vec<f64>)>,
+    ) -> Result<String> {
+        let mut condition = format!(
+            "none of {GUESSES} searches found a configuration that reaches it, which is no proof that there is none"
+        );
+        if let Some((_, q)) = nearest {
+            let x = [q, vec![0.0; self.model.dof()]].concat();
+            if let Some((off, RowLabel { name, unit, .. })) = worst_row(rows, &self.model, &x)? {
+                condition += &format!("; the nearest one is off by {off:.3e} {unit}: {name}");
+            }
+        }
+        Ok(condition)
+    }
+
+    /// The key of an alternative of the goal.
+    fn key_of_goal(&self, alternative: usize) -> String {
+        match self.file.goal.len() {
+            1 => "goal".to_owned(),
+            _ => format!("goal[{alternative}]"),
+        }
+    }
+}
+
+/// The control effort of the cubic from the start to a final configuration.
+fn effort_to(problem: &Problem<'_>, q: &[f64]) -> Result<f64> {
+    let (chebyshev, n) = (Chebyshev::new(DEGREE, problem.horizon())?, q.len());
+    let (start, goal, horizon) = (problem.start(), problem.goal(), problem.horizon());
+    let hermite = |i: usize, k: usize| {
+        let s = chebyshev.times()[k] / horizon;
+        let bends = [s * (1.0 - s) * (1.0 - s), s * s * (s - 1.0)];
+        let bent = horizon * (bends[0] * start[n + i] + bends[1] * goal[n + i]);
+        start[i] + (q[i] - start[i]) * s * s * (3.0 - 2.0 * s) + bent
+    };
+    let positions = DMatrix::from_fn(n, DEGREE + 1, hermite);
+    let velocities = &positions * chebyshev.d().transpose();
+    let mut x = DMatrix::zeros(2 * n, DEGREE + 1);
+    x.rows_mut(0, n).copy_from(&positions);
+    x.rows_mut(n, n).copy_from(&velocities);
+    let curve = Curve::new(chebyshev, x)?;
+    Ok(effort_of(problem.model(), &curve, 1.0)?.control_effort)
+}
+
+/// The reason why a position is beyond the reach of the frame: it is farther from the first joint of the frame than all
+/// links and strokes from there on add up to.
+fn beyond_reach(goal: &Goal, model: &Model) -> Option<String> {
+    let frame = model
+        .frames()
+        .iter()
+        .find(|frame| frame.name == goal.frame)?;
+    if goal.relative_to.is_some() {
+        return None;
+    }
+    let position = Vector3::from(goal.position_m?);
+    let (mut reach, mut first) = (frame.placement.translation.norm(), None);
+    let mut body = frame.body;
+    while let Some(i) = body {
+        let joint = &model.joints()[i];
+        if joint.kind() == JointKind::Prismatic {
+            reach += joint.limits().lower.abs().max(joint.limits().upper.abs());
+        }
+        body = joint.parent();
+        match body {
+            Some(_) => reach += joint.origin().translation.norm(),
+            None => first = Some((joint.name(), joint.origin().translation)),
+        }
+    }
+    let (name, origin) = first?;
+    let distance = (position - origin).norm() - goal.tolerance_m.unwrap_or(0.0);
+    (distance > reach + f64::EPSILON.sqrt()).then(|| {
+        let [distance, reach] = [distance, reach].map(|x| plain((1e4 * x).round() / 1e4));
+        format!(
+            "its position is {distance} m from joint '{name}', and the links to frame '{}' add up to {reach} m",
+            goal.frame
+        )
+    })
+}

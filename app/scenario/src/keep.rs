@@ -1,0 +1,108 @@
+//! Conditions that are kept along the way.
+
+use super::{Goal, ScenarioFile};
+use aghf::constraint::{AnyConstraint, Between, PointSpeedLimit, StageConstraint};
+use aghf::error::{Error, Result, plain};
+use aghf::model::Model;
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A condition that is kept along the way: a set of poses or a bound on a speed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Kept {
+    /// The set of poses in which a frame stays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<Goal>,
+    /// The largest speed of a point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed: Option<PointSpeed>,
+    /// The time from which on it is kept, s; by default from the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_s: Option<f64>,
+    /// The time until which it is kept, s; by default until the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
+}
+
+/// The largest speed of a point of a frame in the base frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointSpeed {
+    /// The name of the frame: a link.
+    pub frame: String,
+    /// The point in the frame, m; by default its origin.
+    #[serde(default)]
+    pub point_m: [f64; 3],
+    /// The largest speed, m/s.
+    pub most_m_s: f64,
+}
+
+/// The rows of what is kept: those that hold throughout, and those between given times.
+pub(super) type KeptRows = (Vec<AnyConstraint>, Vec<Arc<dyn StageConstraint>>);
+
+/// The rows of all that is kept; `path` names the scenario in errors.
+pub(super) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Result<KeptRows> {
+    let (mut state, mut stage) = KeptRows::default();
+    for (i, kept) in file.keep.iter().enumerate() {
+        let key = format!("keep[{i}]");
+        let rows = match (&kept.poses, &kept.speed) {
+            (Some(poses), None) => poses.rows(model, &format!("{key}.poses"), path)?,
+            (None, Some(speed)) => vec![speed.row(model, &key, path)?],
+            _ => {
+                let condition = "one of the keys poses and speed is needed, not both";
+                return Err(Error::input(path, key, condition));
+            }
+        };
+        if kept.from_s.is_none() && kept.to_s.is_none() {
+            state.extend(rows);
+            continue;
+        }
+        let from = kept.from_s.unwrap_or(f64::NEG_INFINITY);
+        let to = kept.to_s.unwrap_or(f64::INFINITY);
+        let between = Between::new(model.clone(), rows, [from, to]);
+        let between = between.map_err(|e| Error::input(path, key, e.to_string()))?;
+        stage.push(Arc::new(between) as Arc<dyn StageConstraint>);
+    }
+    Ok((state, stage))
+}
+
+impl PointSpeed {
+    /// The row of the bound.
+    fn row(&self, model: &Model, key: &str, path: &str) -> Result<AnyConstraint> {
+        let refuse = |element: &str, condition: String| {
+            Err(Error::input(
+                path,
+                format!("{key}.speed.{element}"),
+                condition,
+            ))
+        };
+        let frame = model.frames().iter().find(|frame| frame.name == self.frame);
+        let Some(frame) = frame.filter(|frame| frame.body.is_some()) else {
+            return refuse(
+                "frame",
+                format!("the robot has no link '{}' that moves", self.frame),
+            );
+        };
+        if !self.point_m.iter().all(|x| x.is_finite()) {
+            return refuse("point_m", "it needs finite numbers".to_owned());
+        }
+        if !(self.most_m_s > 0.0 && self.most_m_s.is_finite()) {
+            let condition = format!(
+                "it is {}, a positive number is needed",
+                plain(self.most_m_s)
+            );
+            return refuse("most_m_s", condition);
+        }
+        let point =
+            frame.placement.rotation * Vector3::from(self.point_m) + frame.placement.translation;
+        Ok(AnyConstraint::Speed(PointSpeedLimit {
+            body: frame.body,
+            point,
+            most: self.most_m_s,
+            name: self.frame.clone(),
+        }))
+    }
+}
