@@ -22,7 +22,7 @@ pub(super) fn line_search<P: Nlp>(
     let before = state.merit(problem);
     let highest = state.remember(before, options.memory);
     let mut trial = Trial {
-        h: vec![0.0; state.h.len()],
+        h: Vec::with_capacity(state.h.len()),
         iterate: state.iterate.clone(),
     };
     let whole = options.longest_step / state.progress.step;
@@ -116,7 +116,7 @@ pub(super) fn leave_saddle<P: Nlp>(
         for sign in [1.0, -1.0] {
             let x = &state.x + direction * (sign * length);
             let mut trial = Trial {
-                h: vec![0.0; state.h.len()],
+                h: Vec::with_capacity(state.h.len()),
                 iterate: state.iterate.clone(),
             };
             let f = problem.value(&x, &mut trial.h)?;

@@ -156,13 +156,13 @@ pub fn solve<P: Nlp>(
         state.derive(problem)?;
         if let Some(status) = state.stop(problem, options) {
             observe(&state.progress);
-            return state.end(problem, status, options);
+            return state.end(problem, status);
         }
         let step = state.kkt.step(state.scale(), &mut state.progress, options);
         if state.is_stationary(options) {
             observe(&state.progress);
             match state.tighten_end(problem, options)? {
-                Some(status) => return state.end(problem, status, options),
+                Some(status) => return state.end(problem, status),
                 None => continue,
             }
         }
@@ -185,10 +185,10 @@ pub fn solve<P: Nlp>(
             state.iterate.set_barrier(barrier, options.multiplier_range);
             // At most so large that it goes on decreasing.
             if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
-                return state.end(problem, Status::Coarse, options);
+                return state.end(problem, Status::Coarse);
             }
-        } else if taken.is_none() {
-            return state.end(problem, Status::NoDescent, options);
+        } else if taken.is_none() && !state.accepts_rounding(options) {
+            return state.end(problem, Status::NoDescent);
         }
     }
 }

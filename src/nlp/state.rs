@@ -21,6 +21,9 @@ pub(crate) struct State {
     excess: f64,
     /// True at a local minimum of that sum, at which it is not zero.
     is_infeasible: bool,
+    /// The length of the gradient of the Lagrangian, relative to the objective, at the last iterate within the
+    /// tolerance.
+    residual: f64,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
 }
@@ -69,6 +72,7 @@ impl State {
             rounds: 0,
             excess: f64::INFINITY,
             is_infeasible: false,
+            residual: f64::INFINITY,
             merits: Default::default(),
         })
     }
@@ -101,8 +105,28 @@ impl State {
         }
     }
 
-    pub(super) fn is_stationary(&self, options: &Options) -> bool {
+    /// Returns true if the Newton decrement and the gradient of the Lagrangian are within the tolerance at the last
+    /// barrier parameter, or if another step would no longer halve that gradient, because of rounding.
+    pub(super) fn is_stationary(&mut self, options: &Options) -> bool {
+        if !self.is_within_tolerance(options) {
+            self.residual = f64::INFINITY;
+            return false;
+        }
+        let residual = self.kkt.dual_length() / self.scale();
+        let before = std::mem::replace(&mut self.residual, residual);
+        residual <= options.tolerance || residual > 0.5 * before
+    }
+
+    /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter.
+    fn is_within_tolerance(&self, options: &Options) -> bool {
         self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
+    }
+
+    /// Returns true if the search may go on after no fraction of a step decreased the barrier function: to the end,
+    /// within the tolerance, where rounding hides the decrease.
+    pub(super) fn accepts_rounding(&mut self, options: &Options) -> bool {
+        self.residual = 0.0;
+        self.is_within_tolerance(options)
     }
 
     pub(super) fn is_last_barrier(&self, options: &Options) -> bool {
@@ -165,6 +189,8 @@ impl State {
         options: &Options,
     ) -> Result<Option<Status>> {
         self.rounds += 1;
+        let range = options.multiplier_range;
+        self.iterate.update_multipliers(&self.h, range);
         let violation = match problem.tighten(&self.x, self.rounds)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
             Tightened::Violation(violation) => violation,
@@ -243,17 +269,8 @@ impl State {
     }
 
     /// The end of the search, with the violation between the points.
-    pub(super) fn end<P: Nlp>(
-        mut self,
-        problem: &mut P,
-        status: Status,
-        options: &Options,
-    ) -> Result<Solution> {
+    pub(super) fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
         let violation = problem.violation(&self.x)?;
-        if status == Status::Converged {
-            self.iterate
-                .update_multipliers(&self.h, options.multiplier_range);
-        }
         self.progress.complementarity = self.complementarity();
         Ok(Solution {
             x: self.x,
