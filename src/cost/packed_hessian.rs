@@ -187,8 +187,8 @@ impl<S: Scalar> PackedHessian<S> {
         })
     }
 
-    /// Computes the product of the matrix of point `g` with a vector of `3 N` entries.
-    pub(crate) fn product(&self, g: usize, vector: &DVector<S>, out: &mut DVector<S>) {
+    /// Computes the product of the matrix of point `g` with a vector of `3 N` entries, in O(N^2) operations.
+    pub fn product(&self, g: usize, vector: &DVector<S>, out: &mut DVector<S>) {
         let (n, half) = (self.dof, S::from_f64(0.5));
         out.fill(S::zero());
         let columns = self.symmetric.as_slice();

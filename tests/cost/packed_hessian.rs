@@ -1,7 +1,7 @@
 //! Hessians at points, packed.
 
 use aghf::cost::PackedHessian;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -26,5 +26,9 @@ fn hessians_at_points_are_kept_whole() {
         corner += part;
         assert_close!(&kept.get(2), &sum, 1e-15);
         assert_eq!(kept.get(1), DMatrix::zeros(3 * n, 3 * n));
+        let vector = DVector::from_fn(3 * n, |_, _| rng.random_range(-1.0..1.0));
+        let mut product = DVector::zeros(3 * n);
+        kept.product(2, &vector, &mut product);
+        assert_close!(&product, &(&sum * vector), 1e-14);
     }
 }

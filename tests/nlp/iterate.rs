@@ -115,6 +115,21 @@ proptest! {
         }
     }
 
+    /// The multiplier that the condensed equations predict without a step is that of a Newton step of slack, elastic
+    /// variable and multiplier alone, within its range.
+    #[test]
+    fn updated_multipliers_are_those_of_the_condensed_equations(
+        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(),
+    ) {
+        let mut iterate = one_row(barrier, at);
+        let (h, state) = (at[1] - at[0], iterate.working[0]);
+        let step = iterate.step(&state, h, 0.0);
+        iterate.update_multipliers(&[h], 1e10);
+        let expected = (state.multiplier + step.multiplier).clamp(0.0, barrier.nu);
+        prop_assert!((iterate.working[0].multiplier - expected).abs() <= 1e-9 * barrier.nu);
+        prop_assert_eq!(iterate.working[0].slack, state.slack);
+    }
+
     /// A multiplier, however wrong, ends between zero and the penalty, so that the condensed terms are numbers.
     #[test]
     fn a_safeguarded_multiplier_is_in_its_range(
