@@ -172,6 +172,7 @@ impl Nlp for Dense {
             row,
             first: density,
             penalty: density,
+            multiplier: 0.0,
         };
         self.all_rows(true).map(of).collect()
     }

@@ -144,7 +144,8 @@ fn hs71(x: &[HyperDual64]) -> Functions {
 /// Unknowns and multipliers of a solution.
 fn numbers(end: &Solution) -> (Vec<f64>, Vec<f64>) {
     let x = end.x.as_slice().to_vec();
-    (x, end.iterate.multiplier.clone())
+    let count = end.iterate.working.len() + end.iterate.equalities.len();
+    (x, end.iterate.multipliers(count))
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {

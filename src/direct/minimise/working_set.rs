@@ -91,7 +91,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             working[..first].fill(true);
             for row in first..count {
                 // NaN counts as near.
-                if !(h[row] < self.nearest[row]) && !equalities[row] {
+                if (h[row] >= self.nearest[row] || h[row].is_nan()) && !equalities[row] {
                     working[row] = true;
                     let at = own.start + row;
                     rows.push(Row { at, weight });
