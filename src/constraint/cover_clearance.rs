@@ -12,16 +12,16 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, apply_to_constant, dot, outer};
 use nalgebra::Vector3;
 
-/// The distance from which on balls no longer act, relative to the radius of the largest link.
+/// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link.
 const FAR: f64 = 0.35;
 
 /// Links that are covered by balls stay clear of solids and of each other. The balls of a link are in sets: per pair of
 /// a link and a solid there is one row per set, then per pair of links as many as the larger number `k` of their sets,
-/// $g = m - \min(d, f)$ in m with `d` the least distance of their balls, `m` the margin, and `f` for
+/// $g = m - \min(d, m + f)$ in m with `d` the least distance of their balls, `m` the margin, and `f` for
 /// [`far`](Self::far). Balls of the sets `i` and `j` of two links are in row $(i + j) \bmod k$, so that a neighbour of
 /// either in another set is in another row.
 ///
-/// The nearest balls are found by branch and bound in the trees of links, so links further than `f` from each other
+/// The nearest balls are found by branch and bound in the trees of links, so links further than $m + f$ from each other
 /// cost one distance. Their rows are constant. Within, a row has a kink where two distances are the least. Balls of a
 /// set are far from each other and so rarely equally near, while the nearest of all sets are neighbours.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct CoverClearance<C: Scalar = f64> {
     pub pairs: Vec<[usize; 2]>,
     /// The distances kept from solids and between links, m.
     pub margins: [C; 2],
-    /// The distance from which on distances count as this, m.
+    /// The distance beyond the margin from which on distances count as this, m.
     pub far: C,
 }
 
@@ -259,8 +259,7 @@ impl<C: Scalar> CoverClearance<C> {
         for (k, count) in self.counts().enumerate() {
             if (first..first + count).any(&is_needed) {
                 let solid = self.solid_pairs.get(k);
-                let margin = self.margins[usize::from(solid.is_none())];
-                rows.least = S::lift(margin - self.far);
+                rows.least = S::lift(-self.far);
                 rows.all.clear();
                 rows.all.resize(count, Nearest::none(rows.least));
                 match solid {

@@ -70,24 +70,26 @@ fn by_balls(of: &CoverClearance, model: &Model, x: &[f64]) -> Vec<f64> {
             radius: node.bound.radius,
         })
     };
-    let least = |gaps: &mut dyn Iterator<Item = f64>| gaps.fold(of.far, f64::min);
+    let row = |margin: f64, gaps: &mut dyn Iterator<Item = f64>| {
+        margin - gaps.fold(margin + of.far, f64::min)
+    };
     let mut rows = Vec::new();
     for [i, j] in &of.solid_pairs {
         for set in 0..of.counts[*i] {
             let gaps = balls(*i, set).map(|b| of.solids[*j].distance(&b.centre) - b.radius);
-            rows.push(of.margins[0] - least(&mut gaps.into_iter()));
+            rows.push(row(of.margins[0], &mut gaps.into_iter()));
         }
     }
     for [i, j] in &of.pairs {
         let (m, n) = (of.counts[*i], of.counts[*j]);
-        for row in 0..m.max(n) {
+        for k in 0..m.max(n) {
             let sets = (0..m).flat_map(|set| (0..n).map(move |beside| [set, beside]));
-            let sets = sets.filter(|[set, beside]| (set + beside) % m.max(n) == row);
+            let sets = sets.filter(|[set, beside]| (set + beside) % m.max(n) == k);
             let pairs = sets.flat_map(|[set, beside]| {
                 let all = balls(*j, beside).collect::<Vec<_>>();
                 balls(*i, set).flat_map(move |b| all.clone().into_iter().map(move |c| b.gap(&c)))
             });
-            rows.push(of.margins[1] - least(&mut pairs.into_iter()));
+            rows.push(row(of.margins[1], &mut pairs.into_iter()));
         }
     }
     rows

@@ -47,7 +47,7 @@ pub fn scenario(test: &str, keys: Value) -> Scenario {
     let mut file = json!({
         "robot": "gantry.urdf", "horizon_s": 1.0,
         "q_start": FROM, "v_start": [0.0, 0.0, 0.0], "q_goal": TO, "v_goal": [0.0, 0.0, 0.0],
-        "robot_shape": { "collision": {} }
+        "robot_shape": { "collision": {} }, "self_collision": "off"
     });
     for (key, value) in keys.as_object().expect("an object") {
         file[key] = value.clone();

@@ -119,7 +119,8 @@ fn a_group_and_its_file_may_be_given_beside_the_scenario() {
 
 #[test]
 fn groups_that_cannot_be_planned_are_refused_by_key() {
-    let mut alone = with(files(), json!({ "mimic": "independent" }));
+    let keys = json!({ "mimic": "independent", "held_state": "open" });
+    let mut alone = with(files(), keys);
     alone.as_object_mut().expect("it is one").remove("group");
     let mut nowhere = files();
     nowhere.as_object_mut().expect("it is one").remove("srdf");
