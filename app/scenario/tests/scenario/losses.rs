@@ -53,7 +53,8 @@ fn losses_count_where_they_are_asked_for() {
     assert_close!(&added(&given)[..2], &[1.5, 7.406484581723072 - 0.5], 1e-12);
 }
 
-/// A motion of least effort is found by the direct method, its effort is that of the motor, and its summary says it again.
+/// A motion of least effort is found by the direct method, its effort is that of the motor, and its summary says it
+/// again.
 #[test]
 fn motions_count_losses() {
     let effort = |keys: Value| {

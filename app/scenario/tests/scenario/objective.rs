@@ -123,7 +123,7 @@ fn the_flow_minimises_the_effort_alone_with_a_note() {
     assert_eq!(alone.summary.notes, [""; 0]);
     let note = "running_cost: the published flow minimises the control effort alone";
     assert_eq!(weighted.summary.notes, [note]);
-    let (relaxed, _) = solved("direct", json!({ "running_cost": { "acceleration": 1.0 } }));
+    let (direct, _) = solved("direct", json!({ "running_cost": { "acceleration": 1.0 } }));
     assert_eq!(direct.summary.notes, [""; 0], "the direct method knows it");
 }
 
