@@ -56,12 +56,12 @@ fn a_scaled_row_is_a_speed_at_the_bound() {
     let mut scale = [0.0];
     row.row_scales(&mut scale);
     let still = value(&model, &row, &[0.4, 0.0]);
-    assert_eq!(still, -0.64);
+    assert!((still + 0.64).abs() < 1e-15);
     // The speed is proportional to the velocity of the joint.
     let at_bound = (0.64 / (value(&model, &row, &[0.4, 1.0]) + 0.64)).sqrt();
     let beyond = value(&model, &row, &[0.4, 1.001 * at_bound]) / scale[0];
     assert!((beyond / 0.0008 - 1.0).abs() < 1e-2, "{beyond}");
     let label = row.label(0, &model);
     assert_eq!((&*label.name, label.unit), ("speed of frame 'tool'", "m/s"));
-    assert_eq!(value(&model, &limit(None), &[0.4, 3.0]), -0.64);
+    assert!((value(&model, &limit(None), &[0.4, 3.0]) + 0.64).abs() < 1e-15);
 }

@@ -77,7 +77,7 @@ fn ends_have_the_pose() {
 #[test]
 fn a_motion_ends_in_the_pose_at_least_cost() {
     let scenario = load("pose", &kinova(pose_at(&REACHED))).expect("it is good");
-    let joints = json!({ "goal": [], "q_goal": REACHED, "v_goal": [0.0; 7] });
+    let joints = json!({ "goal": [], "q_goal": REACHED, "v_goal": vec![0.0; 7] });
     let joints = load("joints", &with(kinova(json!([])), joints)).expect("it is good");
     let [by_pose, by_joints] =
         [&scenario, &joints].map(|of| Solve::new(of).run().expect("it is good"));
