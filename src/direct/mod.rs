@@ -30,7 +30,7 @@ mod minimise;
 mod settings;
 mod strategy;
 
-mod tuning;
+pub(crate) mod tuning;
 
 pub use goal::{GoalEnd, GoalSet};
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
@@ -42,6 +42,8 @@ use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use crate::transcription::{Grids, Rows};
 use minimise::{Candidate, Context, minimise};
+pub(crate) use minimise::{Integrand, Multipliers, Stage};
+pub(crate) use settings::Rung;
 use strategy::{Planned, minimise_to_the_end, multistart, refine};
 
 /// A problem with a running cost, constraints and settings, to be solved.

@@ -5,35 +5,35 @@ use super::minimise::Stage;
 // Quadrature and rows between its points.
 
 /// The initial number of quadrature points per degree.
-pub(super) const POINTS: f64 = 3.5;
+pub(crate) const POINTS: f64 = 3.5;
 /// The same on several segments, which are shorter: the same costs in two thirds of the time on planned starts and
 /// underactuated swing-ups.
-pub(super) const POINTS_OF_SEGMENTS: f64 = 2.5;
+pub(crate) const POINTS_OF_SEGMENTS: f64 = 2.5;
 /// The largest number of points per degree: beyond it the curve has corners that no quadrature of this kind resolves.
-pub(super) const MOST_POINTS: usize = 64;
+pub(crate) const MOST_POINTS: usize = 64;
 /// The accepted relative difference of quadratures before the end of the search.
-pub(super) const ON_THE_WAY: f64 = 0.05;
+pub(crate) const ON_THE_WAY: f64 = 0.05;
 /// The number of intervals per quadrature point at which rows are scanned.
 pub(super) const SCAN: usize = 6;
 /// The smallest number of intervals of the last scan.
-pub(super) const FINE: usize = 2000;
+pub(crate) const FINE: usize = 2000;
 /// The value below which the last scan ignores rows, relative to their scale.
 pub(super) const FLOOR: f64 = -0.05;
 /// The number of times that margins are set anew at the end of the search before they only grow, so that it terminates.
 pub(super) const EXACT_MARGINS: usize = 4;
 /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
-pub(super) const RESERVE: f64 = 2e-7;
+pub(crate) const RESERVE: f64 = 2e-7;
 
 /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the
 /// problem: a few steps near the end are shorter.
-pub(super) const NEAR: f64 = 0.05;
+pub(crate) const NEAR: f64 = 0.05;
 /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
-pub(super) const SHARE_OF_CUTOFF: f64 = 0.5;
+pub(crate) const SHARE_OF_CUTOFF: f64 = 0.5;
 
 // Barrier. All relative to the cost per second.
 
 /// The last weight: the accepted relative excess of the cost over its minimum.
-pub(super) const LAST_BARRIER: f64 = 1e-7;
+pub(crate) const LAST_BARRIER: f64 = 1e-7;
 /// The last weight if only the horizon has bounds, which are cheap to approach.
 pub(super) const LAST_BARRIER_OF_BOUNDS: f64 = 1e-12;
 
@@ -41,12 +41,12 @@ pub(super) const LAST_BARRIER_OF_BOUNDS: f64 = 1e-12;
 
 /// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other start
 /// is as easy.
-pub(super) const MOTOR: f64 = 2.0;
+pub(crate) const MOTOR: f64 = 2.0;
 /// The first penalty of other equalities, relative to the cost per second.
-pub(super) const EQUALITY_PENALTY: f64 = 1e3;
+pub(crate) const EQUALITY_PENALTY: f64 = 1e3;
 
 /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
-pub(super) const PASSIVE_SHARE: f64 = 5e-4;
+pub(crate) const PASSIVE_SHARE: f64 = 5e-4;
 /// The largest product of degree and number of segments when these are increased for passive joints.
 pub(super) const LARGEST_PASSIVE_SIZE: usize = 512;
 

@@ -13,7 +13,9 @@ mod margins;
 mod program;
 mod stage_terms;
 
-pub(super) use candidate::{Candidate, Multipliers};
+pub(super) use candidate::Candidate;
+pub(crate) use candidate::Multipliers;
+pub(crate) use integrand::Integrand;
 
 use super::tuning::{
     FINE, LAST_BARRIER_OF_BOUNDS, MOST_POINTS, PASSIVE_SHARE, POINTS, POINTS_OF_SEGMENTS,
@@ -30,7 +32,7 @@ use program::Program;
 
 /// The termination criteria of one minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stage {
+pub(crate) struct Stage {
     /// The norm of the gradient of the Lagrangian relative to the cost.
     pub tolerance: f64,
     /// The largest number of iterations.
