@@ -124,6 +124,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         term: &mut impl ControlTerm<S>,
     ) -> Result<()> {
         let n = self.model.dof();
+        check_length("states", n, points.states.nrows())?;
         let two = Wide::from_f64(2.0);
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);
@@ -232,6 +233,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         costs: &mut [S],
         mut controls: Option<&mut DMatrix<S>>,
     ) -> Result<()> {
+        check_length("states", self.model.dof(), points.states.nrows())?;
         let mut tau = std::mem::replace(&mut self.slopes, DVector::zeros(0));
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);

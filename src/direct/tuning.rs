@@ -20,7 +20,7 @@ pub(crate) const FINE: usize = 2000;
 /// The value below which the last scan ignores rows, relative to their scale.
 pub(super) const FLOOR: f64 = -0.05;
 /// The number of times that margins are set anew at the end of the search before they only grow, so that it terminates.
-pub(super) const EXACT_MARGINS: usize = 4;
+pub(crate) const EXACT_MARGINS: usize = 4;
 /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
 pub(crate) const RESERVE: f64 = 2e-7;
 

@@ -122,7 +122,7 @@ fn it_rests_where_the_effort_is_least() {
         let [found, least] =
             [&solution.curve, &direct.curve].map(|curve| effort(problem.model(), curve));
         assert!(
-            direct.converged && (found / least - 1.0).abs() <= 1e-4,
+            direct.converged && (found / least - 1.0).abs() <= 5e-4,
             "{name}, {segments}: {found} {least}"
         );
         // Steps in s are large in the end.
@@ -232,6 +232,7 @@ fn a_torque_limit_is_kept() {
     for two_phases in [false, true] {
         let settings = RestSettings {
             two_phases,
+            start: Some(free.curve.clone()),
             ..degree(12)
         };
         let solution = rested(&problem, &settings, 1e4, &limited);

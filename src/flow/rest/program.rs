@@ -4,7 +4,7 @@ use super::free::Free;
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, SMALLEST_COST};
 use crate::direct::tuning::{
-    EQUALITY_PENALTY, FINE, MOTOR, NEAR, ON_THE_WAY, RESERVE, SHARE_OF_CUTOFF,
+    EQUALITY_PENALTY, EXACT_MARGINS, FINE, MOTOR, NEAR, ON_THE_WAY, RESERVE, SHARE_OF_CUTOFF,
 };
 use crate::direct::{Integrand, Stage};
 use crate::error::Result;
@@ -193,11 +193,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         largest
     }
 
-    /// The largest violation of a row between the points, in its unit; the margins of violated rows grow if asked to.
-    /// Equalities in the control are excluded, because no polynomial satisfies them everywhere.
-    fn between_points(&mut self, grow: bool) -> Result<f64> {
+    /// The largest violation of a row between the points, in its unit. In a `round` of tightening margins become the
+    /// excess of a row between the points over those at them; after some rounds they only grow. Equalities in the control
+    /// are excluded, because no polynomial satisfies them everywhere.
+    fn between_points(&mut self, round: Option<usize>) -> Result<f64> {
         let curve = self.free.path.curve_of_states(self.problem.horizon())?;
-        let rows = &self.free.objective.cost().cost.rows;
+        let integrand = &self.free.objective.cost().cost;
+        let rows = &integrand.rows;
         if rows.count() == 0 {
             return Ok(0.0);
         }
@@ -209,8 +211,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             if attributes.equalities[row] {
                 continue;
             }
-            if grow && found.by > self.stage.feasible {
-                self.margins[row] += found.by / attributes.units[row];
+            let by = found.by / attributes.units[row];
+            let at_points = integrand.h.iter().skip(row).step_by(rows.count());
+            let highest = at_points.copied().fold(f64::NEG_INFINITY, f64::max);
+            match round {
+                Some(round) if round <= EXACT_MARGINS => {
+                    self.margins[row] = RESERVE + (by - highest).max(0.0);
+                }
+                Some(_) if by > 0.0 => self.margins[row] += 2.0 * by + RESERVE,
+                _ => (),
             }
             largest = largest.max(found.by);
         }
@@ -218,10 +227,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 
     /// The largest violation of a row at the points, and at the end between them too.
-    fn look(&mut self, end: bool, grow: bool) -> Result<f64> {
+    fn look(&mut self, end: bool, round: Option<usize>) -> Result<f64> {
         let mut violation = self.at_points();
         if end && self.stage.last {
-            violation = violation.max(self.between_points(grow)?);
+            violation = violation.max(self.between_points(round)?);
         }
         Ok(violation)
     }
@@ -312,7 +321,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             return Ok(Tightened::Coarse);
         }
         self.updates += 1;
-        let violation = self.look(end, true)?;
+        let violation = self.look(end, Some(round))?;
         Ok(Tightened::Violation(violation.max(self.update_slip())))
     }
 
@@ -320,7 +329,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.free.place(x);
         self.is_coarse(true)?;
         self.slip = self.free.objective.cost().slips().amax();
-        self.look(true, false)
+        self.look(true, None)
     }
 
     fn is_stopped(&self) -> bool {

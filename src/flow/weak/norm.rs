@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 crate::names::named_enum! {
 /// The metric of a flow to rest. It changes the path, but not the condition at its end, where the gradient vanishes.
 pub enum RestMetric("metric") {
-    /// The mean square of the velocities, as in the direct method: $\tfrac{T}{\pi^2} \int |\dot x_{P1}|^2 + |x_{P2}|^2 dt$.
+    /// The mean square of the velocities, $\tfrac{T}{2 \pi^2} \int |\dot x_{P1}|^2 + |x_{P2}|^2 dt$: without a slip that of
+    /// the direct method.
     Velocity = "velocity",
     /// The metric of the flow, $\int \partial x^T G\\, \partial x\\, dt$ with (11) for $G$, or with any other.
     Flow = "flow",
@@ -46,7 +47,7 @@ impl<C: Scalar, M: Metric<C>, S: AlgebraOver<C> + Tanh> PointCost<S> for Norm<'_
         out.metric.fill(S::zero());
         match self.kind {
             RestMetric::Velocity => {
-                let weight = S::lift(self.horizon) * S::from_f64(PI.powi(-2));
+                let weight = S::lift(self.horizon) * S::from_f64(0.5 * PI.powi(-2));
                 for i in n..3 * n {
                     // The velocity, and the rate of the configuration.
                     out.metric[(i, i)] = weight;

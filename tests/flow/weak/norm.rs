@@ -47,7 +47,7 @@ fn it_is_that_of_the_flow_or_of_the_velocities() {
     expected.fill(0.0);
     expected
         .view_mut((2, 2), (4, 4))
-        .fill_diagonal(1.5 / (PI * PI));
+        .fill_diagonal(0.75 / (PI * PI));
     let ours = at(&model, RestMetric::Velocity, 2).expect("sizes agree");
     assert_close!(&ours, &expected, 1e-15);
     assert!(at(&model, RestMetric::Flow, 3).is_err());
