@@ -194,8 +194,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 
     /// The largest violation of a row between the points, in its unit. In a `round` of tightening margins become the
-    /// excess of a row between the points over those at them; after some rounds they only grow. Equalities in the control
-    /// are excluded, because no polynomial satisfies them everywhere.
+    /// excess of a row between the points over those at them; after some rounds they only grow. Equalities in the
+    /// control are excluded, because no polynomial satisfies them everywhere.
     fn between_points(&mut self, round: Option<usize>) -> Result<f64> {
         let curve = self.free.path.curve_of_states(self.problem.horizon())?;
         let integrand = &self.free.objective.cost().cost;

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::flow::weak::{Norm, RestMetric};
 use crate::flow::{ActuationMetric, Metric};
 use crate::motion::{Path, Problem, Watch, passive_share};
-use crate::nlp::{Bordered, Equality, Kkt, Options, Progress, Status, solve};
+use crate::nlp::{Bordered, Equality, Kkt, Options, Progress, Solution, Status, solve};
 use crate::transcription::{Derivatives, Grid, Grids, Objective, Rows};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
@@ -163,19 +163,6 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             (self.k, settings.duals),
             (stage, points < MOST_POINTS * basis.degree()),
         );
-        let default = Options::default();
-        let options = Options {
-            tolerance: stage.tolerance,
-            feasible: stage.feasible,
-            iterations: stage.iterations,
-            last_barrier: stage.last_barrier / factor,
-            first_barrier: default.first_barrier / factor,
-            warm_barrier: default.warm_barrier / factor,
-            penalty: default.penalty / factor,
-            rounds: ROUNDS,
-            longest_step: longest_step(settings.metric, &default),
-            ..default
-        };
         let n = problem.model().dof();
         let [of_rows, of_slips] = &walk.multipliers;
         let known = of_rows.at(&grid.times, rows.count());
@@ -201,15 +188,50 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
                 history.push(record);
             }
         };
+        let options = self.options(stage, factor);
         let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
+        walk.keep(&mut program, &end)?;
+        let found = &mut walk.found;
+        found.at_rest =
+            end.status == Status::Converged && found.quadrature_error <= stage.quadrature_tolerance;
+        Ok(end.status)
+    }
+
+    /// The options of the interior-point method, for the cost times a factor.
+    fn options(&self, stage: Stage, factor: f64) -> Options {
+        let default = Options::default();
+        Options {
+            tolerance: stage.tolerance,
+            feasible: stage.feasible,
+            iterations: stage.iterations,
+            last_barrier: stage.last_barrier / factor,
+            first_barrier: default.first_barrier / factor,
+            warm_barrier: default.warm_barrier / factor,
+            penalty: default.penalty / factor,
+            rounds: ROUNDS,
+            longest_step: longest_step(self.settings.metric, &default),
+            ..default
+        }
+    }
+}
+
+impl Walk {
+    /// Continues from the end of a search.
+    fn keep<K: Constraint, P: CostWithControl>(
+        &mut self,
+        program: &mut Program<'_, '_, K, P>,
+        end: &Solution,
+    ) -> Result<()> {
         let of_rows = program.multipliers(&end.iterate);
         let of_slips = program.slip_multipliers().as_slice().to_vec();
+        let grid = program.free.grid;
         let times = match of_slips.is_empty() {
             true => Vec::new(),
             false => grid.times.clone(),
         };
-        walk.multipliers = [
-            Multipliers::new(&grid, rows, &of_rows, Vec::new()),
+        let rows = &program.free.objective.cost().cost.rows;
+        self.multipliers = [
+            Multipliers::new(grid, rows, &of_rows, Vec::new()),
             Multipliers {
                 times,
                 values: of_slips,
@@ -217,20 +239,18 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             },
         ];
         if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
-            walk.equality_penalty = penalty / first;
+            self.equality_penalty = penalty / first;
         }
-        walk.exact = program.exact;
-        let found = &mut walk.found;
+        self.exact = program.exact;
+        let found = &mut self.found;
         found.action = program.action(&end.x, &end.iterate)?;
-        walk.path = program.free.path.clone();
+        self.path = program.free.path.clone();
         found.gradient_norm = end.progress.stationarity;
         found.slip = program.slip;
         found.violation = end.violation;
         found.quadrature_error = program.quadrature_error;
         found.rounds += program.updates;
-        found.at_rest =
-            end.status == Status::Converged && found.quadrature_error <= stage.quadrature_tolerance;
-        Ok(end.status)
+        Ok(())
     }
 }
 
