@@ -79,15 +79,22 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     /// # Errors
     /// The number of weights is not the number of joints.
     pub fn weighted(model: &'m Model<C>, weights: &WeightedSquares) -> Result<Self> {
-        let mut effort = Self::new(model);
         let all = [weights.torque(), weights.velocity(), weights.acceleration()];
-        for (to, from) in effort.squares_of.iter_mut().zip(all) {
+        let all = all.map(|w| DVector::from_iterator(w.len(), w.iter().map(|w| S::from_f64(*w))));
+        Self::with_weights(model, &all)
+    }
+
+    /// Computes [`weighted`](Self::weighted) for the weights of `u`, `v` and `a` in any scalar.
+    ///
+    /// # Errors
+    /// The number of weights is not the number of joints.
+    pub(crate) fn with_weights(model: &'m Model<C>, weights: &[DVector<S>; 3]) -> Result<Self> {
+        let mut effort = Self::new(model);
+        for (to, from) in effort.squares_of.iter_mut().zip(weights) {
             check_length("weights", model.dof(), from.len())?;
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = Wide::from_f64(*from);
-            }
+            *to = from.map(Wide::splat);
         }
-        effort.with_motion = all[1..].iter().any(|w| w.iter().any(|w| *w != 0.0));
+        effort.with_motion = weights[1..].iter().any(|w| w.iter().any(|w| !w.is_zero()));
         Ok(effort)
     }
 
@@ -117,6 +124,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         term: &mut impl ControlTerm<S>,
     ) -> Result<()> {
         let n = self.model.dof();
+        check_length("states", n, points.states.nrows())?;
         let two = Wide::from_f64(2.0);
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);
@@ -225,6 +233,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         costs: &mut [S],
         mut controls: Option<&mut DMatrix<S>>,
     ) -> Result<()> {
+        check_length("states", self.model.dof(), points.states.nrows())?;
         let mut tau = std::mem::replace(&mut self.slopes, DVector::zeros(0));
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);

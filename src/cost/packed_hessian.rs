@@ -3,6 +3,7 @@
 use crate::linalg::multiply;
 use crate::scalar::{LANES, Lanes, Scalar};
 use nalgebra::{DMatrix, DVector};
+use std::cmp::Ordering;
 
 /// The stored blocks $W^{xy}$, `N` by `N`, of a Hessian in $z = [q; v; a]$, $x \le y$: the symmetric ones first.
 const BLOCKS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -281,6 +282,60 @@ impl<S: Scalar> PackedHessian<S> {
                     let mut own = column.rows_mut(block * self.room, self.room);
                     own *= *factor;
                 }
+            }
+        }
+    }
+
+    /// The entry $W^{xy}_{ij}$ at the points from `start` on.
+    fn lanes(&self, [x, y]: [usize; 2], (i, j): (usize, usize), start: usize) -> Lanes<S, LANES> {
+        if x > y {
+            return self.lanes([y, x], (j, i), start);
+        }
+        let (at, below) = self.columns(i.max(j), i.min(j));
+        let of = |matrix: &DMatrix<S>, block: usize, column: usize| {
+            Lanes(std::array::from_fn(|lane| {
+                matrix[(block * self.room + start + lane, column)]
+            }))
+        };
+        let sum = of(&self.symmetric, index(x, y), at);
+        if x == y {
+            return sum;
+        }
+        let half = Lanes::splat(S::from_f64(0.5));
+        match i.cmp(&j) {
+            Ordering::Equal => sum * half,
+            Ordering::Greater => (sum + of(&self.antisymmetric, index(x, y) - 3, below)) * half,
+            Ordering::Less => (sum - of(&self.antisymmetric, index(x, y) - 3, below)) * half,
+        }
+    }
+
+    /// Overwrites `out`, the matrices of a curve in the state $x = [q; v]$, by these, in $(x_{P1}, x_{P2}, \dot x_{P2})$,
+    /// plus `stiff` times the square of the slip $\dot x_{P1} - x_{P2}$ halved.
+    pub(crate) fn in_states(&self, stiff: S, out: &mut Self) {
+        let (n, zero, stiff) = (self.dof, Lanes::splat(S::zero()), Lanes::splat(stiff));
+        for start in (0..self.room).step_by(LANES) {
+            let own = |xy, i: usize, j: usize| self.lanes(xy, (i % n, j % n), start);
+            // Rows and columns are those of q, then those of v.
+            out.put([0, 0], start, |i, j| {
+                let entry = own([i / n, j / n], i, j);
+                if i == j && i >= n {
+                    entry + stiff
+                } else {
+                    entry
+                }
+            });
+            out.put([1, 1], start, |i, j| match (i < n, j < n) {
+                (false, false) => own([2, 2], i, j),
+                (true, true) if i == j => stiff,
+                _ => zero,
+            });
+            out.put([0, 1], start, |i, j| match j < n {
+                false => own([i / n, 2], i, j),
+                true if i == n + j => zero - stiff,
+                true => zero,
+            });
+            for of_second in [[2, 2], [0, 2], [1, 2]] {
+                out.put(of_second, start, |_, _| zero);
             }
         }
     }

@@ -6,10 +6,11 @@ use super::legendre::legendre;
 use nalgebra::{DMatrix, DVector};
 
 /// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous
-/// value and slope, or with continuous second derivative as well.
+/// value and slope, with continuous second derivative as well, or with continuous value alone.
 ///
 /// Each breakpoint, both ends included, has `k` functions, each with one unit derivative there: the second derivative
-/// if it is continuous (`k` = 3 instead of 2), the slope, and the value. They are the Hermite polynomials of degree
+/// if it is continuous (`k` = 3 instead of 2), the slope unless it may jump (`k` = 1), and the value. They are the
+/// Hermite polynomials of degree
 /// $2 k - 1$ on both sides. Each segment also has `degree + 1 - 2 k` bubbles, which vanish with `k - 1` derivatives at
 /// both of its ends. For `k` = 2 they are $(1 - s^2)^2 P_n^{(2, 2)}(s)$ on `s` in `[-1, 1]`, scaled. By Rodrigues'
 /// formula their second derivatives are Legendre polynomials,
@@ -18,7 +19,8 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// and they are scaled to have orthonormal second derivatives. These are also orthogonal to those of the cubics, and a
 /// smaller degree has fewer bubbles. For `k` = 3 they are $(1 - s^2)^3 P_n^{(3, 3)}(s)$, with second derivatives
-/// $P_{n+2} - P_{n+4}$ of unit norm, orthogonal with the weight $1 / (1 - s^2)$.
+/// $P_{n+2} - P_{n+4}$ of unit norm, orthogonal with the weight $1 / (1 - s^2)$. For `k` = 1 their slopes are the
+/// Legendre polynomials $P_1, P_2, \dots$ of unit norm.
 ///
 /// Functions are numbered along time: those of breakpoint 0, the bubbles of segment 0, those of breakpoint 1, and so
 /// on, so that segment `e` owns the `degree + 1` functions from `e (degree + 1 - k)` on.
@@ -40,12 +42,26 @@ pub struct Continuity {
     pub free_final_velocity: bool,
     /// True if the value at the end is unknown.
     pub free_final_position: bool,
+    /// True if the slope may jump, as that of a state does; it is then unknown at both ends.
+    pub corners: bool,
 }
 
 impl Continuity {
+    /// The continuity of a state $x(t)$ between fixed ends: its rate may jump.
+    pub const STATE: Self = Self {
+        acceleration: false,
+        rest: [false; 2],
+        free_final_velocity: false,
+        free_final_position: false,
+        corners: true,
+    };
+
     /// The number of functions per breakpoint.
     pub(crate) fn order(self) -> usize {
-        2 + usize::from(self.acceleration)
+        match self.corners {
+            true => 1,
+            false => 2 + usize::from(self.acceleration),
+        }
     }
 
     /// The smallest degree with an unknown on a single segment between fixed ends.
@@ -97,7 +113,8 @@ impl Basis {
         (segments * degree <= largest).then_some(finer)
     }
 
-    /// `segments` segments of degree `degree`, at least 4, or 6 if the second derivative is continuous.
+    /// `segments` segments of degree `degree`, at least 4, 6 if the second derivative is continuous, or 2 if the slope
+    /// may jump.
     #[must_use]
     pub fn new(segments: usize, degree: usize, continuity: Continuity) -> Self {
         Self {
@@ -136,14 +153,17 @@ impl Basis {
         self.first(breakpoint) + self.continuity.order() - 1
     }
 
-    /// The function with unit slope at a breakpoint.
+    /// The function with unit slope at a breakpoint, where that is continuous.
     pub(crate) fn slope(&self, breakpoint: usize) -> usize {
         self.value(breakpoint) - 1
     }
 
     /// The functions whose coefficients are given velocities at the ends.
     pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = usize> + use<> {
-        let ends = [self.slope(0), self.slope(self.segments)];
+        let ends = match self.continuity.corners {
+            true => Vec::new(),
+            false => vec![self.slope(0), self.slope(self.segments)],
+        };
         let fixed = 2 - usize::from(self.continuity.free_final_velocity);
         ends.into_iter().take(fixed)
     }
@@ -153,15 +173,14 @@ impl Basis {
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);
+        let slopes: Vec<_> = self.fixed_slopes().collect();
         let fixed = [
             (self.value(0), true),
-            (self.slope(0), true),
             (self.first(0), ends.acceleration && ends.rest[0]),
             (self.value(last), !ends.free_final_position),
-            (self.slope(last), !ends.free_final_velocity),
             (self.first(last), ends.acceleration && ends.rest[1]),
         ];
-        let is_free = |f: &usize| !fixed.contains(&(*f, true));
+        let is_free = |f: &usize| !fixed.contains(&(*f, true)) && !slopes.contains(f);
         (0..self.count()).filter(is_free).collect()
     }
 
@@ -186,6 +205,7 @@ impl Basis {
         let (half, k) = (self.half(), self.continuity.order());
         let mut p = vec![0.0; self.degree + 1];
         legendre(s, &mut p);
+        let slopes: Vec<f64> = (0..=self.degree).map(|j| legendre_slope(&p, j)).collect();
         // The bubble of a continuous slope with second derivative P_j.
         let bubble = |j: usize| {
             let twice = (2 * j) as f64;
@@ -193,7 +213,7 @@ impl Basis {
             let lower = (p[j] - p[j - 2]) / (twice - 1.0);
             let slope = (p[j + 1] - p[j - 1]) / (twice + 1.0);
             let value = (upper - lower) / (twice + 1.0);
-            [value, slope, p[j], legendre_slope(&p, j)]
+            [value, slope, p[j], slopes[j]]
         };
         let mut table = DMatrix::zeros(4, self.degree + 1);
         for f in 0..=self.degree {
@@ -202,6 +222,11 @@ impl Basis {
                 let index = if f < k { f } else { of_end };
                 let (power, in_s) = hermite(k, index, s);
                 (half.powi(power as i32), in_s)
+            } else if k == 1 {
+                let twice = 2.0 * f as f64 + 1.0;
+                let value = (p[f + 1] - p[f - 1]) / twice;
+                let in_s = [value, p[f], slopes[f], legendre_slope(&slopes, f)];
+                ((0.5 * twice).sqrt() * half.sqrt(), in_s)
             } else if k == 2 {
                 let norm = ((2.0 * f as f64 + 1.0) / 2.0).sqrt();
                 (norm * half.powf(1.5), bubble(f))
@@ -228,8 +253,8 @@ impl Basis {
     }
 
     /// The coefficients of a curve: the derivatives of the breakpoints are interpolated, and between them the second
-    /// derivative is the best approximation, for a continuous second derivative with the weight $1 / (1 - s^2)$. Exact
-    /// for curves in the basis, if the breakpoints of the curve are among its own.
+    /// derivative is the best approximation, for a continuous second derivative with the weight $1 / (1 - s^2)$, or the
+    /// slope if that may jump. Exact for curves in the basis, if the breakpoints of the curve are among its own.
     pub(crate) fn fit(&self, dof: usize, mut curve: impl FnMut(f64) -> Local) -> DMatrix<f64> {
         let mut coefficients = DMatrix::zeros(dof, self.count());
         let k = self.continuity.order();
@@ -238,7 +263,9 @@ impl Basis {
             if k > 2 {
                 coefficients.set_column(self.first(e), &second);
             }
-            coefficients.set_column(self.slope(e), &slope);
+            if k > 1 {
+                coefficients.set_column(self.slope(e), &slope);
+            }
             coefficients.set_column(self.value(e), &value);
         }
         let (nodes, weights) = gauss_legendre(self.degree + 1);
@@ -246,29 +273,33 @@ impl Basis {
         for (s, weight) in nodes.iter().zip(weights) {
             let table = self.local(*s);
             for e in 0..self.segments {
-                let [_, _, mut second] = curve(self.time(e, *s));
-                // The second derivatives of cubics are orthogonal to those of the bubbles.
+                let [_, slope, second] = curve(self.time(e, *s));
+                let (order, mut highest) = match k {
+                    1 => (1, slope),
+                    _ => (2, second),
+                };
+                // The second derivatives of cubics are orthogonal to those of the bubbles, as slopes of lines are.
                 let mut weight = weight * self.half();
                 if k > 2 {
                     let own = coefficients.columns(self.first(e), self.degree + 1);
-                    second -= own * table.row(2).transpose();
+                    highest -= own * table.row(2).transpose();
                     weight /= 1.0 - s * s;
                 }
                 for f in k..=self.degree - k {
-                    let by = weight * table[(2, f)] / self.weighted_square(f);
+                    let by = weight * table[(order, f)] / self.weighted_square(f);
                     let mut column = bubbles.column_mut(self.first(e) + f);
-                    column.axpy(by, &second, 1.0);
+                    column.axpy(by, &highest, 1.0);
                 }
             }
         }
         coefficients + bubbles
     }
 
-    /// The integral of the square of the second derivative of a bubble, with the weight of [`fit`](Self::fit).
+    /// The integral of the square of the highest derivative in [`fit`](Self::fit) of a bubble, with its weight.
     fn weighted_square(&self, f: usize) -> f64 {
         let m = f as f64;
         match self.continuity.order() {
-            2 => 1.0,
+            1 | 2 => 1.0,
             // $P_{m-1} - P_{m+1} = (2 m + 1) (1 - s^2) P_m' / (m (m + 1))$, whose weighted square is that of $P_m'$.
             _ => {
                 let unscaled = 2.0 * (2.0 * m + 1.0) / (m * (m + 1.0));

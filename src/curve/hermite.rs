@@ -11,6 +11,7 @@ pub(crate) fn hermite(k: usize, index: usize, s: f64) -> (usize, [f64; 4]) {
     // Those at 1 are those at -1 mirrored.
     let end = if index < k { 1.0 } else { -1.0 };
     let values = match (k, derivative) {
+        (1, _) => [0.5 - 0.5 * end * s, -0.5 * end, 0.0, 0.0],
         (2, 1) => quarter([
             end - s - end * s2 + s3,
             -1.0 - end * 2.0 * s + 3.0 * s2,

@@ -9,6 +9,5 @@ mod piecewise;
 
 pub use basis::{Basis, Continuity};
 pub use chebyshev::Chebyshev;
-pub(crate) use legendre::legendre;
 pub use legendre::{gauss_legendre, gauss_lobatto};
 pub use piecewise::Curve;

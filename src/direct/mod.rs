@@ -39,7 +39,10 @@ use crate::cost::{ControlEffort, CostWithControl};
 use crate::error::Result;
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use crate::transcription::{Grids, Rows};
+pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
+pub(crate) use minimise::{Integrand, Multipliers, Stage};
+pub(crate) use settings::Rung;
 use strategy::{Planned, minimise_to_the_end, multistart, refine};
 
 /// A problem with a running cost, constraints and settings, to be solved.

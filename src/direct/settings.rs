@@ -153,7 +153,7 @@ impl DirectSettings {
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
     /// a joint almost no freedom.
-    pub(super) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
+    pub(crate) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
         let lower = self.search.lower();
         let fewer_segments = Stage {
             iterations: self.search.segment_iterations,
@@ -194,6 +194,7 @@ impl DirectSettings {
             rest: [rests(problem.start()), end],
             free_final_velocity: self.free_final_velocity,
             free_final_position: self.goal.is_some(),
+            corners: false,
         }
     }
 
@@ -275,7 +276,7 @@ impl DirectSettings {
 
 /// One basis of the sequence.
 #[derive(Clone, Debug)]
-pub(super) struct Rung {
+pub(crate) struct Rung {
     pub basis: Basis,
     pub stage: Stage,
 }

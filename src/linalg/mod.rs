@@ -12,8 +12,6 @@ mod matmul;
 mod positive_part;
 mod tensor;
 mod tiled;
-#[cfg(feature = "solvers")]
-mod trust_region;
 
 #[cfg(feature = "solvers")]
 pub use block_tridiagonal::BlockTridiagonal;
@@ -26,8 +24,6 @@ pub use matmul::multiply;
 pub(crate) use positive_part::positive_part;
 pub use tensor::{Tensor3, Tensor4};
 pub(crate) use tiled::{TILE, Tiled};
-#[cfg(feature = "solvers")]
-pub(crate) use trust_region::{Region, Step, add_step};
 
 /// A matrix as a list of its rows, the form in files.
 pub fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {

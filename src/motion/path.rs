@@ -46,6 +46,42 @@ impl Path {
         }
     }
 
+    /// The states along a curve, `2 N` coefficients per function, or their best approximation in a basis whose slopes
+    /// may jump.
+    pub fn of_states(curve: &Curve, basis: Basis) -> Self {
+        let (rows, horizon) = (curve.x().nrows(), curve.horizon());
+        let coefficients = basis.fit(rows, |time| {
+            let (x, xdot) = curve.at(time * horizon);
+            [x, xdot * horizon, DVector::zeros(rows)]
+        });
+        Self {
+            basis,
+            coefficients,
+        }
+    }
+
+    /// The curve with these states.
+    pub fn curve_of_states(&self, horizon: f64) -> Result<Curve> {
+        let (basis, p) = (&self.basis, self.basis.degree());
+        let nodes = Chebyshev::new(p, 1.0)?;
+        let mut x = DMatrix::zeros(self.coefficients.nrows(), basis.segments() * (p + 1));
+        for e in 0..basis.segments() {
+            for (node, time) in nodes.times().iter().enumerate() {
+                let state = match node {
+                    0 => self.coefficients.column(basis.value(e)).into_owned(),
+                    _ if node == p => self.coefficients.column(basis.value(e + 1)).into_owned(),
+                    _ => {
+                        let time = (e as f64 + time) / basis.segments() as f64;
+                        let [state, ..] = basis.evaluate(&self.coefficients, time);
+                        state
+                    }
+                };
+                x.set_column(e * (p + 1) + node, &state);
+            }
+        }
+        Curve::piecewise(horizon, basis.segments(), x)
+    }
+
     /// The start with this number: the curve itself for zero, otherwise the curve with random bends of varying size.
     pub fn start(&self, amplitude: f64, seed: u64, number: u64) -> Self {
         if number == 0 {

@@ -39,6 +39,19 @@ pub struct Equality {
     pub multiplier: f64,
 }
 
+impl Equality {
+    /// An equality with its first penalty, and `factor` times that to begin with.
+    #[must_use]
+    pub fn new(row: Row, first: f64, factor: f64) -> Self {
+        Self {
+            row,
+            first,
+            penalty: factor * first,
+            multiplier: 0.0,
+        }
+    }
+}
+
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
 #[derive(Clone, Debug)]

@@ -6,7 +6,6 @@ use aghf::constraint::{Constraints, StageConstraints, StageRows, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::direct::{DirectSettings, DirectSolution, FreeHorizon};
 use aghf::flow::rest::FlowToRest;
-use aghf::flow::weak::AnalyticLagrangian;
 use aghf::motion::{Problem, violations};
 use std::sync::Arc;
 
@@ -197,9 +196,6 @@ fn flows_refuse_limits_of_acceleration() {
         acceleration: vec![Some(5.0); 2],
         ..StageConstraints::default()
     });
-    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let refused = FlowToRest::new(&problem, &lagrangian)
-        .constraints(&limits)
-        .run();
+    let refused = FlowToRest::new(&problem, 1e3).constraints(&limits).run();
     assert_refused(refused, "acceleration");
 }

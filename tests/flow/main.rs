@@ -4,7 +4,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod any_to_rest;
 mod collocation;
 mod constrained;
 mod constrained_run;
@@ -13,8 +12,6 @@ mod jacobian;
 mod lagrangian_flow;
 mod omega;
 mod rest;
-mod rest_settings;
-mod row_terms;
 mod run;
 mod weak;
 

@@ -42,6 +42,7 @@ fn ends(acceleration: bool, free_end: bool) -> Continuity {
         rest: [acceleration, false],
         free_final_velocity: free_end,
         free_final_position: free_end,
+        corners: false,
     }
 }
 

@@ -98,9 +98,10 @@ pub(super) fn solve_by_flow_to_rest(
     };
     let tolerance = settings.tolerance;
     let constraints = &scenario.constraints();
-    let lagrangian = options.lagrangian(scenario)?;
+    let k = options.penalty(scenario)?;
     let started = Instant::now();
-    let solution = FlowToRest::new(&problem, &lagrangian)
+    let solution = FlowToRest::new(&problem, k)
+        .cost(scenario.running_cost()?)
         .settings(settings)
         .constraints(constraints)
         .observe(|record| observe(&Record::Rest(*record)))
@@ -115,7 +116,7 @@ pub(super) fn solve_by_flow_to_rest(
         ),
     });
     let details = Details::Rest(RestDetails {
-        k: lagrangian.k,
+        k,
         tolerance,
         gradient_norm: solution.gradient_norm,
         action: solution.action,
@@ -127,7 +128,7 @@ pub(super) fn solve_by_flow_to_rest(
         factorisations: solution.factorisations,
         dual_updates: solution.rounds,
     });
-    let effort = effort_of(&scenario.model, &solution.curve, lagrangian.k)?;
+    let effort = effort_of(&scenario.model, &solution.curve, k)?;
     Ok(Solution {
         curve: solution.curve,
         effort,

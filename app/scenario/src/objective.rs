@@ -200,12 +200,19 @@ impl Scenario {
             ),
             ("enforced_limits.jerk", file.enforced_limits.jerk.is_some()),
             ("rows in (t, q, v, a, u)", !self.own.stage.is_empty()),
-            ("running cost of one's own", self.own.running_cost.is_some()),
         ];
         let unknown = keys.iter().find(|(_, given)| *given);
         if let (Some((key, _)), true) = (unknown, method != Method::Direct) {
             let condition = format!("the method '{method}' does not know it, only 'direct' does");
             return Err(Error::input(&self.name, *key, condition));
+        }
+        if method == Method::Flow && self.own.running_cost.is_some() {
+            let condition = "the published flow does not know it, all other methods do";
+            return Err(Error::input(
+                &self.name,
+                "running cost of one's own",
+                condition,
+            ));
         }
         if method == Method::Flow && !file.passive.is_empty() {
             let condition =

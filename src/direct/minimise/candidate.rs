@@ -87,7 +87,7 @@ impl Candidate {
 impl Multipliers {
     /// The multipliers of rows, row by row for each point of a grid, and those of a goal. The multiplier of a row that
     /// is not enforced at a point is interpolated between the neighbouring points at which it is.
-    pub(super) fn new<K: Constraint, P: CostWithControl>(
+    pub fn new<K: Constraint, P: CostWithControl>(
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         values: &[f64],

@@ -2,8 +2,10 @@
 
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
 use crate::error::Result;
+use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
 use crate::nlp::Term;
+use crate::transcription::Grid;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -21,6 +23,25 @@ pub(super) struct GoalRows<'g> {
     state: Vec<f64>,
     /// The index of the first row among all.
     pub first: usize,
+}
+
+/// The weighted rows of a goal with their derivatives in the final configuration, without the measure.
+pub(super) struct OfGoal {
+    /// The index of the final configuration among the unknown functions.
+    pub unknown: usize,
+    pub cost: f64,
+    pub gradient: DVector<f64>,
+    pub hessian: DMatrix<f64>,
+}
+
+impl OfGoal {
+    /// Adds the Hessian times the measure to the block of the last segment.
+    pub fn add_hessian(&self, measure: f64, grid: &Grid<f64>, out: &mut BlockTridiagonal<f64>) {
+        let (n, e) = (self.gradient.len(), grid.segments - 1);
+        let own = (self.unknown - grid.block(e).start) * n;
+        let mut block = out.diagonal[e].view_mut((own, own), (n, n));
+        block += measure * &self.hessian;
+    }
 }
 
 impl<'g> GoalRows<'g> {

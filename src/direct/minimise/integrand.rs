@@ -20,7 +20,7 @@ use nalgebra::DMatrix;
 /// A row $h_j$ is a row of the constraints divided by its [scale](Constraint::row_scales), or the excess of a torque
 /// over its limit divided by the limit.
 #[derive(Clone, Debug)]
-pub(super) struct Integrand<'a, K, P> {
+pub(crate) struct Integrand<'a, K, P> {
     pub rows: Rows<'a, K, P>,
     /// The values of all rows at the last evaluation, row by row for each point.
     pub h: Vec<f64>,

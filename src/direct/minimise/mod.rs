@@ -12,9 +12,11 @@ mod integrand;
 mod margins;
 mod program;
 mod stage_terms;
-mod working_set;
+pub(crate) mod working_set;
 
-pub(super) use candidate::{Candidate, Multipliers};
+pub(super) use candidate::Candidate;
+pub(crate) use candidate::Multipliers;
+pub(crate) use integrand::Integrand;
 
 use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};
 use crate::constraint::Constraint;
@@ -28,7 +30,7 @@ use program::Program;
 
 /// The termination criteria of one minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stage {
+pub(crate) struct Stage {
     /// The norm of the gradient of the Lagrangian relative to the cost.
     pub tolerance: f64,
     /// The largest number of iterations.

@@ -1,8 +1,8 @@
 //! The nonlinear program of a curve in a basis.
 
-use super::goal_rows::GoalRows;
+use super::goal_rows::{GoalRows, OfGoal};
 use super::integrand::Integrand;
-use super::working_set;
+use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
@@ -37,10 +37,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) free_horizon: Option<FreeHorizon>,
     pub(super) goal: GoalRows<'g>,
     pub(super) margins: Vec<f64>,
-    /// True for rows of the working set.
-    pub(super) working: Vec<bool>,
-    /// The value of each row of a point from which on it is in the working set, with that of its own.
-    pub(super) nearest: Vec<f64>,
+    working: WorkingSet,
     pub(super) stage: Stage,
     pub(super) search: &'g SearchOptions,
     /// The penalties of equalities to begin with, relative to those without a search before.
@@ -106,13 +103,12 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             free_horizon,
             goal,
             margins: vec![0.0; count],
-            working: Vec::new(),
+            working: WorkingSet::new(problem, rows, search),
             refinable,
             lagrangian: false,
             kept: Vec::new(),
             grid,
             objective,
-            nearest: working_set::nearest(problem, rows.attributes(), search),
             stage,
             search,
             equality_penalty: 1.0,
@@ -201,6 +197,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.set_terms(iterate);
         self.objective
             .derivatives(&self.coefficients, &mut self.derivatives)?;
+        if let Some(of) = self.of_goal(iterate)? {
+            of.add_hessian(self.horizon, self.grid, &mut self.derivatives.hessian);
+        }
         Ok(&self.derivatives)
     }
 
@@ -237,12 +236,12 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.goal.evaluate(q.as_slice())
     }
 
-    /// Adds the derivatives of the rows of a goal, which depend on the final configuration alone: one coefficient per
-    /// joint.
-    fn add_goal(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+    /// The unknown that is the final configuration, with the derivatives in it of the rows of a goal, without the
+    /// measure, and their terms; `None` if the final configuration is fixed.
+    fn of_goal(&mut self, iterate: &Iterate) -> Result<Option<OfGoal>> {
         let last = self.basis.value(self.basis.segments());
         let Some(unknown) = self.grid.unknown[last] else {
-            return Ok(());
+            return Ok(None);
         };
         self.evaluate_goal()?;
         let (goal, margins) = (&self.goal, &self.margins);
@@ -260,18 +259,30 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let terms: Vec<_> = terms
             .map(|(row, term)| (row.at, term.times(row.weight)))
             .collect();
-        let cost: f64 = terms.iter().map(|(_, term)| term.cost).sum();
+        let cost = terms.iter().map(|(_, term)| term.cost).sum();
         let (gradient, hessian) = self.goal.derivatives(terms.into_iter())?;
-        let (n, e) = (gradient.len(), self.grid.segments - 1);
-        let own = (unknown - self.grid.block(e).start) * n;
-        let mut block = out.hessian.matrix.diagonal[e].view_mut((own, own), (n, n));
-        block += self.horizon * hessian;
-        let mut target = out.gradient.rows_mut(unknown * n, n);
-        target += self.horizon * &gradient;
+        Ok(Some(OfGoal {
+            unknown,
+            cost,
+            gradient,
+            hessian,
+        }))
+    }
+
+    /// Adds the derivatives of the rows of a goal, which depend on the final configuration alone: one coefficient per
+    /// joint.
+    fn add_goal(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        let Some(of) = self.of_goal(iterate)? else {
+            return Ok(());
+        };
+        of.add_hessian(self.horizon, self.grid, &mut out.hessian.matrix);
+        let own = of.unknown * of.gradient.len();
+        let mut target = out.gradient.rows_mut(own, of.gradient.len());
+        target += self.horizon * &of.gradient;
         if let Some((border, _)) = &mut out.hessian.border {
-            let mut target = border.rows_mut(unknown * n, n);
-            target += gradient;
-            out.gradient[self.derivatives.gradient.len()] += cost;
+            let mut target = border.rows_mut(own, of.gradient.len());
+            target += &of.gradient;
+            out.gradient[self.derivatives.gradient.len()] += of.cost;
         }
         Ok(())
     }
@@ -305,7 +316,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             }
             objective += free.weight * self.horizon;
         }
-        Ok(match self.is_beyond_working_set(h) {
+        Ok(match self.working.is_left(&h[..self.goal.first]) {
             true => f64::INFINITY,
             false => objective,
         })
@@ -353,11 +364,26 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
-        self.list_equalities(density)
+        let (rows, factor) = (&self.objective.cost().rows, self.equality_penalty);
+        let mut all = equalities(self.grid, rows, self.search, [density, factor]);
+        let of_goal = self.goal.range().zip(&self.goal.equalities);
+        all.extend(of_goal.filter(|(_, held)| **held).map(|(at, _)| {
+            let first = self.search.equality_penalty * density;
+            Equality::new(Row { at, weight: 1.0 }, first, factor)
+        }));
+        all
     }
 
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
-        self.list_near(h)
+        let ends = self.basis.continuity();
+        let free = ends.free_final_velocity || ends.free_final_position;
+        let rows = &self.objective.cost().rows;
+        let mut rows = self.working.list(self.grid, rows, [true, !free], h);
+        let of_goal = self.goal.range().zip(&self.goal.equalities);
+        let of_goal = of_goal.filter_map(|(at, held)| (!held).then_some(at));
+        let bounds = self.goal.range().end..h.len();
+        rows.extend(of_goal.chain(bounds).map(|at| Row { at, weight: 1.0 }));
+        rows
     }
 
     fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {

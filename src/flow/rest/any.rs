@@ -1,24 +1,33 @@
 //! The flow of any Lagrangian to rest, without constraints.
 
-use super::euler::{Euler, Progress, Stretch};
+use super::clock::Clock;
+use super::free::Free;
+use super::walk::{kkt, longest_step};
 use super::{RestMetric, RestRecord};
-use crate::curve::{Continuity, Curve};
-use crate::error::{Error, Result, check_positive};
-use crate::flow::weak::{Action, PointLagrangian, StateGrid};
-use crate::motion::{Interrupt, Stopped, Watch};
+use crate::curve::{Basis, Continuity, Curve};
+use crate::direct::SearchOptions;
+use crate::error::{Result, check_count, check_positive};
+use crate::flow::weak::{DualLagrangian, Norm};
+use crate::flow::{ActuationMetric, Lagrangian, Metric};
+use crate::model::Model;
+use crate::motion::{Interrupt, Path, Stopped, Watch};
+use crate::nlp::{Nlp, Options, Status, solve};
+use crate::transcription::Grid;
 use std::time::Duration;
-
-/// The number of steps after which the metric is recomputed.
-const FRESH: usize = 10;
-/// The relative difference up to which the horizons of a grid and of a curve count as equal.
-const ROUNDING: f64 = 1e-9;
 
 /// The options of [`AnyFlowToRest`].
 #[derive(Clone, Debug)]
 pub struct AnyRestOptions {
+    /// The number of polynomials on equal parts of the horizon. The state is continuous at their joints.
+    pub segments: usize,
+    /// The degree of each, at least 4.
+    pub degree: usize,
+    /// The number of Gauss-Legendre points of each; by default 3.5 per degree, and 4 more. Compare with a larger one to
+    /// check that the quadrature is accurate enough for the Lagrangian.
+    pub points: Option<usize>,
     /// The metric of the descent.
     pub metric: RestMetric,
-    /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
+    /// The relative gradient norm at rest; see [`RestRecord::gradient_norm`].
     pub tolerance: f64,
     /// The largest number of steps.
     pub steps: usize,
@@ -31,7 +40,10 @@ pub struct AnyRestOptions {
 impl Default for AnyRestOptions {
     fn default() -> Self {
         Self {
-            metric: RestMetric::Action,
+            segments: 1,
+            degree: 16,
+            points: None,
+            metric: RestMetric::Velocity,
             tolerance: 1e-8,
             steps: 500,
             time_limit: None,
@@ -45,7 +57,7 @@ impl Default for AnyRestOptions {
 pub struct AnyRest {
     /// The curve.
     pub curve: Curve,
-    /// The action of the curve, by the quadrature of the grid.
+    /// The action of the curve, by the quadrature of the flow.
     pub action: f64,
     /// The relative gradient norm.
     pub gradient_norm: f64,
@@ -59,39 +71,58 @@ pub struct AnyRest {
     pub stopped: Option<Stopped>,
 }
 
-/// The flow of any Lagrangian in its metric from a curve to rest, by the same implicit scheme as
-/// [`FlowToRest`](super::FlowToRest), on one grid and without constraints. The ends of the curve are fixed. The
+/// The flow of any Lagrangian in any metric from a curve to rest, by the same implicit scheme as
+/// [`FlowToRest`](super::FlowToRest), in one basis and without constraints. The ends of the curve are fixed. The
 /// [guide](crate::guide::lagrangian) has an example.
-///
-/// The quadrature is that of the grid; compare with a finer one to check that it is accurate enough for the Lagrangian.
-pub struct AnyFlowToRest<'a, L> {
-    grid: &'a StateGrid<f64>,
+pub struct AnyFlowToRest<'a, L, M = ActuationMetric> {
+    model: &'a Model,
     lagrangian: L,
+    metric: M,
+    k: f64,
     curve: &'a Curve,
     options: AnyRestOptions,
     observe: Box<dyn FnMut(&RestRecord) + 'a>,
 }
 
-impl<'a, L: PointLagrangian<f64>> AnyFlowToRest<'a, L> {
-    /// The flow of `lagrangian` from `curve` on `grid` with default options.
+impl<'a, L: Lagrangian> AnyFlowToRest<'a, L> {
+    /// The flow of `lagrangian` under the penalty `k` from `curve` with default options; the metric of the flow is the
+    /// paper's.
     #[must_use]
-    pub fn new(grid: &'a StateGrid<f64>, lagrangian: L, curve: &'a Curve) -> Self {
+    pub fn new(model: &'a Model, lagrangian: L, k: f64, curve: &'a Curve) -> Self {
         Self {
-            grid,
+            model,
             lagrangian,
+            metric: ActuationMetric::default(),
+            k,
             curve,
             options: AnyRestOptions::default(),
             observe: Box::new(|_| {}),
         }
     }
+}
 
+impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
     /// Replaces the options.
     #[must_use]
     pub fn options(self, options: AnyRestOptions) -> Self {
         Self { options, ..self }
     }
 
-    /// Sets a function that is called before each step.
+    /// Replaces the metric of [`RestMetric::Flow`].
+    #[must_use]
+    pub fn metric<N: Metric>(self, metric: N) -> AnyFlowToRest<'a, L, N> {
+        AnyFlowToRest {
+            model: self.model,
+            lagrangian: self.lagrangian,
+            metric,
+            k: self.k,
+            curve: self.curve,
+            options: self.options,
+            observe: self.observe,
+        }
+    }
+
+    /// Sets a function that is called after each step.
     #[must_use]
     pub fn observe(self, observe: impl FnMut(&RestRecord) + 'a) -> Self {
         let observe = Box::new(observe);
@@ -101,50 +132,67 @@ impl<'a, L: PointLagrangian<f64>> AnyFlowToRest<'a, L> {
     /// Follows the flow to rest.
     ///
     /// # Errors
-    /// An option is out of range, the grid has another horizon than the curve or too low a degree, or the Lagrangian
-    /// has another number of joints. A flow that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
+    /// An option or the penalty is out of range, or curve, Lagrangian or metric have another number of joints. A flow
+    /// that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
     pub fn run(mut self) -> Result<AnyRest> {
-        let (grid, curve, options) = (self.grid, self.curve, &self.options);
-        check(grid, curve, options)?;
+        let (model, curve, options) = (self.model, self.curve, &self.options);
+        options.check()?;
+        check_positive("flow", "k", self.k)?;
+        model.check("curve", curve.dof())?;
+        let (segments, degree) = (options.segments, options.degree);
+        let basis = Basis::new(segments, degree, Continuity::STATE);
+        let path = Path::of_states(curve, basis.clone());
+        let points = (SearchOptions::default().points * degree as f64) as usize + 4;
+        let grid = Grid::new(&basis, options.points.unwrap_or(points), 1.0);
+        let norm = Norm {
+            model,
+            kind: options.metric,
+            metric: self.metric,
+            k: self.k,
+            horizon: curve.horizon(),
+        };
+        let kkt = kkt(&grid, norm, &path.coefficients)?;
+        let lagrangian = DualLagrangian::new(model, self.lagrangian, self.k);
         let watch = Watch::start(options.time_limit, &options.interrupt);
-        let mut action = Action::new(grid, self.lagrangian, curve.dof());
-        let mut progress = Progress::new(grid.fit(curve), 0.0);
-        let stretch = Stretch {
+        let mut free = Free::new(&grid, lagrangian, path, curve.horizon(), &watch);
+        let settings = Options::default();
+        let settings = Options {
             tolerance: options.tolerance,
-            steps: options.steps,
-            fresh: FRESH,
-            metric: options.metric,
+            iterations: options.steps,
+            longest_step: longest_step(options.metric, &settings),
+            ..settings
         };
-        let mut look = |progress: &Progress| {
-            (self.observe)(&progress.record((grid.segments(), grid.degree())));
-            Ok(true)
-        };
-        let at_rest =
-            Euler::new(&action).run(&mut action, &mut progress, stretch, &watch, &mut look)?;
+        let (x, mut clock) = (free.unknowns(), Clock::default());
+        let observe = &mut self.observe;
+        let end = solve(&mut free, x, None, kkt, &settings, &mut |progress| {
+            if let Some(record) = clock.tick(progress, (segments, degree)) {
+                observe(&record);
+            }
+        })?;
+        let action = free.value(&end.x, &mut Vec::new())?;
         Ok(AnyRest {
-            curve: grid.curve(&progress.coefficients, curve.horizon())?,
-            action: progress.action,
-            gradient_norm: progress.gradient_norm,
-            at_rest,
-            steps: progress.steps,
-            factorisations: progress.factorisations,
+            curve: free.path.curve_of_states(curve.horizon())?,
+            action,
+            gradient_norm: end.progress.stationarity,
+            at_rest: end.status == Status::Converged,
+            steps: clock.steps,
+            factorisations: clock.factorisations,
             stopped: watch.stopped(),
         })
     }
 }
 
-/// Refuses invalid combinations of grid, curve and options.
-fn check(grid: &StateGrid<f64>, curve: &Curve, options: &AnyRestOptions) -> Result<()> {
-    check_positive("options", "tolerance", options.tolerance)?;
-    let refuse = |what: &str, condition: String| Err(Error::input("grid", what, condition));
-    let (own, horizon) = (grid.horizon(), curve.horizon());
-    if (own - horizon).abs() > ROUNDING * horizon {
-        let condition = format!("it is {own} s, that of the curve {horizon} s");
-        return refuse("horizon", condition);
+impl AnyRestOptions {
+    /// Refuses values out of range.
+    fn check(&self) -> Result<()> {
+        use super::RestSettings as Settings;
+        let degrees = Continuity::default().smallest_degree()..=Settings::LARGEST_DEGREE;
+        check_count("degree", self.degree, degrees)?;
+        let segments = 1..=Settings::LARGEST_SIZE / self.degree;
+        check_count("segments", self.segments, segments)?;
+        if let Some(points) = self.points {
+            check_count("points", points, 1..=Settings::LARGEST_SIZE)?;
+        }
+        check_positive("options", "tolerance", self.tolerance)
     }
-    let (degree, least) = (grid.degree(), Continuity::default().smallest_degree());
-    if degree < least {
-        return refuse("degree", format!("it is {degree}, the least is {least}"));
-    }
-    Ok(())
 }

@@ -1,37 +1,43 @@
-//! The flow to rest by an implicit scheme whose steps grow without bound, with duals where penalties are insufficient.
+//! The flow to rest by an implicit scheme whose steps grow without bound, with multipliers where penalties are
+//! insufficient.
 //!
 //! The published flow follows $\partial x / \partial s = \Omega$ up to some `s_max` with an integrator that resolves
 //! the path, and stalls; `proofs/penalty.md` explains this. Here only the end of the path matters, so that the steps in
 //! `s` may be arbitrarily large.
 //!
 //! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the
-//!    coefficients of a continuous piecewise polynomial in the state.
-//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\\, \delta = -\nabla A$ with the exact Hessian,
-//!    becomes a step of Newton's method as `h` grows (`euler.rs`).
-//! 3. Between stretches of the flow, duals replace large penalties: for the slip $\dot x_{P1} - x_{P2}$, for rows of
-//!    constraints, and for torques of passive joints (`stage.rs`; the idea is that of EL-AGHF, arXiv 2505.24751).
-//! 4. Low degrees come first, then the requested degree and segments, each from the rest point of the one before. In
-//!    two phases (the idea of BLAZE, arXiv 2505.01589), the first looks for a motion within the constraints almost
-//!    regardless of its cost.
+//!    coefficients of a continuous piecewise polynomial in the state, which is a basis of the
+//!    [transcription](crate::transcription).
+//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\, \delta = -\nabla A$ with the exact Hessian, is
+//!    one of Newton's method with a multiple of the norm added to the Hessian: the [interior-point
+//!    method](crate::nlp) with the metric of the flow as norm takes them, and adds none in the end (`program.rs`).
+//! 3. Constraints are its rows, and the slip $\dot x_{P1} - x_{P2}$ and the torques of passive joints its equalities,
+//!    whose multipliers replace large penalties (the idea is that of EL-AGHF, arXiv 2505.24751).
+//! 4. The bases are those of the [direct method](crate::direct), each from the rest point of the one before
+//!    (`walk.rs`). In two phases (the idea of BLAZE, arXiv 2505.01589), the first looks for a motion within the
+//!    constraints almost regardless of its cost.
 //!
 //! [`AnyFlowToRest`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
 
 mod any;
-mod euler;
-mod stage;
+mod clock;
+mod free;
+mod program;
 mod walk;
 
+pub use super::weak::RestMetric;
 pub use any::{AnyFlowToRest, AnyRest, AnyRestOptions};
-pub use euler::RestMetric;
 
-use super::weak::AnalyticLagrangian;
 use crate::constraint::{Constraint, Constraints, NONE};
+use crate::cost::{ControlEffort, CostWithControl};
 use crate::curve::{Basis, Continuity, Curve};
+use crate::direct::{DirectSettings, SearchOptions};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Path, Problem, Stopped, Watch, curve_of};
-use stage::Demands;
+use crate::nlp;
+use crate::transcription::{Grids, Rows};
 use std::time::Duration;
-use walk::WalkOf;
+use walk::Shared;
 
 /// The lowest degree without and with rows.
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
@@ -40,8 +46,6 @@ const LOWEST_DEGREE: [usize; 2] = [6, 9];
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The largest number of guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;
-/// The factor of the running cost in the first of two phases.
-const FIRST_PHASE: f64 = 1e-3;
 
 /// The settings of a flow to rest.
 #[derive(Clone, Debug)]
@@ -52,19 +56,17 @@ pub struct RestSettings {
     pub segments: usize,
     /// The metric of the descent.
     pub metric: RestMetric,
-    /// True to use duals in addition to penalties: $v = \dot q$ and the rows of constraints are then satisfied to their
-    /// tolerances, and not only up to the inverse of a penalty.
+    /// True for multipliers of the slip in addition to its penalty: $v = \dot q$ is then satisfied to a tolerance, and
+    /// not only up to the inverse of the penalty.
     pub duals: bool,
     /// True to find a motion within the constraints in a first phase.
     pub two_phases: bool,
-    /// The relative gradient norm at rest, $\sqrt{g^T D^{-1} g / A}$ in the metric of the action.
+    /// The relative gradient norm at rest; see [`RestRecord::gradient_norm`].
     pub tolerance: f64,
     /// The largest violation of a row of the constraints, in rad, rad/s, m, N m or N.
     pub feasible: f64,
-    /// The largest number of steps between two updates of the duals.
-    pub steps: usize,
-    /// The largest number of dual updates in one basis.
-    pub rounds: usize,
+    /// The largest number of steps in the last basis.
+    pub iterations: usize,
     /// The number of starts, the cubic between the ends and bent ones; more are tried while none leads to a motion
     /// within the constraints.
     pub starts: usize,
@@ -76,6 +78,10 @@ pub struct RestSettings {
     pub time_limit: Option<Duration>,
     /// The handle by which another thread stops the flow in the same way.
     pub interrupt: Interrupt,
+    /// The constants of the search, those of the direct method.
+    pub search: SearchOptions,
+    /// The options of the interior-point method, of which the tolerances and the number of iterations are those above.
+    pub nlp: nlp::Options,
 }
 
 impl Default for RestSettings {
@@ -83,18 +89,19 @@ impl Default for RestSettings {
         Self {
             degree: 16,
             segments: 1,
-            metric: RestMetric::Action,
+            metric: RestMetric::Velocity,
             duals: true,
             two_phases: false,
             tolerance: 1e-8,
             feasible: 1e-5,
-            steps: 100,
-            rounds: 40,
+            iterations: 500,
             starts: 1,
             seed: 0,
             start: None,
             time_limit: None,
             interrupt: Interrupt::default(),
+            search: SearchOptions::default(),
+            nlp: nlp::Options::default(),
         }
     }
 }
@@ -106,8 +113,8 @@ impl RestSettings {
     pub const LARGEST_SIZE: usize = 512;
     /// The largest number of starts.
     pub const LARGEST_STARTS: usize = 100_000;
-    /// The largest number of steps between two updates of the duals, each of which is recorded, and of updates.
-    pub const MOST_STEPS: usize = 100_000;
+    /// The largest number of steps, each of which is recorded.
+    pub const MOST_ITERATIONS: usize = 100_000;
 
     /// Refuses values out of range.
     ///
@@ -119,8 +126,7 @@ impl RestSettings {
         let segments = 1..=Self::LARGEST_SIZE / self.degree;
         check_count("segments", self.segments, segments)?;
         check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
-        check_count("steps", self.steps, 1..=Self::MOST_STEPS)?;
-        check_count("rounds", self.rounds, 1..=Self::MOST_STEPS)?;
+        check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
         for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
             check_positive("settings", what, value)?;
         }
@@ -138,70 +144,30 @@ impl RestSettings {
         Ok(())
     }
 
-    /// The stages for a problem with or without rows, and with or without passive joints among them.
-    fn stages(&self, rows: bool, passive: bool) -> Vec<Demands> {
-        let last = Demands {
-            basis: (self.segments, self.degree),
+    /// The settings of the direct method with these bases and tolerances, without or with rows.
+    fn as_direct(&self, rows: usize) -> DirectSettings {
+        DirectSettings {
+            degree: self.degree,
+            segments: self.segments,
             tolerance: self.tolerance,
-            steps: self.steps,
-            rounds: self.rounds,
-            fresh: if rows { 10 } else { 60 },
-            feasible: self.feasible,
-            quadrature: 1e-3,
-            cost: 1.0,
-            dense: true,
-        };
-        if self.start.is_some() {
-            return vec![last];
+            iterations: self.iterations,
+            lowest_degree: LOWEST_DEGREE[rows],
+            search: self.search.clone(),
+            nlp: self.nlp.clone(),
+            ..DirectSettings::default()
         }
-        // Its result is only the start of the next stage.
-        let rough = Demands {
-            tolerance: 0.1,
-            steps: if rows { 20 } else { 12 },
-            rounds: if rows { 6 } else { 1 },
-            fresh: if rows { 10 } else { 1 },
-            feasible: 1e-2,
-            quadrature: if rows { 0.05 } else { 0.02 },
-            dense: false,
-            ..last
-        };
-        let degrees = Basis::degrees_below(self.degree, LOWEST_DEGREE[usize::from(rows)]);
-        let mut bases: Vec<_> = degrees.map(|degree| (1, degree)).collect();
-        bases.extend(Basis::fewer_segments(self.segments).map(|n| (n, self.degree)));
-        if !rows {
-            bases.push(last.basis);
-        }
-        bases.dedup();
-        if passive {
-            // A few polynomials leave a passive joint next to no choice, and whatever the guess the same.
-            bases.retain(|(segments, _)| 2 * segments >= self.segments);
-        }
-        let mut stages: Vec<_> = bases
-            .into_iter()
-            .map(|basis| Demands { basis, ..rough })
-            .collect();
-        if let (true, true, Some(first)) = (self.two_phases, rows, stages.first().copied()) {
-            let feasible = Demands {
-                feasible: 1e-3,
-                rounds: self.rounds,
-                cost: FIRST_PHASE,
-                ..first
-            };
-            stages.insert(0, feasible);
-        }
-        stages.push(last);
-        stages
     }
 }
 
-/// The progress of a flow to rest after a step.
+/// A step of a flow to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestRecord {
-    /// The homotopy variable, in units of the metric; a Newton step counts as ten times the largest step before it.
+    /// The homotopy variable after the step, in units of the metric relative to the action; a Newton step counts as ten
+    /// times the largest step before it.
     pub s: f64,
-    /// The action with the terms of the duals.
+    /// The action before the step, without the terms of multipliers.
     pub action: f64,
-    /// The relative gradient norm.
+    /// The Newton decrement before the step, $\sqrt{g^T H^{-1} g / A}$ with the gradient and the matrix of the step.
     pub gradient_norm: f64,
     /// The number of segments.
     pub segments: usize,
@@ -214,9 +180,9 @@ pub struct RestRecord {
 pub struct RestSolution {
     /// The curve.
     pub curve: Curve,
-    /// The action of the curve, with the terms of the duals.
+    /// The action of the curve, with the terms of the multipliers.
     pub action: f64,
-    /// The relative gradient norm.
+    /// The relative gradient norm; see [`RestRecord::gradient_norm`].
     pub gradient_norm: f64,
     /// The largest slip $|\dot x_{P1} - x_{P2}|_\infty$ at the quadrature points, rad/s or m/s.
     pub slip: f64,
@@ -232,11 +198,11 @@ pub struct RestSolution {
     pub guess: usize,
     /// The number of starts that were tried.
     pub starts: usize,
-    /// Steps, factorisations and dual updates, summed over all guesses and stages.
+    /// Steps, factorisations and updates of multipliers, summed over all guesses and bases.
     pub steps: usize,
     /// Factorisations, summed as [`steps`](Self::steps).
     pub factorisations: usize,
-    /// Dual updates, summed as [`steps`](Self::steps).
+    /// Updates of the multipliers of equalities, summed as [`steps`](Self::steps).
     pub rounds: usize,
     /// The progress from the guess that led to this result.
     pub history: Vec<RestRecord>,
@@ -244,33 +210,35 @@ pub struct RestSolution {
     pub stopped: Option<Stopped>,
 }
 
-/// The flow of a Lagrangian to rest, by default without constraints and with default settings.
+/// The flow of a Lagrangian $k |\dot x_{P1} - x_{P2}|^2 + l$ to rest, by default with the control effort for the running
+/// cost $l$, without constraints and with default settings.
 ///
 /// ```
 /// use aghf::flow::rest::FlowToRest;
-/// use aghf::flow::weak::AnalyticLagrangian;
 /// use aghf::motion::Problem;
 /// let model = aghf::urdf::builtin_robot("pendulum_2")?;
 /// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
-/// let solution = FlowToRest::new(&problem, &AnalyticLagrangian::new(&model, 1e5)).run()?;
+/// let solution = FlowToRest::new(&problem, 1e5).run()?;
 /// assert!(solution.at_rest && solution.slip < 1e-6);
 /// # Ok::<(), aghf::Error>(())
 /// ```
-pub struct FlowToRest<'a, K> {
+pub struct FlowToRest<'a, K, P> {
     problem: &'a Problem<'a>,
-    lagrangian: &'a AnalyticLagrangian<'a>,
+    k: f64,
+    cost: P,
     constraints: &'a Constraints<K>,
     settings: RestSettings,
     observe: Box<dyn FnMut(&RestRecord) + 'a>,
 }
 
-impl<'a> FlowToRest<'a, ()> {
-    /// The flow of `lagrangian` without constraints, with default settings.
+impl<'a> FlowToRest<'a, (), ControlEffort<'a, f64, f64>> {
+    /// The flow of the control effort under the penalty `k` of the slip, without constraints, with default settings.
     #[must_use]
-    pub fn new(problem: &'a Problem<'a>, lagrangian: &'a AnalyticLagrangian<'a>) -> Self {
+    pub fn new(problem: &'a Problem<'a>, k: f64) -> Self {
         Self {
             problem,
-            lagrangian,
+            k,
+            cost: ControlEffort::new(problem.model()),
             constraints: &NONE,
             settings: RestSettings::default(),
             observe: Box::new(|_| {}),
@@ -278,13 +246,30 @@ impl<'a> FlowToRest<'a, ()> {
     }
 }
 
-impl<'a, K: Constraint> FlowToRest<'a, K> {
-    /// Replaces the constraints.
+impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
+    /// Replaces the running cost, which is one of the [direct method](crate::direct::Direct::cost).
     #[must_use]
-    pub fn constraints<L: Constraint>(self, constraints: &'a Constraints<L>) -> FlowToRest<'a, L> {
+    pub fn cost<Q: CostWithControl>(self, cost: Q) -> FlowToRest<'a, K, Q> {
         FlowToRest {
             problem: self.problem,
-            lagrangian: self.lagrangian,
+            k: self.k,
+            cost,
+            constraints: self.constraints,
+            settings: self.settings,
+            observe: self.observe,
+        }
+    }
+
+    /// Replaces the constraints.
+    #[must_use]
+    pub fn constraints<L: Constraint>(
+        self,
+        constraints: &'a Constraints<L>,
+    ) -> FlowToRest<'a, L, P> {
+        FlowToRest {
+            problem: self.problem,
+            k: self.k,
+            cost: self.cost,
             constraints,
             settings: self.settings,
             observe: self.observe,
@@ -307,19 +292,24 @@ impl<'a, K: Constraint> FlowToRest<'a, K> {
     /// Follows the flow to rest.
     ///
     /// # Errors
-    /// A setting is out of range, or Lagrangian, constraints or start have another number of joints. A flow that does
-    /// not come to rest is not an error: [`RestSolution::at_rest`] is false.
+    /// A setting or the penalty is out of range; cost, constraints or start have another number of joints; or the
+    /// integral of the cost becomes negative. A flow that does not come to rest is not an error:
+    /// [`RestSolution::at_rest`] is false.
     pub fn run(self) -> Result<RestSolution> {
         let Self {
             problem,
-            lagrangian,
+            k,
+            cost,
             constraints,
             ref settings,
             mut observe,
         } = self;
         settings.check(problem)?;
+        check_positive("flow", "k", k)?;
         constraints.stage.refuse_in_a_flow(problem.model().name())?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
+        let grids = Grids::default();
+        let rows = Rows::new(problem.model(), constraints, cost)?;
         let kind = usize::from(constraints.dim() > 0);
         let line = Path::line(
             problem,
@@ -339,16 +329,16 @@ impl<'a, K: Constraint> FlowToRest<'a, K> {
             };
             // The action above which a guess is not worth more segments.
             let known = best.as_ref().filter(|best| best.at_rest);
-            let walk = WalkOf {
+            let shared = Shared {
                 problem,
                 settings,
-                lagrangian,
-                constraints,
-                passive,
-                least: known.map_or(f64::INFINITY, |best| best.action),
+                k,
+                rows: &rows,
+                grids: &grids,
                 watch: &watch,
+                least: known.map_or(f64::INFINITY, |best| best.action),
             };
-            let found = walk.from(number, guess, &mut *observe)?;
+            let found = shared.from(number, guess, &mut *observe)?;
             let own = [found.steps, found.factorisations, found.rounds];
             for (sum, own) in work.iter_mut().zip(own) {
                 *sum += own;
@@ -376,6 +366,27 @@ impl<'a, K: Constraint> FlowToRest<'a, K> {
 }
 
 impl RestSolution {
+    /// A curve that has not been looked at.
+    fn new(curve: Curve, guess: usize) -> Self {
+        Self {
+            curve,
+            action: f64::NAN,
+            gradient_norm: f64::INFINITY,
+            slip: f64::NAN,
+            violation: f64::NAN,
+            quadrature_error: f64::NAN,
+            passive_share: 0.0,
+            at_rest: false,
+            guess,
+            starts: 1,
+            steps: 0,
+            factorisations: 0,
+            rounds: 0,
+            history: Vec::new(),
+            stopped: None,
+        }
+    }
+
     /// The distance from a feasible motion.
     fn excess(&self) -> f64 {
         self.violation.max(self.slip).max(self.passive_share)

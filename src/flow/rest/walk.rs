@@ -1,35 +1,56 @@
-//! The path from one guess to rest, stage by stage.
+//! The flow from one guess to rest: basis by basis.
 
-use super::stage::{Demands, Outcome, Stage, Walk};
+use super::clock::Clock;
+use super::program::Program;
 use super::{RestRecord, RestSettings, RestSolution};
 use crate::constraint::{Constraint, Constraints};
+use crate::cost::{CostWithControl, check_integral};
 use crate::curve::{Basis, Continuity, Curve};
-use crate::error::Result;
-use crate::flow::weak::{AnalyticLagrangian, StateGrid};
-use crate::motion::{Problem, Watch};
+use crate::direct::{Multipliers, Rung, Stage};
+use crate::error::{Error, Result};
+use crate::flow::weak::{Norm, RestMetric};
+use crate::flow::{ActuationMetric, Metric};
+use crate::motion::{Path, Problem, Watch, passive_share};
+use crate::nlp::{Bordered, Equality, Kkt, Options, Progress, Solution, Status, solve};
+use crate::transcription::{Derivatives, Grid, Grids, Objective, Rows};
+use nalgebra::DMatrix;
 use std::collections::VecDeque;
 
-/// The initial number of quadrature points per degree, without and with rows, and the largest.
-const POINTS: [f64; 2] = [3.0, 3.5];
-const MOST_POINTS: usize = 16;
-/// The accepted torque of a passive joint, relative to the largest torque; above it the number of segments is
-/// increased.
-const PASSIVE_SHARE: f64 = 5e-4;
+/// The factor of the cost in the first of two phases; the penalty of violations and the barrier parameter are larger by
+/// its inverse.
+const FIRST_PHASE: f64 = 1e-3;
+
+/// The largest number of times that multipliers are updated at the end: more than for rows alone, since a small penalty
+/// of the slip stays as it is.
+const ROUNDS: usize = 40;
 
 /// The data that the walks from all guesses share.
-pub(super) struct WalkOf<'w, 'a, K> {
+pub(super) struct Shared<'w, 'a, K, P> {
     pub problem: &'w Problem<'a>,
     pub settings: &'w RestSettings,
-    pub lagrangian: &'w AnalyticLagrangian<'w>,
-    pub constraints: &'w Constraints<K>,
-    /// True if there are passive joints.
-    pub passive: bool,
+    /// The penalty of the slip.
+    pub k: f64,
+    pub rows: &'w Rows<'a, K, P>,
+    pub grids: &'w Grids,
+    pub watch: &'w Watch,
     /// The action above which the number of segments is not increased.
     pub least: f64,
-    pub watch: &'w Watch,
 }
 
-impl<K: Constraint> WalkOf<'_, '_, K> {
+/// The state of the flow.
+struct Walk {
+    path: Path,
+    clock: Clock,
+    /// The multipliers of the rows, and of the slips.
+    multipliers: [Multipliers; 2],
+    /// The penalties of equalities, relative to the first ones.
+    equality_penalty: f64,
+    /// The action without the terms of multipliers.
+    exact: f64,
+    found: RestSolution,
+}
+
+impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
     /// Follows the flow from the guess of this number to rest.
     pub fn from(
         &self,
@@ -37,85 +58,247 @@ impl<K: Constraint> WalkOf<'_, '_, K> {
         curve: Curve,
         observe: &mut dyn FnMut(&RestRecord),
     ) -> Result<RestSolution> {
+        let (problem, settings) = (self.problem, self.settings);
+        let constraints = self.rows.constraints;
+        let mut rungs: VecDeque<Rung> = settings.rungs(constraints).into();
+        let mut walk = Walk {
+            path: Path::of_states(&curve, rungs[0].basis.clone()),
+            clock: Clock::default(),
+            multipliers: Default::default(),
+            equality_penalty: 1.0,
+            exact: f64::NAN,
+            found: RestSolution::new(curve, guess),
+        };
+        let mut first_phase = settings.two_phases && self.rows.count() > 0;
+        while let Some(rung) = rungs.pop_front() {
+            walk.path = walk.path.in_basis(rung.basis.clone());
+            if first_phase {
+                self.minimise(&mut walk, rung.stage, FIRST_PHASE, observe)?;
+                first_phase = false;
+            }
+            self.minimise(&mut walk, rung.stage, 1.0, observe)?;
+            if self.watch.stopped().is_some() {
+                walk.found.at_rest = false;
+                break;
+            }
+            let found = &walk.found;
+            let left =
+                found.passive_share > settings.search.passive_share && found.action < self.least;
+            let finer = rung.basis.finer(RestSettings::LARGEST_SIZE);
+            if let (true, true, Some(basis)) = (rungs.is_empty(), left, finer) {
+                let stage = rung.stage;
+                rungs.push_back(Rung { basis, stage });
+            }
+        }
+        let mut found = walk.found;
+        found.at_rest &= found.passive_share <= settings.search.passive_share;
+        found.curve = walk.path.curve_of_states(problem.horizon())?;
+        found.steps = walk.clock.steps;
+        found.factorisations = walk.clock.factorisations;
+        found.stopped = self.watch.stopped();
+        Ok(found)
+    }
+
+    /// Follows the flow in one basis, with as many points as needed.
+    fn minimise(
+        &self,
+        walk: &mut Walk,
+        stage: Stage,
+        factor: f64,
+        observe: &mut dyn FnMut(&RestRecord),
+    ) -> Result<()> {
+        let basis = walk.path.basis.clone();
+        let search = &self.settings.search;
+        let per_degree = match basis.segments() {
+            1 => search.points,
+            _ => search.points_of_segments,
+        };
+        let mut points = (per_degree * basis.degree() as f64) as usize + 4;
+        loop {
+            let status = self.on_grid(walk, points, (stage, factor), observe)?;
+            check_integral(walk.exact)?;
+            if status != Status::Coarse || self.watch.stopped().is_some() {
+                break;
+            }
+            points = points * 3 / 2;
+        }
+        let limits = &self.rows.constraints.torque;
+        if stage.last && limits.has_passive() {
+            let curve = walk.path.curve_of_states(self.problem.horizon())?;
+            let (model, times) = (
+                self.problem.model(),
+                search.last_scan.div_ceil(curve.segments()),
+            );
+            walk.found.passive_share = passive_share(model, &curve, limits, times)?;
+        }
+        Ok(())
+    }
+
+    /// Follows the flow in one basis with this number of points per segment.
+    fn on_grid(
+        &self,
+        walk: &mut Walk,
+        points: usize,
+        (stage, factor): (Stage, f64),
+        observe: &mut dyn FnMut(&RestRecord),
+    ) -> Result<Status> {
         let Self {
             problem,
             settings,
-            lagrangian,
-            constraints,
-            passive,
-            least,
-            watch,
+            rows,
+            grids,
+            ..
         } = *self;
-        let kind = usize::from(constraints.dim() > 0);
-        let mut history = Vec::new();
-        let mut record = |record: RestRecord| {
-            observe(&record);
-            history.push(record);
+        let basis = walk.path.basis.clone();
+        let grid = if rows.attributes().equalities.contains(&true) {
+            grids.collocated(&basis, points)
+        } else {
+            grids.with_ends(&basis, points)
         };
-        let mut walk = Walk {
-            curve,
-            s: 0.0,
-            steps: 0,
-            factorisations: 0,
-            rounds: 0,
-            duals: None,
-            watch,
-            observe: &mut record,
+        // Not a multiple, so that it sees between the points.
+        let finer = grids.get(&basis, points * 3 / 2 + 7);
+        let mut program = Program::new(
+            (problem, self.watch),
+            rows,
+            [&grid, &finer],
+            walk.path.clone(),
+            (self.k, settings.duals),
+            (stage, points < settings.search.most_points * basis.degree()),
+            &settings.search,
+        );
+        let n = problem.model().dof();
+        let [of_rows, of_slips] = &walk.multipliers;
+        let known = of_rows.at(&grid.times, rows.count());
+        if settings.duals
+            && let Some(known) = of_slips.at(&grid.times, n)
+        {
+            *program.slip_multipliers() = DMatrix::from_vec(n, grid.times.len(), known);
+        }
+        program.equality_penalty = walk.equality_penalty;
+        let norm = Norm {
+            model: problem.model(),
+            kind: settings.metric,
+            metric: ActuationMetric::default(),
+            k: self.k,
+            horizon: problem.horizon(),
         };
-        let mut outcome = Outcome::default();
-        let horizon = problem.horizon();
-        let mut stages: VecDeque<_> = settings.stages(kind == 1, passive).into();
-        while let Some(demands) = stages.pop_front() {
-            let (segments, degree) = demands.basis;
-            let mut points = (POINTS[kind] * degree as f64) as usize + 4;
-            let collocated = if passive { degree - 1 } else { 0 };
-            loop {
-                let grid = StateGrid::collocated(segments, degree, points, collocated, horizon);
-                let plain = lagrangian.clone();
-                let stage = Stage::new(problem, settings, constraints, plain, demands, &grid)?;
-                outcome = stage.run(&mut walk)?;
-                let coarse = outcome.quadrature_error > demands.quadrature;
-                if !coarse || points >= MOST_POINTS * degree || watch.stopped().is_some() {
-                    break;
-                }
-                points = points * 3 / 2;
+        let kkt = kkt(&grid, norm, &walk.path.coefficients)?;
+        let (x, clock) = (program.free.unknowns(), &mut walk.clock);
+        let history = &mut walk.found.history;
+        let mut log = |progress: &Progress| {
+            if let Some(record) = clock.tick(progress, (basis.segments(), basis.degree())) {
+                observe(&record);
+                history.push(record);
             }
-            if watch.stopped().is_some() {
-                outcome.at_rest = false;
-                break;
-            }
-            let left = outcome.passive_share > PASSIVE_SHARE && outcome.action < least;
-            let finer = Basis::new(segments, degree, Continuity::default())
-                .finer(RestSettings::LARGEST_SIZE);
-            if let (true, true, Some(finer)) = (stages.is_empty(), left, finer) {
-                let basis = (finer.segments(), finer.degree());
-                stages.push_back(Demands { basis, ..demands });
+        };
+        let options = self.options(stage, factor);
+        let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
+        walk.keep(&mut program, &end)?;
+        let found = &mut walk.found;
+        found.at_rest =
+            end.status == Status::Converged && found.quadrature_error <= stage.quadrature_tolerance;
+        Ok(end.status)
+    }
+
+    /// The options of the interior-point method, for the cost times a factor.
+    fn options(&self, stage: Stage, factor: f64) -> Options {
+        let default = self.settings.nlp.clone();
+        Options {
+            tolerance: stage.tolerance,
+            feasible: stage.feasible,
+            iterations: stage.iterations,
+            last_barrier: stage.last_barrier / factor,
+            first_barrier: default.first_barrier / factor,
+            warm_barrier: default.warm_barrier / factor,
+            penalty: default.penalty / factor,
+            rounds: ROUNDS,
+            longest_step: longest_step(self.settings.metric, &default),
+            ..default
+        }
+    }
+}
+
+impl Walk {
+    /// Continues from the end of a search.
+    fn keep<K: Constraint, P: CostWithControl>(
+        &mut self,
+        program: &mut Program<'_, '_, K, P>,
+        end: &Solution,
+    ) -> Result<()> {
+        let of_slips = program.slip_multipliers().as_slice().to_vec();
+        let grid = program.free.grid;
+        let times = match of_slips.is_empty() {
+            true => Vec::new(),
+            false => grid.times.clone(),
+        };
+        let rows = &program.free.objective.cost().cost.rows;
+        let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
+        self.multipliers = [
+            Multipliers::new(grid, rows, &of_rows, Vec::new()),
+            Multipliers {
+                times,
+                values: of_slips,
+                of_goal: Vec::new(),
+            },
+        ];
+        if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
+            self.equality_penalty = penalty / first;
+        }
+        self.exact = program.exact;
+        let found = &mut self.found;
+        found.action = program.action(&end.x, &end.iterate)?;
+        self.path = program.free.path.clone();
+        found.gradient_norm = end.progress.stationarity;
+        found.slip = program.slip;
+        found.violation = end.violation;
+        found.quadrature_error = program.quadrature_error;
+        found.rounds += program.updates;
+        Ok(())
+    }
+}
+
+/// The longest step in a metric: steps are only measured in radians in that of the velocities.
+pub(super) fn longest_step(metric: RestMetric, options: &Options) -> f64 {
+    match metric {
+        RestMetric::Velocity => options.longest_step,
+        RestMetric::Flow => f64::INFINITY,
+    }
+}
+
+/// The equations with the metric at a curve as their norm.
+pub(super) fn kkt<M: Metric>(
+    grid: &Grid<f64>,
+    norm: Norm<'_, f64, M>,
+    coefficients: &DMatrix<f64>,
+) -> Result<Kkt> {
+    let size = 2 * norm.model.dof();
+    let horizon = norm.horizon;
+    let mut objective = Objective::new(grid, norm, size);
+    objective.set_horizon(horizon);
+    let mut derivatives = Derivatives::new(grid, size);
+    objective.derivatives(coefficients, &mut derivatives)?;
+    let matrix = derivatives.metric;
+    let border = None;
+    Kkt::new(Bordered { matrix, border })
+        .ok_or_else(|| Error::input("flow", "metric", "it is not positive definite"))
+}
+
+impl RestSettings {
+    /// The sequence of bases: that of the direct method, in the state.
+    fn rungs<K: Constraint>(&self, constraints: &Constraints<K>) -> Vec<Rung> {
+        let passive = constraints.torque.has_passive();
+        let rows = usize::from(constraints.dim() > 0);
+        let mut rungs = self.as_direct(rows).rungs(Continuity::default(), passive);
+        if self.start.is_some() {
+            rungs.drain(..rungs.len() - 1);
+        }
+        for Rung { basis, stage } in &mut rungs {
+            *basis = Basis::new(basis.segments(), basis.degree(), Continuity::STATE);
+            if stage.last {
+                stage.feasible = self.feasible;
+                stage.last_barrier = self.nlp.last_barrier.max(self.tolerance * self.tolerance);
             }
         }
-        outcome.at_rest &= outcome.passive_share <= PASSIVE_SHARE;
-        let Walk {
-            curve,
-            steps,
-            factorisations,
-            rounds,
-            ..
-        } = walk;
-        Ok(RestSolution {
-            curve,
-            action: outcome.action,
-            gradient_norm: outcome.gradient_norm,
-            slip: outcome.slip,
-            violation: outcome.violation,
-            quadrature_error: outcome.quadrature_error,
-            passive_share: outcome.passive_share,
-            at_rest: outcome.at_rest,
-            guess,
-            starts: 1,
-            steps,
-            factorisations,
-            rounds,
-            history,
-            stopped: watch.stopped(),
-        })
+        rungs
     }
 }

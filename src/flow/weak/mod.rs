@@ -9,22 +9,15 @@
 //! Only $L$ and its derivatives in $(x, \dot x)$ are needed, not $\ddot x$, so that the curve may consist of several
 //! polynomials that join continuously; the jump of the control between them is the one that minimises the action.
 //!
-//! [`StateGrid`] has the functions, [`PointLagrangian`] the Lagrangian at the quadrature points and [`Action`] the
-//! sums. [`rest`](super::rest) follows the flow.
+//! A Lagrangian is a [cost](crate::cost::PointCost) of the curve in the state, $2 N$ numbers and their rates, and its
+//! action an [integral](crate::transcription::Objective) as that of any other cost: [`WithSlip`] makes one of a running
+//! cost $l(q, v, a)$, and [`DualLagrangian`] of any [`Lagrangian`](crate::flow::Lagrangian). [`Norm`] is the metric.
+//! [`rest`](super::rest) follows the flow.
 
-mod action;
-mod analytic;
-mod augmented;
 mod dual;
-mod grid;
-mod lagrangian;
-mod row_terms;
+mod norm;
+mod slip;
 
-pub use action::{Action, ActionDerivatives};
-pub use analytic::{AnalyticLagrangian, ControlPoint};
-pub use augmented::AugmentedLagrangian;
 pub use dual::DualLagrangian;
-pub use grid::StateGrid;
-pub use lagrangian::{LagrangianDerivatives, PointLagrangian, StatePoints};
-#[doc(hidden)]
-pub use row_terms::{RowDuals, RowTerms};
+pub use norm::{Norm, RestMetric};
+pub use slip::WithSlip;

@@ -2,12 +2,11 @@
 
 use super::general_flow::wave;
 use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING};
+use crate::cost::{ControlEffort, PointCost, Points, PointsDerivatives};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
-use crate::flow::weak::{
-    AnalyticLagrangian, DualLagrangian, LagrangianDerivatives, PointLagrangian, StatePoints,
-};
-use crate::flow::{ActuationMetric, ActuationWeights, Lagrangian};
+use crate::flow::Lagrangian;
+use crate::flow::weak::{DualLagrangian, WithSlip};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +16,7 @@ const TOGETHER: usize = 5;
 /// The parts of $[x; \dot x]$.
 const PARTS: [&str; 4] = ["x_P1", "x_P2", "xdot_P1", "xdot_P2"];
 
-/// The Lagrangian of [`AnalyticLagrangian`] implemented only by its value,
+/// The Lagrangian of [`WithSlip`] with weighted squares, implemented only by its value,
 /// $k |e|^2 + \lambda^T e + u^T W u + v^T W_v v + \dot x_{P2}^T W_a \dot x_{P2}$.
 pub(crate) struct Written<C: Scalar> {
     /// $W$, $W_v$ and $W_a$, `N` entries each.
@@ -48,8 +47,8 @@ impl<C: Scalar> Lagrangian<C> for Written<C> {
     }
 }
 
-/// Compares the analytic Lagrangian of the weak form of the flow, with all weights and a dual of the slip, and its
-/// metric with dual numbers of the value: the worst of each part at each penalty.
+/// Compares the analytic Lagrangian of the weak form of the flow, with all weights and a multiplier of the slip, with
+/// dual numbers of the value: the worst of each part at each penalty.
 ///
 /// # Errors
 /// None for a loaded model.
@@ -61,25 +60,21 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
         weights: [0, 1, 2].map(vector),
         dual: vector(3),
     };
-    let metric_weights = vector(4);
-    let metric = ActuationMetric {
-        weights: ActuationWeights::diagonal(metric_weights.as_slice().to_vec())?,
-    };
     for (chunk, states) in options.states(model)?.chunks(TOGETHER).enumerate() {
         let count = states.len();
-        let columns: Vec<_> = states.iter().map(column).collect();
+        let columns: Vec<_> = states.iter().flat_map(columns).collect();
         let (times, columns) = (vec![0.0; count], DMatrix::from_columns(&columns));
-        let points = StatePoints {
+        let points = Points {
             first: 1,
             times: &times,
             states: &columns,
+            jerks: None,
         };
         for k in &options.penalties {
-            let mut analytic = AnalyticLagrangian::new(model, *k);
-            analytic.weights.clone_from(&written.weights);
-            analytic.metric_weights.clone_from(&metric_weights);
-            analytic.slip_duals = DMatrix::from_fn(n, count + 1, |i, _| written.dual[i]);
-            let mut by_duals = DualLagrangian::in_metric(model, &written, &metric, *k);
+            let effort = ControlEffort::with_weights(model, &written.weights)?;
+            let mut analytic = WithSlip::new(effort, *k, n, count + 1);
+            analytic.multipliers = DMatrix::from_fn(n, count + 1, |i, _| written.dual[i]);
+            let mut by_duals = DualLagrangian::new(model, &written, *k);
             let ours = looked_at(&mut analytic, points)?;
             let expected = looked_at(&mut by_duals, points)?;
             for (g, state) in states.iter().enumerate() {
@@ -106,64 +101,42 @@ impl At<'_> {
     }
 }
 
-/// $[q; v; \dot x_{P2}; \dot x_{P1}]$ of a state.
-fn column(state: &State) -> DVector<f64> {
-    let (rate, acceleration) = state.xdot.split_at(state.xdot.len() / 2);
-    DVector::from_vec([&state.x, acceleration, rate].concat())
+/// $x$, $\dot x$ and zero, which no Lagrangian depends on.
+fn columns(state: &State) -> [DVector<f64>; 3] {
+    let zero = vec![0.0; state.x.len()];
+    [&state.x[..], &state.xdot[..], &zero].map(DVector::from_column_slice)
 }
 
 /// The values and derivatives of a Lagrangian at several points.
 struct Found {
     values: Vec<f64>,
-    derivatives: LagrangianDerivatives<f64>,
-    metrics: DMatrix<f64>,
+    derivatives: PointsDerivatives<f64>,
 }
 
-fn looked_at(
-    lagrangian: &mut impl PointLagrangian<f64>,
-    at: StatePoints<'_, f64>,
-) -> Result<Found> {
-    let (n, count) = (at.dof(), at.count());
+fn looked_at(lagrangian: &mut impl PointCost<f64>, at: Points<'_, f64>) -> Result<Found> {
     let mut found = Found {
-        values: vec![0.0; count],
-        derivatives: LagrangianDerivatives::new(n, count),
-        metrics: DMatrix::zeros(4 * n * n, count),
+        values: vec![0.0; at.count()],
+        derivatives: PointsDerivatives::new(at.states.nrows(), at.count()),
     };
     lagrangian.values(at, &mut found.values)?;
-    lagrangian.derivatives(at, &mut found.derivatives)?;
-    lagrangian.metrics(at, &mut found.metrics)?;
+    lagrangian.all_derivatives(at, &mut found.derivatives)?;
     Ok(found)
 }
 
 impl Found {
     /// The quantities of point `g`, with the rows that depend on the penalty separate from the others.
     fn of(&self, g: usize) -> Vec<(String, DMatrix<f64>)> {
-        let (all, count) = (&self.derivatives, self.values.len());
-        let size = all.gradients.nrows();
-        let n = size / 2;
-        let whole = |column: usize, of: &DMatrix<f64>| {
-            DMatrix::from_column_slice(size, size, of.column(column).as_slice())
-        };
-        let values = [self.values[g], all.values[g]];
+        let all = &self.derivatives;
+        let n = all.gradients.nrows() / 2;
+        let hessian = all.hessians.get(g);
+        let values = [self.values[g], all.costs[g]];
         let mut found = vec![("L".to_owned(), DMatrix::from_row_slice(1, 2, &values))];
         for (part, name) in PARTS.iter().enumerate() {
-            let (rate, first) = (part / 2, part % 2 * n);
-            let slope = all.gradients.column(rate * count + g);
-            let slope = slope.rows(first, n).into_owned();
-            let slope = DMatrix::from_column_slice(n, 1, slope.as_slice());
-            found.push((format!("dL/d{name}"), slope));
-            let mut rows = DMatrix::zeros(n, 2 * size);
-            for other in 0..2 {
-                let block = whole((2 * rate + other) * count + g, &all.hessians);
-                rows.columns_mut(other * size, size)
-                    .copy_from(&block.rows(first, n));
-            }
+            let slopes = &all.gradients.as_slice()[6 * n * g + part * n..][..n];
+            let slopes = DMatrix::from_column_slice(n, 1, slopes);
+            found.push((format!("dL/d{name}"), slopes));
+            let rows = hessian.rows(part * n, n).into_owned();
             found.push((format!("Hessian, rows of {name}"), rows));
-        }
-        let metric = whole(g, &self.metrics);
-        for (part, name) in PARTS[..2].iter().enumerate() {
-            let rows = metric.rows(part * n, n).into_owned();
-            found.push((format!("metric, rows of {name}"), rows));
         }
         found
     }

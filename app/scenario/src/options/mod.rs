@@ -151,7 +151,7 @@ impl SolveOptions {
             Self::Direct(options) => options.settings(scenario)?.check(&problem),
             Self::Flow(options) => options.check(scenario),
             Self::Rest(options) | Self::Duals(options) | Self::TwoPhases(options) => {
-                options.lagrangian(scenario)?;
+                options.penalty(scenario)?;
                 options.settings(scenario, self.method())?.check(&problem)
             }
         }

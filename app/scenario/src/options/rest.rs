@@ -5,7 +5,6 @@ use crate::Scenario;
 use aghf::direct::DirectSettings;
 use aghf::error::{Result, check_positive};
 use aghf::flow::rest::RestSettings;
-use aghf::flow::weak::AnalyticLagrangian;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -59,24 +58,14 @@ impl RestOptions {
         })
     }
 
-    /// The Lagrangian of a flow of `scenario` to rest without its constraints, that is its running cost. The torque
-    /// cost of a passive joint tends to zero during the flow, and keeps the torque small between the points at which it
-    /// is an equality.
+    /// The penalty of the slip in a flow of `scenario` to rest.
     ///
     /// # Errors
-    /// The penalty or a weight of the running cost is out of range.
-    pub fn lagrangian<'m>(&self, scenario: &'m Scenario) -> Result<AnalyticLagrangian<'m>> {
+    /// The penalty is out of range.
+    pub fn penalty(&self, scenario: &Scenario) -> Result<f64> {
         let k = self.k.unwrap_or(scenario.file.flow.k);
         check_positive("options", "k", k)?;
-        let mut lagrangian = AnalyticLagrangian::new(&scenario.model, k);
-        if let Some(weights) = &scenario.file.running_cost {
-            let weights = weights.weighted(scenario.model.dof())?;
-            let all = [weights.torque(), weights.velocity(), weights.acceleration()];
-            for (to, from) in lagrangian.weights.iter_mut().zip(all) {
-                to.copy_from_slice(from);
-            }
-        }
-        Ok(lagrangian)
+        Ok(k)
     }
 
     /// The same options with all defaults filled in.

@@ -5,7 +5,9 @@ use aghf::constraint::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use aghf::cost::WeightedSquares;
 use aghf::scalar::AlgebraOver;
 use aghf::verify::duals::{CheckOptions, check_constraint};
-use aghf_scenario::{DirectOptions, FlowOptions, Scenario, Solve, SolveReport};
+use aghf_scenario::{
+    DirectOptions, FlowOptions, RestOptions, Scenario, Solve, SolveOptions, SolveReport,
+};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use std::sync::Arc;
@@ -124,11 +126,21 @@ fn a_running_cost_of_ones_own_takes_the_place_of_the_scenarios() {
         (found - expected).abs() < 1e-9 * expected,
         "{found} and {expected}"
     );
+    let [expected, found] = [&by_key, &own].map(|scenario| {
+        let duals = SolveOptions::Duals(RestOptions::default());
+        let report = Solve::new(scenario).options(duals).run().expect("valid");
+        assert!(report.summary.success, "{:?}", report.summary.failure);
+        report.summary.control_effort
+    });
+    assert!(
+        (found - expected).abs() < 1e-6 * expected,
+        "{found} and {expected}"
+    );
     let by_flow = FlowOptions::default();
     let refused = Solve::new(&own)
         .options(by_flow.clone())
         .run()
-        .expect_err("only the direct method can");
+        .expect_err("all but the published flow can");
     assert!(
         refused.to_string().contains("running cost of one's own"),
         "{refused}"

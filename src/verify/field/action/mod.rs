@@ -5,13 +5,12 @@ mod point;
 use super::discretisation::numbers;
 use super::general_flow::made_up::{Coupled, Place, lagrangian};
 use super::{Equality, Gf, Identity, RandomInstance};
+use crate::cost::{ControlEffort, PointCost};
 use crate::error::Result;
-use crate::flow::weak::{
-    Action, ActionDerivatives, AnalyticLagrangian, DualLagrangian, LagrangianDerivatives,
-    PointLagrangian, StateGrid, StatePoints,
-};
+use crate::flow::weak::{DualLagrangian, Norm, RestMetric, WithSlip};
 use crate::flow::{ActuationMetric, ActuationWeights, Lagrangian, Metric, WithStateCost};
 use crate::scalar::AlgebraOver;
+use crate::transcription::{Derivatives, Grid, Objective};
 use crate::verify::duals::Written;
 use crate::verify::reference::{gradient, rate};
 use nalgebra::{DMatrix, DVector};
@@ -46,7 +45,7 @@ pub(super) fn identities() -> Vec<Identity> {
         ),
         identity(
             "analytic Lagrangian",
-            "derivatives of L at a point and the metric are those by duals of the value",
+            "derivatives of L at a point are those by duals of the value",
             "any x and xdot; weights and a dual of the slip",
             point::analytic_lagrangian,
         ),
@@ -57,7 +56,7 @@ pub(super) fn identities() -> Vec<Identity> {
 struct RandomCurve {
     times: Vec<Gf>,
     weights: Vec<Gf>,
-    /// Values of the functions of a segment at both points, then slopes.
+    /// Values of the functions of a segment and their first two derivatives, three columns per point.
     table: DMatrix<Gf>,
     /// `2 N` rows, one column per function.
     coefficients: DMatrix<Gf>,
@@ -80,16 +79,17 @@ impl RandomCurve {
         Self {
             times: matrix(all, 1).data.into(),
             weights: matrix(Self::POINTS, 1).data.into(),
-            table: matrix(Self::DEGREE + 1, 2 * Self::POINTS),
+            table: matrix(Self::DEGREE + 1, 3 * Self::POINTS),
             coefficients: matrix(2 * n, count),
             direction: matrix(2 * n * (count - 2), 1).column(0).into_owned(),
             duals: matrix(n, all),
         }
     }
 
-    fn grid(&self) -> StateGrid<Gf> {
+    fn grid(&self) -> Grid<Gf> {
         let (times, weights) = (self.times.clone(), self.weights.clone());
-        StateGrid::from_table(Self::SEGMENTS, times, weights, self.table.clone())
+        let free = (1..Self::SEGMENTS * Self::DEGREE).collect();
+        Grid::from_table(Self::SEGMENTS, 1, free, times, weights, self.table.clone())
     }
 
     /// The unknown coefficients: those of all functions but the first and the last.
@@ -112,7 +112,7 @@ impl RandomCurve {
             let (e, g) = (index / Self::POINTS, index % Self::POINTS);
             let own = coefficients.columns(e * Self::DEGREE, Self::DEGREE + 1);
             let [x, xdot] =
-                [g, Self::POINTS + g].map(|column| own * self.table.column(column).map(S::lift));
+                [3 * g, 3 * g + 1].map(|column| own * self.table.column(column).map(S::lift));
             let value = at(index, S::lift(*time), x.as_slice(), xdot.as_slice())?;
             sum += value.scale(self.weights[g]);
         }
@@ -125,13 +125,15 @@ fn weights(p: &RandomInstance) -> [DVector<Gf>; 3] {
     [3, 4, 5].map(|i| p.w.map(|w| w * w + p.extra[i]))
 }
 
-/// The analytic Lagrangian with all features.
-fn analytic<'a>(p: &'a RandomInstance, duals: &DMatrix<Gf>) -> AnalyticLagrangian<'a, Gf> {
-    let mut lagrangian = AnalyticLagrangian::new(&p.model, p.k);
-    lagrangian.weights = weights(p);
-    lagrangian.metric_weights.clone_from(&p.w);
-    lagrangian.slip_duals.clone_from(duals);
-    lagrangian
+/// The analytic Lagrangian with all features at this number of points.
+fn analytic<'a>(
+    p: &'a RandomInstance,
+    multipliers: &DMatrix<Gf>,
+) -> Result<WithSlip<ControlEffort<'a, Gf, Gf>, Gf>> {
+    let effort = ControlEffort::with_weights(&p.model, &weights(p))?;
+    let mut lagrangian = WithSlip::new(effort, p.k, p.dof(), multipliers.ncols());
+    lagrangian.multipliers.clone_from(multipliers);
+    Ok(lagrangian)
 }
 
 /// The Lagrangian at point `index` by its definition.
@@ -139,27 +141,6 @@ fn written(p: &RandomInstance, duals: &DMatrix<Gf>, index: usize) -> Written<Gf>
     Written {
         weights: weights(p),
         dual: duals.column(index).into_owned(),
-    }
-}
-
-/// A Lagrangian over the field by dual numbers.
-struct ByDuals<'m, L>(DualLagrangian<'m, L, Gf, Coupled>);
-
-impl<L: Lagrangian<Gf>> PointLagrangian<Gf> for ByDuals<'_, L> {
-    fn values(&mut self, at: StatePoints<'_, Gf>, values: &mut [Gf]) -> Result<()> {
-        self.0.values_over(at, values)
-    }
-
-    fn derivatives(
-        &mut self,
-        at: StatePoints<'_, Gf>,
-        out: &mut LagrangianDerivatives<Gf>,
-    ) -> Result<()> {
-        self.0.derivatives_over(at, out)
-    }
-
-    fn metrics(&mut self, at: StatePoints<'_, Gf>, out: &mut DMatrix<Gf>) -> Result<()> {
-        self.0.metrics_over(at, out)
     }
 }
 
@@ -171,22 +152,20 @@ fn any_lagrangian(p: &RandomInstance) -> Result<impl Lagrangian<Gf>> {
     })
 }
 
-fn by_duals<L: Lagrangian<Gf>>(p: &RandomInstance, lagrangian: L) -> ByDuals<'_, L> {
-    ByDuals(DualLagrangian::in_metric(
-        &p.model, lagrangian, Coupled, p.k,
-    ))
+fn by_duals<L: Lagrangian<Gf>>(p: &RandomInstance, lagrangian: L) -> DualLagrangian<'_, L, Gf> {
+    DualLagrangian::new(&p.model, lagrangian, p.k)
 }
 
 /// An action and its derivatives.
 fn derivatives(
     p: &RandomInstance,
     curve: &RandomCurve,
-    lagrangian: impl PointLagrangian<Gf>,
-) -> Result<([Gf; 2], ActionDerivatives<Gf>)> {
+    lagrangian: impl PointCost<Gf>,
+) -> Result<([Gf; 2], Derivatives<Gf>)> {
     let grid = curve.grid();
-    let mut action = Action::new(&grid, lagrangian, p.dof());
-    let mut derivatives = ActionDerivatives::new(&grid, p.dof());
-    let value = action.derivatives(&curve.coefficients, &mut derivatives)?;
+    let mut action = Objective::new(&grid, lagrangian, 2 * p.dof());
+    let mut derivatives = Derivatives::new(&grid, 2 * p.dof());
+    let value = action.gradient_and_hessian(&curve.coefficients, &mut derivatives)?;
     Ok(([action.value(&curve.coefficients)?, value], derivatives))
 }
 
@@ -194,7 +173,7 @@ fn action_gradient(p: &RandomInstance) -> Result<Vec<Equality>> {
     let curve = &RandomCurve::new(p);
     let any = &any_lagrangian(p)?;
     let mut equalities = Vec::new();
-    let (values, ours) = derivatives(p, curve, analytic(p, &curve.duals))?;
+    let (values, ours) = derivatives(p, curve, analytic(p, &curve.duals)?)?;
     let value = curve.sum(curve.unknowns(), |index, t, x, xdot| {
         written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k)
     })?;
@@ -228,7 +207,7 @@ fn action_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let curve = &RandomCurve::new(p);
     let any = &any_lagrangian(p)?;
     let along = curve.direction.as_slice();
-    let (_, ours) = derivatives(p, curve, analytic(p, &curve.duals))?;
+    let (_, ours) = derivatives(p, curve, analytic(p, &curve.duals)?)?;
     let by_sum = rate(curve.unknowns(), along, |c| {
         gradient(c, |c| {
             curve.sum(c, |index, t, x, xdot| {
@@ -250,16 +229,19 @@ fn action_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     ])
 }
 
-/// $M$ of an action.
-fn matrix(
-    p: &RandomInstance,
-    curve: &RandomCurve,
-    lagrangian: impl PointLagrangian<Gf>,
-) -> Result<DMatrix<Gf>> {
-    let grid = curve.grid();
-    let mut metric = ActionDerivatives::new(&grid, p.dof()).hessian;
-    Action::new(&grid, lagrangian, p.dof()).metric(&curve.coefficients, &mut metric)?;
-    Ok(metric.to_dense())
+/// $M$ of a metric.
+fn matrix(p: &RandomInstance, curve: &RandomCurve, metric: impl Metric<Gf>) -> Result<DMatrix<Gf>> {
+    let (grid, size) = (curve.grid(), 2 * p.dof());
+    let norm = Norm {
+        model: &p.model,
+        kind: RestMetric::Flow,
+        metric,
+        k: p.k,
+        horizon: p.k,
+    };
+    let mut derivatives = Derivatives::new(&grid, size);
+    Objective::new(&grid, norm, size).derivatives(&curve.coefficients, &mut derivatives)?;
+    Ok(derivatives.metric.to_dense())
 }
 
 /// $\sum_g w_g \varphi_m \varphi_n G$ for the unknown functions.
@@ -274,7 +256,7 @@ fn sum_of_metrics(
         let (e, g) = (index / RandomCurve::POINTS, index % RandomCurve::POINTS);
         let first = e * RandomCurve::DEGREE;
         let own = curve.coefficients.columns(first, RandomCurve::DEGREE + 1);
-        let values = curve.table.column(g);
+        let values = curve.table.column(3 * g);
         let x = own * values;
         let g_here = metric.matrix(&p.model, *time, x.as_slice(), p.k)?;
         for (m, phi_m) in values.iter().enumerate() {
@@ -297,12 +279,12 @@ fn metric_of_the_action(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![
         Equality::new(
             "metric of the flow",
-            matrix(p, curve, analytic(p, &curve.duals))?,
+            matrix(p, curve, &paper)?,
             sum_of_metrics(p, curve, &paper)?,
         ),
         Equality::new(
             "any metric",
-            matrix(p, curve, by_duals(p, any_lagrangian(p)?))?,
+            matrix(p, curve, Coupled)?,
             sum_of_metrics(p, curve, &Coupled)?,
         ),
     ])

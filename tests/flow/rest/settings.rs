@@ -1,10 +1,10 @@
 //! Refusals of a flow to rest, and its end on request.
 
+use super::{FREE, degree, rested, swing};
 use crate::common::{assert_refused, robot};
-use crate::rest::{FREE, degree, rested, swing};
 use aghf::constraint::{Constraints, TorqueLimits};
+use aghf::cost::ControlEffort;
 use aghf::flow::rest::{FlowToRest, RestSettings};
-use aghf::flow::weak::AnalyticLagrangian;
 use aghf::motion::{Interrupt, Stopped};
 use std::time::Duration;
 
@@ -13,8 +13,7 @@ fn settings_that_make_no_sense_are_refused() {
     let model = robot("pendulum_2");
     let problem = swing(&model);
     let refused = |settings: &RestSettings, words: &str| {
-        let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-        let flow = FlowToRest::new(&problem, &lagrangian).settings(settings.clone());
+        let flow = FlowToRest::new(&problem, 1e3).settings(settings.clone());
         assert_refused(flow.run(), words);
     };
     refused(&degree(3), "degree");
@@ -66,24 +65,22 @@ fn settings_that_make_no_sense_are_refused() {
         ..degree(9)
     };
     refused(&start, "settings: start: it does not go");
-    for (steps, rounds, words) in [(0, 1, "steps"), (1, 0, "rounds")] {
-        let settings = RestSettings {
-            steps,
-            rounds,
-            ..degree(9)
-        };
-        refused(&settings, words);
+    let settings = RestSettings {
+        iterations: 0,
+        ..degree(9)
+    };
+    refused(&settings, "iterations");
+    let flow = FlowToRest::new(&problem, 1e3).cost(ControlEffort::new(&other));
+    assert_refused(flow.settings(degree(9)).run(), "entries");
+    for k in [0.0, f64::INFINITY] {
+        assert_refused(FlowToRest::new(&problem, k).run(), "k");
     }
-    let lagrangian = AnalyticLagrangian::new(&other, 1e3);
-    let flow = FlowToRest::new(&problem, &lagrangian).settings(degree(9));
-    assert_refused(flow.run(), "entries");
     let limits = Constraints {
         state: (),
         torque: TorqueLimits(vec![Some(1.0)]),
         stage: Default::default(),
     };
-    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
-    let flow = FlowToRest::new(&problem, &lagrangian).settings(degree(9));
+    let flow = FlowToRest::new(&problem, 1e3).settings(degree(9));
     assert_refused(flow.constraints(&limits).run(), "entries");
 }
 
@@ -109,9 +106,8 @@ fn it_stops_when_asked_to() {
         interrupt: interrupt.clone(),
         ..degree(9)
     };
-    let lagrangian = AnalyticLagrangian::new(&model, 1e3);
     let mut seen = 0;
-    let flow = FlowToRest::new(&problem, &lagrangian).settings(settings);
+    let flow = FlowToRest::new(&problem, 1e3).settings(settings);
     let flow = flow.observe(|_| {
         seen += 1;
         if seen == 3 {
