@@ -172,9 +172,12 @@ fn main() -> Result<(), aghf::Error> {
     println!("| option | halved: iterations | successes | doubled: iterations | successes |");
     println!("| --- | --- | --- | --- | --- |");
     for (name, change) in options() {
-        let [halved, doubled] =
-            [0.5, 2.0].map(|by| solved(&scenarios, |settings| change(settings, by)));
-        println!("| `{name}` | {} | {} |", cell(halved?), cell(doubled?));
+        // Half or twice of some options is out of range, which the cell then says.
+        let [halved, doubled] = [0.5, 2.0].map(|by| {
+            let found = solved(&scenarios, |settings| change(settings, by));
+            found.map_or_else(|error| format!("{error} | -"), cell)
+        });
+        println!("| `{name}` | {halved} | {doubled} |");
     }
     Ok(())
 }
