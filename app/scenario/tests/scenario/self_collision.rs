@@ -211,3 +211,22 @@ fn an_srdf_says_which_links_may_overlap() {
         .file;
     assert_eq!(file.self_collision, None);
 }
+
+/// By default neighbours may overlap, and all other pairs but those that never meet keep clear.
+#[test]
+fn neighbours_may_overlap_by_default() {
+    let keys = json!({ "self_collision": null, "obstacles": [] });
+    let scenario = load("neighbours", &with(panda(), keys)).expect("it is good");
+    let scene = &scenario.scene;
+    let names = |pair: &[usize; 2]| {
+        pair.map(|i| scene.robot().link_of(&scene.trees()[i]).unwrap_or_default())
+    };
+    let kept: Vec<_> = scene.tree_pairs().iter().map(names).collect();
+    let keeps = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);
+    assert!(!keeps("panda_link3", "panda_link4") && !keeps("panda_link0", "panda_link1"));
+    assert!(
+        keeps("panda_hand", "panda_link2") && keeps("panda_link0", "panda_link6"),
+        "{kept:?}"
+    );
+    scenario.check_feasible().expect("nothing overlaps");
+}

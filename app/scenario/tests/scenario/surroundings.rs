@@ -368,25 +368,6 @@ fn shapes_keep_clear_by_default() {
     assert_eq!(written["self_collision"], "off");
 }
 
-/// By default neighbours may overlap, and all other pairs but those that never meet keep clear.
-#[test]
-fn neighbours_may_overlap_by_default() {
-    let keys = json!({ "self_collision": null, "obstacles": [] });
-    let scenario = load("neighbours", &with(panda(), keys)).expect("it is good");
-    let scene = &scenario.scene;
-    let names = |pair: &[usize; 2]| {
-        pair.map(|i| scene.robot().link_of(&scene.trees()[i]).unwrap_or_default())
-    };
-    let kept: Vec<_> = scene.tree_pairs().iter().map(names).collect();
-    let keeps = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);
-    assert!(!keeps("panda_link3", "panda_link4") && !keeps("panda_link0", "panda_link1"));
-    assert!(
-        keeps("panda_hand", "panda_link2") && keeps("panda_link0", "panda_link6"),
-        "{kept:?}"
-    );
-    scenario.check_feasible().expect("nothing overlaps");
-}
-
 /// A shape that nobody asked for and that cannot be read is refused with the key that does without.
 #[test]
 fn a_shape_by_default_that_cannot_be_read_is_refused_with_the_way_out() {
