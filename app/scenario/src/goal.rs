@@ -114,6 +114,9 @@ impl Goal {
         at: &impl Fn(Placement<f64>) -> FrameRows,
         refuse: &impl Fn(&str, String) -> Error,
     ) -> Result<Option<FrameRows>> {
+        if self.tolerance_m.is_some() && self.position_m.is_none() {
+            return Err(refuse("tolerance_m", "it needs position_m".to_owned()));
+        }
         let rows = match (self.position_m, &self.within) {
             (Some(_), Some(_)) => {
                 return Err(refuse("box", "it excludes position_m".to_owned()));
@@ -147,12 +150,7 @@ impl Goal {
             }
             (None, None) => return Ok(None),
         };
-        match self.tolerance_m {
-            Some(_) if self.position_m.is_none() => {
-                Err(refuse("tolerance_m", "it needs position_m".to_owned()))
-            }
-            _ => Ok(Some(rows)),
-        }
+        Ok(Some(rows))
     }
 
     fn orientation(

@@ -70,14 +70,7 @@ fn texts_that_are_no_scenario_are_refused() {
 
 #[test]
 fn keys_that_are_missing_are_named() {
-    for key in [
-        "robot",
-        "horizon_s",
-        "q_start",
-        "v_start",
-        "q_goal",
-        "v_goal",
-    ] {
+    for key in ["robot", "horizon_s", "q_start", "v_start"] {
         let mut without = good();
         without.as_object_mut().expect("it is one").remove(key);
         let words = format!("missing field `{key}`");
