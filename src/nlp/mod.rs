@@ -27,12 +27,14 @@ mod iterate;
 mod kkt;
 mod line_search;
 mod options;
+mod row;
 mod state;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
-pub use iterate::{Equality, Iterate, Row, RowState, Term};
+pub use iterate::{Equality, Iterate};
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
+pub use row::{Row, RowState, RowStep, Term};
 
 use crate::error::Result;
 use line_search::line_search;

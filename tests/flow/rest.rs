@@ -182,8 +182,8 @@ fn action(model: &Model, curve: &Curve, k: f64) -> f64 {
     sum
 }
 
-/// The metric changes only the path: with either the gradient of the action vanishes at its end, and from beside one end
-/// leads back to it.
+/// The metric changes only the path: with either the gradient of the action vanishes at its end, and from beside one
+/// end leads back to it.
 #[test]
 fn it_comes_to_rest_in_either_metric() {
     let model = robot("pendulum_2");

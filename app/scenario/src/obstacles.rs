@@ -90,8 +90,8 @@ pub enum RobotShape {
     },
     /// The collision shapes of the URDF: spheres as they are, others covered by balls.
     Collision {
-        /// The largest distance by which the balls may stick out, m; by default 0.005, of a box or a cylinder a tenth of
-        /// its smallest extent, from 0.005 to 0.02.
+        /// The largest distance by which the balls may stick out, m; by default 0.005, of a box or a cylinder a tenth
+        /// of its smallest extent, from 0.005 to 0.02.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         excess_m: Option<f64>,
     },

@@ -1,10 +1,12 @@
 //! The rows of a goal on the final configuration.
 
+use super::program::Program;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
+use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
-use crate::nlp::Term;
+use crate::nlp::{Iterate, Kkt, Term};
 use crate::transcription::Grid;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -119,5 +121,65 @@ impl<'g> GoalRows<'g> {
             gradient,
             hessian.hessian().view((0, 0), (n, n)).into_owned(),
         ))
+    }
+}
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// Evaluates the rows of a goal at the current coefficients.
+    pub(super) fn evaluate_goal(&mut self) -> Result<()> {
+        let last = self.basis.value(self.basis.segments());
+        let q = self.coefficients.column(last);
+        self.goal.evaluate(q.as_slice())
+    }
+
+    /// The unknown that is the final configuration, with the derivatives in it of the rows of a goal, without the
+    /// measure, and their terms; `None` if the final configuration is fixed.
+    pub(super) fn of_goal(&mut self, iterate: &Iterate) -> Result<Option<OfGoal>> {
+        let last = self.basis.value(self.basis.segments());
+        let Some(unknown) = self.grid.unknown[last] else {
+            return Ok(None);
+        };
+        self.evaluate_goal()?;
+        let (goal, margins) = (&self.goal, &self.margins);
+        let held = iterate.equalities.iter().filter_map(|equality| {
+            let at = equality.row.at.checked_sub(goal.first)?;
+            let term = iterate.equality_term(equality, *goal.h.get(at)?);
+            Some((equality.row, term))
+        });
+        let near = iterate.working.iter().filter_map(|of| {
+            let row = of.row;
+            let h = goal.h.get(row.at.checked_sub(goal.first)?)?;
+            Some((row, self.term(iterate, of, h + margins[row.at])))
+        });
+        let terms = held.chain(near);
+        let terms: Vec<_> = terms
+            .map(|(row, term)| (row.at, term.times(row.weight)))
+            .collect();
+        let cost = terms.iter().map(|(_, term)| term.cost).sum();
+        let (gradient, hessian) = self.goal.derivatives(terms.into_iter())?;
+        Ok(Some(OfGoal {
+            unknown,
+            cost,
+            gradient,
+            hessian,
+        }))
+    }
+
+    /// Adds the derivatives of the rows of a goal, which depend on the final configuration alone: one coefficient per
+    /// joint.
+    pub(super) fn add_goal(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        let Some(of) = self.of_goal(iterate)? else {
+            return Ok(());
+        };
+        of.add_hessian(self.horizon, self.grid, &mut out.hessian.matrix);
+        let own = of.unknown * of.gradient.len();
+        let mut target = out.gradient.rows_mut(own, of.gradient.len());
+        target += self.horizon * &of.gradient;
+        if let Some((border, _)) = &mut out.hessian.border {
+            let mut target = border.rows_mut(own, of.gradient.len());
+            target += &of.gradient;
+            out.gradient[self.derivatives.gradient.len()] += of.cost;
+        }
+        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! The nonlinear program of a curve in a basis.
 
-use super::goal_rows::{GoalRows, OfGoal};
+use super::goal_rows::GoalRows;
 use super::integrand::Integrand;
 use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
@@ -28,7 +28,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
     pub(super) finer: Objective<'g, f64, P>,
     pub finer_cost: [f64; 2],
-    derivatives: Derivatives<f64>,
+    pub(super) derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
     pub(super) basis: Basis,
@@ -175,7 +175,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 
     /// The term of a row: with its multiplier as slope for the Lagrangian.
-    fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
+    pub(super) fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
         let term = iterate.term(state, h);
         match self.lagrangian {
             false => term,
@@ -227,64 +227,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let term = term.times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
-    }
-
-    /// Evaluates the rows of a goal at the current coefficients.
-    pub(super) fn evaluate_goal(&mut self) -> Result<()> {
-        let last = self.basis.value(self.basis.segments());
-        let q = self.coefficients.column(last);
-        self.goal.evaluate(q.as_slice())
-    }
-
-    /// The unknown that is the final configuration, with the derivatives in it of the rows of a goal, without the
-    /// measure, and their terms; `None` if the final configuration is fixed.
-    fn of_goal(&mut self, iterate: &Iterate) -> Result<Option<OfGoal>> {
-        let last = self.basis.value(self.basis.segments());
-        let Some(unknown) = self.grid.unknown[last] else {
-            return Ok(None);
-        };
-        self.evaluate_goal()?;
-        let (goal, margins) = (&self.goal, &self.margins);
-        let held = iterate.equalities.iter().filter_map(|equality| {
-            let at = equality.row.at.checked_sub(goal.first)?;
-            let term = iterate.equality_term(equality, *goal.h.get(at)?);
-            Some((equality.row, term))
-        });
-        let near = iterate.working.iter().filter_map(|of| {
-            let row = of.row;
-            let h = goal.h.get(row.at.checked_sub(goal.first)?)?;
-            Some((row, self.term(iterate, of, h + margins[row.at])))
-        });
-        let terms = held.chain(near);
-        let terms: Vec<_> = terms
-            .map(|(row, term)| (row.at, term.times(row.weight)))
-            .collect();
-        let cost = terms.iter().map(|(_, term)| term.cost).sum();
-        let (gradient, hessian) = self.goal.derivatives(terms.into_iter())?;
-        Ok(Some(OfGoal {
-            unknown,
-            cost,
-            gradient,
-            hessian,
-        }))
-    }
-
-    /// Adds the derivatives of the rows of a goal, which depend on the final configuration alone: one coefficient per
-    /// joint.
-    fn add_goal(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
-        let Some(of) = self.of_goal(iterate)? else {
-            return Ok(());
-        };
-        of.add_hessian(self.horizon, self.grid, &mut out.hessian.matrix);
-        let own = of.unknown * of.gradient.len();
-        let mut target = out.gradient.rows_mut(own, of.gradient.len());
-        target += self.horizon * &of.gradient;
-        if let Some((border, _)) = &mut out.hessian.border {
-            let mut target = border.rows_mut(own, of.gradient.len());
-            target += &of.gradient;
-            out.gradient[self.derivatives.gradient.len()] += of.cost;
-        }
-        Ok(())
     }
 
     /// The values of the two bounds of a free horizon, relative to the initial one.

@@ -197,8 +197,8 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     })
 }
 
-/// Drops all but the best `kept` of those that are at a level, for a goal that is a set: they differ in their ends, of which
-/// the order of the costs at a low degree is a good sign, and each of them takes a whole search at the next degree.
+/// Drops all but the best `kept` of those that are at a level, for a goal that is a set: they differ in their ends, of
+/// which the order of the costs at a low degree is a good sign, and each of them takes a whole search at the next one.
 fn keep_best(climbing: &mut Vec<Climber>, level: usize, feasible: f64, kept: usize) {
     let (mut here, waiting): (Vec<_>, Vec<_>) = climbing
         .drain(..)

@@ -1,13 +1,11 @@
-//! The flow to rest by an implicit scheme whose steps grow without bound, with multipliers where penalties are
-//! insufficient.
+//! The flow to rest by an implicit scheme with unbounded steps, and multipliers where penalties are insufficient.
 //!
 //! The published flow follows $\partial x / \partial s = \Omega$ up to some `s_max` with an integrator that resolves
 //! the path, and stalls; `proofs/penalty.md` explains this. Here only the end of the path matters, so that the steps in
 //! `s` may be arbitrarily large.
 //!
 //! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the
-//!    coefficients of a continuous piecewise polynomial in the state, which is a basis of the
-//!    [transcription](crate::transcription).
+//!    coefficients of a continuous piecewise polynomial in the state, a basis of `transcription`.
 //! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\, \delta = -\nabla A$ with the exact Hessian, is
 //!    one of Newton's method with a multiple of the norm added to the Hessian: the [interior-point
 //!    method](crate::nlp) with the metric of the flow as norm takes them, and adds none in the end (`program.rs`).
@@ -41,8 +39,7 @@ use walk::Shared;
 
 /// The lowest degree without and with rows.
 const LOWEST_DEGREE: [usize; 2] = [6, 9];
-/// The amplitude of bent guesses without and with rows, rad or m; with passive joints the first, because there are many
-/// minima.
+/// The amplitude of bent guesses without and with rows, rad or m; with passive joints, of many minima, the first.
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The largest number of guesses while none leads to a motion within the constraints.
 const MOST_GUESSES: usize = 64;

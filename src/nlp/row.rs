@@ -1,0 +1,95 @@
+//! One row: its slack, elastic variable and multiplier, their steps, and its terms in the condensed equations.
+
+use super::Barrier;
+
+/// A row of the working set.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// The index among all rows.
+    pub at: usize,
+    /// The weight without the measure of the problem.
+    pub weight: f64,
+}
+
+/// The slack $s$, the elastic variable $t$ and the multiplier $\lambda$ of an inequality, with the conditions
+/// $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
+#[derive(Clone, Copy, Debug)]
+pub struct RowState {
+    pub row: Row,
+    pub slack: f64,
+    pub elastic: f64,
+    pub multiplier: f64,
+}
+
+/// The weights of a row in the condensed equations.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// That of its gradient.
+    pub slope: f64,
+    /// That of the product of its gradient with itself.
+    pub curvature: f64,
+    /// That of its second derivative: the multiplier.
+    pub multiplier: f64,
+    /// The terms of the row in the barrier function.
+    pub cost: f64,
+}
+
+impl Term {
+    /// The term times a factor.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            slope: factor * self.slope,
+            curvature: factor * self.curvature,
+            multiplier: factor * self.multiplier,
+            cost: factor * self.cost,
+        }
+    }
+}
+
+/// A step of slack, elastic variable and multiplier.
+#[derive(Clone, Copy, Debug)]
+pub struct RowStep {
+    pub slack: f64,
+    pub elastic: f64,
+    pub multiplier: f64,
+}
+
+impl RowState {
+    /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
+    /// keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
+    pub fn take(&self, nu: f64, step: &RowStep, fraction: f64, tau: f64) -> Self {
+        let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
+        let z = self.multiplier;
+        let by = moved(z, fraction * step.multiplier) - z;
+        Self {
+            row: self.row,
+            slack: moved(self.slack, fraction * step.slack),
+            elastic: moved(self.elastic, fraction * step.elastic),
+            multiplier: nu - moved(nu - z, -by),
+        }
+    }
+
+    /// Enlarges slack or elastic variable until $h + s = t$.
+    pub fn meet(&mut self, h: f64) {
+        let excess = h + self.slack - self.elastic;
+        if excess > 0.0 {
+            self.elastic += excess;
+        } else {
+            self.slack -= excess;
+        }
+    }
+
+    /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
+    pub(super) fn safeguard(&mut self, Barrier { mu, nu }: Barrier, range: f64) {
+        let (s, t) = (self.slack, self.elastic);
+        let z = &mut self.multiplier;
+        if s > t {
+            *z = z.max(mu / s / range).min((mu / s * range).min(0.5 * nu));
+        } else {
+            // Not less than rounding leaves between a multiplier and the penalty.
+            let least = (mu / t / range).max(f64::EPSILON * nu);
+            let upper = (nu - *z).max(least).min((mu / t * range).max(least));
+            *z = nu - upper.min((1.0 - f64::EPSILON) * nu);
+        }
+    }
+}
