@@ -84,7 +84,8 @@ impl RowState {
         let (s, t) = (self.slack, self.elastic);
         let z = &mut self.multiplier;
         if s > t {
-            *z = z.max(mu / s / range).min((mu / s * range).min(0.5 * nu));
+            let most = (mu / s * range).min((1.0 - f64::EPSILON) * nu);
+            *z = z.max(mu / s / range).min(most);
         } else {
             // Not less than rounding leaves between a multiplier and the penalty.
             let least = (mu / t / range).max(f64::EPSILON * nu);
