@@ -90,7 +90,7 @@ fn options() -> Vec<(&'static str, Change)> {
             search.lower_last_barrier, search.lower_feasible, search.planned_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.wave, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
-            search.planned_segments, search.planned_degree, search.margin_checks;
+            search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
         both: search.hopeless;
         factor: search.horizon_growth;
         scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.penalty,
@@ -112,7 +112,7 @@ fn options() -> Vec<(&'static str, Change)> {
             monotone(settings, |rule| factor(&mut rule.power, by))
         }),
         ("barrier.done", |settings, by| {
-            monotone(settings, |rule| scaled(&mut rule.done, by))
+            monotone(settings, |rule| both(&mut rule.done, by))
         }),
     ];
     all.extend(rules);
