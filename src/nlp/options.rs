@@ -21,7 +21,8 @@ pub struct Options {
     pub last_barrier: f64,
     /// The rule by which the barrier parameter changes.
     pub barrier: Arc<dyn BarrierUpdate>,
-    /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima.
+    /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima. It may be
+    /// infinite.
     pub longest_step: f64,
     /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
     /// more for the smallest of all; here each row is cut by itself, and 0.9 keeps the rows central (tuned on seven
@@ -124,7 +125,6 @@ impl Options {
             ("first_barrier", self.first_barrier),
             ("warm_barrier", self.warm_barrier),
             ("last_barrier", self.last_barrier),
-            ("longest_step", self.longest_step),
             ("penalty", self.penalty),
             ("largest_penalty", self.largest_penalty),
             ("infeasible_cost", self.infeasible_cost),
@@ -138,6 +138,10 @@ impl Options {
             ("saddle_step", self.saddle_step),
         ] {
             check_positive("nlp", what, value)?;
+        }
+        // In some norms no length means too much.
+        if self.longest_step != f64::INFINITY {
+            check_positive("nlp", "longest_step", self.longest_step)?;
         }
         let growing = |x: f64| x > 1.0 && x.is_finite();
         let shrinking = |x: f64| x > 0.0 && x < 1.0;

@@ -6,7 +6,7 @@
 //!
 //! 1. The flow is discretised in its weak form, see [`weak`](super::weak): $D \dot c = -\nabla A(c)$ for the
 //!    coefficients of a continuous piecewise polynomial in the state, a basis of `transcription`.
-//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\, \delta = -\nabla A$ with the exact Hessian, is
+//! 2. A step of the implicit Euler method, $(\tfrac1h D + \nabla^2 A)\\, \delta = -\nabla A$ with the exact Hessian, is
 //!    one of Newton's method with a multiple of the norm added to the Hessian: the [interior-point
 //!    method](crate::nlp) with the metric of the flow as norm takes them, and adds none in the end (`program.rs`).
 //! 3. Constraints are its rows, and the slip $\dot x_{P1} - x_{P2}$ and the torques of passive joints its equalities,
