@@ -22,7 +22,8 @@ impl Between {
     pub fn new(model: Model, rows: Vec<AnyConstraint>, times: [f64; 2]) -> Result<Self> {
         let refuse = |what: &str, condition: String| Err(Error::input("rows", what, condition));
         let [from, to] = times;
-        if !(from < to) {
+        // NaN is before nothing.
+        if from.is_nan() || to.is_nan() || from >= to {
             let [from, to] = times.map(plain);
             return refuse(
                 "times",

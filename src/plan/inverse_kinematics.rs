@@ -78,7 +78,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
     pub fn new(model: &'a Model, constraint: &'a K, bounds: Vec<[f64; 2]>) -> Result<Self> {
         check_length("bounds", model.dof(), bounds.len())?;
         for (joint, [lower, upper]) in model.joints().iter().zip(&bounds) {
-            if !(lower <= upper) {
+            if lower.is_nan() || upper.is_nan() || lower > upper {
                 let joint = format!("joint '{}'", joint.name());
                 let condition = format!("they are {lower} and {upper}, which nothing is between");
                 return Err(Error::input(model.name(), joint, condition));

@@ -9,7 +9,7 @@ use aghf::motion::Problem;
 fn options_out_of_range_are_errors() {
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
-    let cases: [(fn(&mut DirectSettings), &str); 7] = [
+    let cases: [(Change, &str); 7] = [
         (|s| s.search.wave = 0, "wave: it is 0, at least 1"),
         (|s| s.search.more_starts = 0, "more_starts: it is 0"),
         (
@@ -33,6 +33,9 @@ fn options_out_of_range_are_errors() {
         assert_refused(settings.check(&problem), words);
     }
 }
+
+/// A change of the settings.
+type Change = fn(&mut DirectSettings);
 
 /// Options reach the minimisation: more points, and a penalty and a step of one's own.
 #[test]

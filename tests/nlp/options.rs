@@ -3,10 +3,13 @@
 use crate::common::assert_refused;
 use aghf::nlp::Options;
 
+/// A change of the options.
+type Change = fn(&mut Options);
+
 #[test]
 fn options_with_which_a_search_would_not_end_are_refused() {
     assert!(Options::default().check().is_ok());
-    let cases: [(fn(&mut Options), &str); 7] = [
+    let cases: [(Change, &str); 7] = [
         (|o| o.tolerance = 0.0, "nlp: tolerance: it is 0"),
         (|o| o.last_barrier = f64::NAN, "last_barrier: it is NaN"),
         (
