@@ -24,11 +24,11 @@ pub struct RowState {
 /// The weights of a row in the condensed equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
-    /// That of its gradient.
+    /// The weight of its gradient.
     pub slope: f64,
-    /// That of the product of its gradient with itself.
+    /// The weight of the product of its gradient with itself.
     pub curvature: f64,
-    /// That of its second derivative: the multiplier.
+    /// The weight of its second derivative: the multiplier.
     pub multiplier: f64,
     /// The terms of the row in the barrier function.
     pub cost: f64,

@@ -48,7 +48,7 @@ pub struct Diagnosis {
     pub joints: BTreeMap<&'static str, usize>,
     /// The moving mass, kg, if the dynamics could be built.
     pub mass_kg: Option<f64>,
-    /// What keeps clear of what unless a scenario says otherwise.
+    /// The pairs that keep clear of each other unless a scenario says otherwise.
     pub kept_clear: &'static str,
     /// The collision shapes, if the dynamics could be built.
     pub shapes: Shapes,
