@@ -1,6 +1,7 @@
 //! A goal that is a set of final configurations.
 
 use crate::constraint::AnyConstraint;
+use crate::curve::Curve;
 use crate::error::{Error, Result, check_length};
 use crate::motion::Problem;
 
@@ -28,6 +29,18 @@ impl GoalSet {
     /// The first guess of a start.
     pub(super) fn end(&self, start: usize) -> &GoalEnd {
         &self.ends[start % self.ends.len()]
+    }
+
+    /// The alternative of the end next to that of a curve.
+    pub(super) fn nearest(&self, curve: &Curve) -> usize {
+        let (end, _) = curve.at(curve.horizon());
+        let distance = |of: &GoalEnd| {
+            let squares = of.q.iter().zip(&end).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>()
+        };
+        let ends = self.ends.iter();
+        let nearest = ends.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or(0, |end| end.alternative)
     }
 
     /// Checks the numbers of entries.

@@ -36,12 +36,14 @@ pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 
 use crate::constraint::{Constraint, Constraints, NONE};
 use crate::cost::{ControlEffort, CostWithControl};
-use crate::error::Result;
+use crate::curve::Curve;
+use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, curve_of, path_of};
 use crate::transcription::{Grids, Rows};
+pub use minimise::Multipliers;
 pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
-pub(crate) use minimise::{Integrand, Multipliers, Stage};
+pub(crate) use minimise::{Integrand, Stage};
 pub(crate) use settings::Rung;
 use strategy::{Planned, minimise_to_the_end, multistart, refine};
 
@@ -133,6 +135,13 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         settings.check(problem)?;
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
+        if let Some(known) = &settings.multipliers
+            && known.rows() != rows.count()
+        {
+            let (found, needed) = (known.rows(), rows.count());
+            let condition = format!("they are those of {found} rows, there are {needed}");
+            return Err(Error::input("settings", "multipliers", condition));
+        }
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let given = Context {
             problem,
@@ -146,7 +155,9 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         let planned = Planned::new(given, settings)?;
         let mut problem = problem.clone();
         let longest = settings.free_horizon.map(|free| free.longest);
-        if let Some(longest) = longest.or(settings.longest_horizon) {
+        if let Some(curve) = &settings.start {
+            problem = problem_of_start(&problem, curve, settings)?;
+        } else if let Some(longest) = longest.or(settings.longest_horizon) {
             problem = problem.with_horizon(planned.first_horizon(longest)?)?;
         }
         let from = problem.clone();
@@ -168,7 +179,11 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         let found = if let Some(curve) = &settings.start {
             let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
-            let start = Candidate::new(path, problem.horizon());
+            let start = Candidate {
+                multipliers: settings.multipliers.clone().unwrap_or_default(),
+                alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
+                ..Candidate::new(path, problem.horizon())
+            };
             minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
         } else {
             let outcome = multistart(
@@ -214,7 +229,25 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             best_start,
             alternative: found.alternative,
             first_guess,
+            multipliers: found.multipliers,
             iterations,
         })
     }
+}
+
+/// The problem with the horizon of an initial curve, if the horizon is free, and with its end, if the goal is a set.
+fn problem_of_start<'a>(
+    problem: &Problem<'a>,
+    start: &Curve,
+    settings: &DirectSettings,
+) -> Result<Problem<'a>> {
+    let mut own = problem.clone();
+    if let Some(free) = &settings.free_horizon {
+        own = own.with_horizon(start.horizon().clamp(free.shortest, free.longest))?;
+    }
+    if settings.goal.is_some() {
+        let (end, _) = start.at(start.horizon());
+        own = own.with_final_position(&end.as_slice()[..start.dof()])?;
+    }
+    Ok(own)
 }

@@ -1,7 +1,7 @@
 //! The settings and the results of the direct method.
 
 use super::minimise::Stage;
-use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, SearchOptions};
+use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, Multipliers, SearchOptions};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
@@ -49,9 +49,11 @@ pub struct DirectSettings {
     /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a
     /// free horizon takes precedence.
     pub longest_horizon: Option<f64>,
-    /// An initial curve, used directly at this degree; only its shape matters, which is fitted to the boundary states
-    /// and the horizon of the problem.
+    /// An initial curve, used directly at this degree; its shape is fitted to the boundary states and the horizon of the
+    /// problem, or to its own horizon if that is free.
     pub start: Option<Curve>,
+    /// The multipliers of the rows at the initial curve, with which the barrier parameter begins smaller.
+    pub multipliers: Option<Multipliers>,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
     /// True if the acceleration is continuous: between segments, and with the rest before and after, so that it is zero
@@ -99,6 +101,7 @@ impl Default for DirectSettings {
             planned_starts: PlannedStarts::default(),
             longest_horizon: None,
             start: None,
+            multipliers: None,
             free_final_velocity: false,
             continuous_acceleration: false,
             free_horizon: None,
@@ -267,9 +270,13 @@ impl DirectSettings {
                 return Err(Error::input("settings", "longest_horizon", condition));
             }
         }
-        match &self.start {
-            Some(curve) => problem.model().check("start", curve.dof()),
-            None => Ok(()),
+        match (&self.start, &self.multipliers) {
+            (Some(curve), _) => problem.model().check("start", curve.dof()),
+            (None, Some(_)) => {
+                let condition = "they are given without a start";
+                Err(Error::input("settings", "multipliers", condition))
+            }
+            (None, None) => Ok(()),
         }
     }
 }
@@ -365,6 +372,8 @@ pub struct DirectSolution {
     pub alternative: usize,
     /// The initial curve of that start.
     pub first_guess: Curve,
+    /// The multipliers of the rows.
+    pub multipliers: Multipliers,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
 }

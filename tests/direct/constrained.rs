@@ -6,7 +6,7 @@ use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
     TorqueLimits,
 };
-use aghf::direct::{Direct, DirectSettings, DirectSolution};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, Multipliers};
 use aghf::motion::{Problem, sample};
 use nalgebra::Vector3;
 
@@ -26,9 +26,18 @@ fn solved(problem: &Problem<'_>, kept: &Kept) -> DirectSolution {
 
 /// A point that has to go around a ball of this radius.
 fn around_a_ball(radius: f64, degree: usize) -> DirectSolution {
+    let settings = DirectSettings {
+        degree,
+        ..DirectSettings::constrained()
+    };
+    around_a_ball_to(1.0, radius, &settings)
+}
+
+/// The same to another goal on the line, with these settings.
+fn around_a_ball_to(goal: f64, radius: f64, settings: &DirectSettings) -> DirectSolution {
     let model = point_mass(&[Vector3::x(), Vector3::y()]);
     let start = vec![0.0, 0.0, 0.0, 0.0];
-    let problem = Problem::new(&model, start, vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let problem = Problem::new(&model, start, vec![goal, 0.0, 0.0, 0.0], 1.0).expect("valid");
     let ball = CollisionSphere {
         body: Some(1),
         centre: Vector3::zeros(),
@@ -39,11 +48,66 @@ fn around_a_ball(radius: f64, degree: usize) -> DirectSolution {
         balls: vec![ball],
         spheres: vec![Sphere { centre, radius }],
     }));
+    solved_within(&problem, settings, &kept)
+}
+
+/// To a goal that has moved a search takes a few iterations with the multipliers of the last one, and ends as it does
+/// without.
+#[test]
+fn a_search_begins_with_known_multipliers() {
     let settings = DirectSettings {
-        degree,
+        degree: 12,
         ..DirectSettings::constrained()
     };
-    solved_within(&problem, &settings, &kept)
+    let first = around_a_ball_to(1.0, 0.2, &settings);
+    let cold = around_a_ball_to(1.02, 0.2, &settings);
+    let known = &first.multipliers;
+    let (times, rows) = (known.times().to_vec(), known.rows());
+    let same = Multipliers::of_entries(times, rows, &known.entries(0.0), known.of_goal().to_vec());
+    let same = same.expect("they fit");
+    assert_eq!(same, *known);
+    let warm = DirectSettings {
+        start: Some(first.curve.clone()),
+        multipliers: Some(same),
+        ..settings.clone()
+    };
+    let warm = around_a_ball_to(1.02, 0.2, &warm);
+    assert!(cold.converged && warm.converged);
+    assert!(
+        (warm.cost - cold.cost).abs() < 1e-6 * cold.cost,
+        "{} {}",
+        warm.cost,
+        cold.cost
+    );
+    let [few, many] = [&warm, &cold].map(|of| of.iterations.len());
+    assert!(3 * few < 2 * many, "{few} {many}");
+}
+
+#[test]
+fn multipliers_that_do_not_fit_are_refused() {
+    let bad = |times: &[f64], entry| {
+        let all = Multipliers::of_entries(times.to_vec(), 3, &[entry], Vec::new());
+        assert_refused(all, "multipliers");
+    };
+    bad(&[0.0, 1.0], (2, 0, 1.0));
+    bad(&[0.0, 1.0], (0, 3, 1.0));
+    bad(&[0.0, 1.0], (0, 0, f64::NAN));
+    bad(&[1.0, 0.0], (0, 0, 1.0));
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
+    let known = Multipliers::of_entries(vec![0.0, 1.0], 3, &[(0, 0, 1.0)], Vec::new());
+    let settings = DirectSettings {
+        multipliers: known.ok(),
+        ..DirectSettings::default()
+    };
+    let solve = |settings| Direct::new(&problem).settings(settings).solve();
+    assert_refused(solve(settings.clone()), "without a start");
+    let free = solve(DirectSettings::default()).expect("it is free");
+    let start = Some(free.curve);
+    assert_refused(
+        solve(DirectSettings { start, ..settings }),
+        "3 rows, there are 0",
+    );
 }
 
 /// A cost that is more than there are numbers for ends as a search that failed.

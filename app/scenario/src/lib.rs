@@ -43,6 +43,7 @@ mod scene;
 mod schema;
 mod self_collision;
 mod summary;
+mod warm_start;
 mod yaml;
 
 pub use builtin::builtin_scenarios;
@@ -73,3 +74,4 @@ pub use robot_shape::{cover_links, cover_shape};
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
 pub use summary::{Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict};
+pub use warm_start::MultipliersFile;

@@ -3,10 +3,13 @@
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
 use super::summary::{Details, DirectDetails, ReachedEnd, Summary, Verdict};
-use super::{CurveFile, DirectOptions, Feasibility, Method, Provenance, Scenario, SolveOptions};
+use super::warm_start::{MultipliersFile, start_from};
+use super::{
+    CurveFile, DirectOptions, Feasibility, Method, Provenance, Scenario, SolveOptions, Solved,
+};
 use aghf::curve::Curve;
 use aghf::direct::{Direct, DirectSettings, DirectSolution, Iteration};
-use aghf::error::Result;
+use aghf::error::{Error, Result};
 use aghf::flow::rest::RestRecord;
 use aghf::flow::{EffortSummary, FlowRecord, effort_of};
 use aghf::motion::{Feedback, Interrupt, Stopped, replay_error, simulate};
@@ -77,6 +80,7 @@ pub struct Solve<'a> {
     scenario: &'a Scenario,
     options: SolveOptions,
     interrupt: Interrupt,
+    start: Option<&'a Solved>,
     observe: Box<dyn FnMut(&Record) + 'a>,
 }
 
@@ -88,6 +92,7 @@ impl<'a> Solve<'a> {
             scenario,
             options: SolveOptions::default(),
             interrupt: Interrupt::default(),
+            start: None,
             observe: Box::new(|_| {}),
         }
     }
@@ -103,6 +108,14 @@ impl<'a> Solve<'a> {
     #[must_use]
     pub fn interrupt(self, interrupt: Interrupt) -> Self {
         Self { interrupt, ..self }
+    }
+
+    /// Starts a direct solve from the motion of another one, with its multipliers if the constraints are as many, instead
+    /// of from several starts. The goal, the obstacles and the limits may be others.
+    #[must_use]
+    pub fn start(self, start: &'a Solved) -> Self {
+        let start = Some(start);
+        Self { start, ..self }
     }
 
     /// Sets a function that is called with the progress.
@@ -122,14 +135,21 @@ impl<'a> Solve<'a> {
             scenario,
             options,
             interrupt,
+            start,
             mut observe,
         } = self;
+        if start.is_some() && options.method() != Method::Direct {
+            let condition = "only the direct method starts from another motion";
+            return Err(Error::input("options", "start", condition));
+        }
         options.check(scenario)?;
         scenario.check_feasible()?;
         scenario.check_for(options.method())?;
         let observe = &mut *observe;
         let found = match &options {
-            SolveOptions::Direct(own) => solve_directly(scenario, own, interrupt, observe)?,
+            SolveOptions::Direct(own) => {
+                solve_directly(scenario, own, (start, interrupt), observe)?
+            }
             SolveOptions::Flow(own) => solve_by_flow(scenario, own, interrupt, observe)?,
             SolveOptions::Rest(own) | SolveOptions::Duals(own) | SolveOptions::TwoPhases(own) => {
                 let method = options.method();
@@ -143,17 +163,20 @@ impl<'a> Solve<'a> {
 fn solve_directly(
     scenario: &Scenario,
     options: &DirectOptions,
-    interrupt: Interrupt,
+    (start, interrupt): (Option<&Solved>, Interrupt),
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Solution> {
     let started = Instant::now();
     let problem = scenario.problem()?;
-    let settings = &DirectSettings {
+    let mut settings = DirectSettings {
         interrupt,
         goal: scenario.goal_with_ends()?,
         ..options.settings(scenario)?
     };
     let constraints = scenario.constraints();
+    let start = start.map(|start| start_from(start, scenario, &constraints, &mut settings));
+    let start = start.transpose()?;
+    let settings = &settings;
     let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
     let solution = Direct::new(&problem)
         .cost(scenario.running_cost()?)
@@ -178,6 +201,8 @@ fn solve_directly(
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
     let details = Details::Direct(DirectDetails {
+        start,
+        multipliers: MultipliersFile::new(&solution.multipliers),
         horizon_s: horizon,
         cost: solution.cost + time.unwrap_or(0.0),
         tolerance: settings.tolerance,
@@ -327,6 +352,9 @@ fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Re
     let success = verdict.is_valid();
     let mut notes = scenario.notes(method);
     notes.extend(scenario.far_obstacles()?);
+    if let Details::Direct(details) = &details {
+        notes.extend(details.start.clone());
+    }
     if let (true, Some(missed)) = (success, &missed) {
         notes.push(format!("{missed}: the motion needs a better controller"));
     }

@@ -1,6 +1,6 @@
 //! The result of a solve in numbers.
 
-use super::{CurveFile, Feasibility, Method, Provenance};
+use super::{CurveFile, Feasibility, Method, MultipliersFile, Provenance};
 use aghf::direct::{DegreeRefinement, LocalMinimum};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::motion::{Feedback, Guess};
@@ -173,6 +173,12 @@ pub struct RestDetails {
 /// The result and the work of a direct solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DirectDetails {
+    /// What was kept of the motion from which the search [started](super::Solve::start), if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
+    /// The multipliers of the rows, from which another search can start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multipliers: Option<MultipliersFile>,
     /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
     pub horizon_s: f64,
     /// The minimised cost: the control effort or the running cost, and the cost of a free horizon.

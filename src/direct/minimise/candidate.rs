@@ -3,7 +3,7 @@
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Curve;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::motion::{Path, Problem, curve_of};
 use crate::transcription::Grid;
 use crate::transcription::Rows;
@@ -43,14 +43,14 @@ pub(crate) struct Candidate {
     pub kept: bool,
 }
 
-/// Multipliers of all rows at given normalised times.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Multipliers {
-    pub times: Vec<f64>,
+/// Multipliers of all rows at given normalised times, with which a search can begin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Multipliers {
+    pub(crate) times: Vec<f64>,
     /// The multipliers, row by row for each time.
-    pub values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// The multipliers of the rows of a goal.
-    pub of_goal: Vec<f64>,
+    pub(crate) of_goal: Vec<f64>,
 }
 
 impl Candidate {
@@ -85,9 +85,66 @@ impl Candidate {
 }
 
 impl Multipliers {
+    /// Multipliers at ascending normalised times: those of `rows` rows that are not zero, by time, row and value, and
+    /// those of a goal.
+    ///
+    /// # Errors
+    /// An entry is at no time or row, or it or a time is not finite, or the times do not ascend.
+    pub fn of_entries(
+        times: Vec<f64>,
+        rows: usize,
+        entries: &[(usize, usize, f64)],
+        of_goal: Vec<f64>,
+    ) -> Result<Self> {
+        let refuse = |element, condition| Err(Error::input("multipliers", element, condition));
+        if !(times.iter().all(|t| t.is_finite()) && times.is_sorted()) {
+            return refuse("times", "they are not finite and ascending");
+        }
+        let mut values = vec![0.0; times.len() * rows];
+        for (at, row, value) in entries {
+            if *at >= times.len() || *row >= rows || !value.is_finite() {
+                return refuse("entries", "one is at no time or row, or not finite");
+            }
+            values[at * rows + row] = *value;
+        }
+        Ok(Self {
+            times,
+            values,
+            of_goal,
+        })
+    }
+
+    /// The normalised times.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.times.len().max(1)
+    }
+
+    /// The multipliers of at least the share `least` of the largest one, by time, row and value.
+    #[must_use]
+    pub fn entries(&self, least: f64) -> Vec<(usize, usize, f64)> {
+        let (rows, values) = (self.rows(), self.values.iter());
+        let largest = values.clone().fold(0.0, |most: f64, z| most.max(z.abs()));
+        let own = values.enumerate();
+        let own = own.filter(|(_, z)| **z != 0.0 && z.abs() >= least * largest);
+        own.map(|(at, z)| (at / rows, at % rows, *z)).collect()
+    }
+
+    /// The multipliers of the rows of a goal.
+    #[must_use]
+    pub fn of_goal(&self) -> &[f64] {
+        &self.of_goal
+    }
+
     /// The multipliers of rows, row by row for each point of a grid, and those of a goal. The multiplier of a row that
     /// is not enforced at a point is interpolated between the neighbouring points at which it is.
-    pub fn new<K: Constraint, P: CostWithControl>(
+    pub(crate) fn new<K: Constraint, P: CostWithControl>(
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         values: &[f64],
@@ -119,7 +176,7 @@ impl Multipliers {
     }
 
     /// The multipliers at other times, interpolated linearly, then those of a goal; `None` without multipliers.
-    pub fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
+    pub(crate) fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
         let last = self.times.len().checked_sub(1)?;
         let mut found = vec![0.0; times.len() * rows];
         for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {

@@ -15,7 +15,7 @@ mod stage_terms;
 pub(crate) mod working_set;
 
 pub(super) use candidate::Candidate;
-pub(crate) use candidate::Multipliers;
+pub use candidate::Multipliers;
 pub(crate) use integrand::Integrand;
 
 use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};

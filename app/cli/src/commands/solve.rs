@@ -9,7 +9,7 @@ use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
 use crate::report::{Motion, page};
 use aghf::error::Result;
 use aghf::motion::Interrupt;
-use aghf_scenario::Solve;
+use aghf_scenario::{Solve, Solved};
 use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,6 +38,10 @@ pub(super) struct SolveArgs {
     robot: RobotArgs,
     #[command(flatten)]
     options: OptionArgs,
+    /// Start from the motion of another solve, its summary.json, instead of from several starts; goal, obstacles and
+    /// limits may be others. For direct.
+    #[arg(long, value_name = "SUMMARY")]
+    start: Option<String>,
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
@@ -60,6 +64,7 @@ impl Default for SolveArgs {
             scenario: "kinova_table_01".to_owned(),
             robot: RobotArgs::default(),
             options: OptionArgs::default(),
+            start: None,
             sampling: SamplingArgs::default(),
             out: OutArgs::default(),
             no_report: false,
@@ -89,7 +94,11 @@ impl SolveArgs {
         let hidden = self.json || self.verbose;
         let mut progress = Progress::new(&scenario, &options, hidden)?;
         let mut stages = Stages::default();
-        let solve = Solve::new(&scenario).options(options).interrupt(interrupt);
+        let start = self.start.as_deref().map(Solved::load).transpose()?;
+        let mut solve = Solve::new(&scenario).options(options).interrupt(interrupt);
+        if let Some(start) = &start {
+            solve = solve.start(start);
+        }
         let outcome = solve.observe(|record| {
             if self.verbose {
                 stages.observe(record);

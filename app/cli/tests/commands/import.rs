@@ -18,7 +18,8 @@ const ROBOT: &str = r#"<robot name="small">
   <joint name="glue" type="fixed"><parent link="hand"/><child link="tip"/></joint>
 </robot>"#;
 
-const SRDF: &str = r#"<robot name="small"><disable_collisions link1="arm" link2="hand" reason="Adjacent"/></robot>"#;
+const SRDF: &str = r#"<robot name="small"><group name="arm"><joint name="shoulder"/><joint name="wrist"/></group>
+  <disable_collisions link1="arm" link2="hand" reason="Adjacent"/></robot>"#;
 
 pub const SCENE: &str = "
 robot_state:
@@ -50,6 +51,28 @@ goal_constraints:
       - {joint_name: shoulder, position: 1.0, weight: 1}
 ";
 
+/// A request by pose, with an orientation on the way.
+pub const POSE: &str = "
+group_name: arm
+start_state:
+  joint_state: {name: [shoulder, wrist], position: [-0.5, 0.3]}
+goal_constraints:
+  - position_constraints:
+      - header: {frame_id: base}
+        link_name: hand
+        target_point_offset: [0, 0, 0]
+        constraint_region:
+          primitives: [{type: sphere, dimensions: [0.01]}]
+          primitive_poses: [{position: [0.3, 0.4, 0], orientation: [0, 0, 0, 1]}]
+    orientation_constraints:
+      - {link_name: hand, orientation: [0, 0, 0, 1], absolute_x_axis_tolerance: 0.2,
+         absolute_y_axis_tolerance: 0.1, absolute_z_axis_tolerance: 4}
+path_constraints:
+  orientation_constraints:
+    - {header: {frame_id: arm}, link_name: hand, orientation: [0, 0, 0, 1], absolute_x_axis_tolerance: 0.2,
+       absolute_y_axis_tolerance: 0.1, absolute_z_axis_tolerance: 0.3}
+";
+
 /// A folder with a problem, a part of a file of which is replaced, or all of it.
 pub fn folder(test: &str, file: &str, good: Option<&str>, bad: &str) -> std::path::PathBuf {
     let folder = empty_folder(test);
@@ -58,6 +81,7 @@ pub fn folder(test: &str, file: &str, good: Option<&str>, bad: &str) -> std::pat
         ("robot.srdf", SRDF),
         ("scene.yaml", SCENE),
         ("request.yaml", REQUEST),
+        ("pose.yaml", POSE),
     ];
     for (name, text) in files {
         let good = good.unwrap_or(text);
@@ -84,6 +108,17 @@ pub const IMPORT: [&str; 10] = [
     "-o",
     "made.json",
 ];
+
+/// The import of another request.
+pub fn import_of(request: &str) -> [&str; 10] {
+    IMPORT.map(|word| {
+        if word == "request.yaml" {
+            request
+        } else {
+            word
+        }
+    })
+}
 
 fn made(folder: &Path) -> Value {
     let text = std::fs::read_to_string(folder.join("made.json")).expect("it was written");
@@ -136,6 +171,30 @@ fn a_problem_becomes_a_scenario() {
     let shown = aghf(&folder, &["scenarios", "made.json"]);
     assert_eq!(shown.code, Some(0), "{}", shown.stderr);
     assert_bad_input(&folder, &IMPORT, "made.json; exists already; --force");
+}
+
+#[test]
+fn a_request_by_pose_becomes_a_goal_and_a_condition_on_the_way() {
+    let folder = folder("import_pose", "", None, "");
+    let run = aghf(&folder, &import_of("pose.yaml"));
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let file = made(&folder);
+    assert_eq!(file["q_start"], json!([-0.5, 0.3]));
+    // The z axis is free, and the smaller of the other two tolerances holds.
+    let along_z = json!({ "of_frame": [0.0, 0.0, 1.0], "direction": [0.0, 0.0, 1.0] });
+    let goal = json!({ "frame": "hand", "position_m": [0.3, 0.4, 0.0], "tolerance_m": 0.01,
+        "axis": along_z, "tolerance_rad": 0.1 });
+    assert_eq!(file["goal"], json!([goal]));
+    let poses = json!({ "frame": "hand", "relative_to": "arm",
+        "orientation_xyzw": [0.0, 0.0, 0.0, 1.0], "tolerance_rad": 0.1 });
+    assert_eq!(file["keep"], json!([{ "poses": poses }]));
+    // Half a turn of the slower joint, at 1 rad/s, twice.
+    let first = file["horizon_s"].as_f64().expect("a number");
+    assert!((first - 2.0 * std::f64::consts::PI).abs() < 1e-9, "{first}");
+    assert_eq!(file["free_horizon"]["shortest_s"], json!(0.1));
+    let other = ["group_name: arm", "group_name: leg"];
+    let folder = self::folder("import_group", "pose.yaml", Some(other[0]), other[1]);
+    assert_bad_input(&folder, &import_of("pose.yaml"), "robot.srdf: group 'leg'");
 }
 
 #[test]

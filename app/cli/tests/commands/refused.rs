@@ -1,7 +1,7 @@
 //! Bad input: exit code 2, a message that names file and element, and no files.
 
 use crate::command::{assert_bad_input, empty_folder, files};
-use crate::import::{IMPORT, folder};
+use crate::import::{IMPORT, folder, import_of};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -50,8 +50,13 @@ fn problems_of_moveit_are_refused_by_file_and_element() {
         let [file, bad, element] = [0, 2, 3].map(|i| part(i).expect("it is given"));
         let folder = folder("import_refused", file, part(1), bad);
         let words = format!("{file}: {element}: ; {}", part(4).unwrap_or(""));
-        assert_bad_input(&folder, &IMPORT, &words);
-        assert_eq!(files(&folder).len(), 4, "{element}: something was written");
+        let request = if file == "pose.yaml" {
+            file
+        } else {
+            "request.yaml"
+        };
+        assert_bad_input(&folder, &import_of(request), &words);
+        assert_eq!(files(&folder).len(), 5, "{element}: something was written");
     }
 }
 

@@ -146,21 +146,74 @@ pub(super) struct Transform {
 /// A planning request: `moveit_msgs/MotionPlanRequest`.
 #[derive(Debug, Deserialize)]
 pub(super) struct Request {
-    pub start_state: RobotState,
-    pub goal_constraints: Vec<Goal>,
     #[serde(default)]
-    pub path_constraints: Option<serde_json::Value>,
+    pub group_name: String,
+    pub start_state: RobotState,
+    /// Any of these.
+    pub goal_constraints: Vec<Constraints>,
+    #[serde(default)]
+    pub path_constraints: Option<Constraints>,
 }
 
-/// A goal.
+/// All of several conditions: `moveit_msgs/Constraints`.
 #[derive(Debug, Deserialize)]
-pub(super) struct Goal {
+pub(super) struct Constraints {
     #[serde(default)]
     pub joint_constraints: Vec<JointConstraint>,
     #[serde(default)]
-    pub position_constraints: Vec<serde_json::Value>,
+    pub position_constraints: Vec<PositionConstraint>,
     #[serde(default)]
-    pub orientation_constraints: Vec<serde_json::Value>,
+    pub orientation_constraints: Vec<OrientationConstraint>,
+    #[serde(default)]
+    pub visibility_constraints: Vec<serde_json::Value>,
+}
+
+impl Constraints {
+    /// Returns true if there is a position or an orientation of a link.
+    pub fn has_poses(&self) -> bool {
+        !(self.position_constraints.is_empty() && self.orientation_constraints.is_empty())
+    }
+}
+
+/// The frame of a message.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Header {
+    #[serde(default)]
+    pub frame_id: String,
+}
+
+/// A region in which the origin of a link is: `moveit_msgs/PositionConstraint`.
+#[derive(Debug, Deserialize)]
+pub(super) struct PositionConstraint {
+    #[serde(default)]
+    pub header: Header,
+    pub link_name: String,
+    #[serde(default)]
+    pub target_point_offset: Option<Position>,
+    pub constraint_region: Region,
+}
+
+/// A volume: `moveit_msgs/BoundingVolume`.
+#[derive(Debug, Deserialize)]
+pub(super) struct Region {
+    #[serde(default)]
+    pub primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub primitive_poses: Vec<Pose>,
+    #[serde(default)]
+    pub meshes: Vec<serde_json::Value>,
+}
+
+/// An orientation of a link with tolerances about its axes: `moveit_msgs/OrientationConstraint`.
+#[derive(Debug, Deserialize)]
+pub(super) struct OrientationConstraint {
+    #[serde(default)]
+    pub header: Header,
+    pub orientation: Orientation,
+    pub link_name: String,
+    pub absolute_x_axis_tolerance: f64,
+    pub absolute_y_axis_tolerance: f64,
+    pub absolute_z_axis_tolerance: f64,
 }
 
 /// The position of a joint at the goal.

@@ -1,5 +1,6 @@
 //! Scenarios from MoveIt's planning scenes and requests.
 
+mod constraints;
 mod messages;
 mod obstacles;
 
@@ -15,9 +16,11 @@ use aghf::input::read_text;
 use aghf::model::{Joint, Model};
 use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{Mimic, RobotSource, Srdf, UrdfOptions};
-use messages::{Goal, Request, RobotState, Scene};
+use constraints::{Target, kept};
+use messages::{Request, RobotState, Scene};
 use obstacles::obstacles_of;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// The shortest default horizon, s.
@@ -61,10 +64,11 @@ pub enum MoveItHorizon {
 }
 
 impl MoveIt {
-    /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space, at
-    /// rest at both ends, within all limits of the robot, with the boxes, cylinders and spheres of the scene as
+    /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space or by
+    /// pose, at rest at both ends, with the poses of its path constraints, within all limits of the robot, with the boxes, cylinders and spheres of the scene as
     /// obstacles, the collision shapes of the robot, and the pairs of links that may overlap. Joints that are not in
-    /// the goal are locked at their position in the request, or otherwise in the scene. `path` is the future path of
+    /// the goal are locked at their position in the request, or otherwise in the scene; for a goal by pose those that
+    /// are not in the group of the request, or without an SRDF not in its start. `path` is the future path of
     /// the scenario, which is loaded once as a check.
     ///
     /// # Errors
@@ -82,7 +86,8 @@ impl MoveIt {
         })?;
         let scene_state = Positions::of(&scene.robot_state, &model, &scene_name, "robot_state")?;
         let start = Positions::of(&request.start_state, &model, &request_name, "start_state")?;
-        let goal = goal_of(&request, &model, &request_name)?;
+        let target = Target::of(&request, &model, &request_name)?;
+        let planned = self.planned(&request, &target, &start, &model)?;
 
         let mut locked = BTreeMap::new();
         let [mut q_start, mut q_goal] = [Vec::new(), Vec::new()];
@@ -99,18 +104,28 @@ impl MoveIt {
                     condition,
                 ));
             };
-            match goal.get(name) {
-                Some(to) => {
-                    q_start.push(*from);
-                    q_goal.push(*to);
-                    moving.push(joint);
-                }
-                None => {
-                    locked.insert(name.to_owned(), *from);
-                }
+            if !planned.contains(name) {
+                locked.insert(name.to_owned(), *from);
+                continue;
+            }
+            q_start.push(*from);
+            moving.push(joint);
+            if let Target::Joints(goal) = &target {
+                q_goal.extend(goal.get(name));
             }
         }
-        let (horizon_s, free_horizon) = self.horizon(&moving, &q_start, &q_goal);
+        let (horizon_s, free_horizon) = match &target {
+            Target::Joints(_) => self.horizon(&moving, &q_start, &q_goal),
+            // The joint positions are not known: half a turn stands for the motion of each joint, but for the bound.
+            Target::Poses(_) => {
+                let [from, to] = [0.0, PI].map(|q| vec![q; moving.len()]);
+                let (first, mut free) = self.horizon(&moving, &from, &to);
+                if let (MoveItHorizon::Free, Some(bounds)) = (self.horizon, &mut free) {
+                    bounds.shortest_s = SHORTEST;
+                }
+                (first, free)
+            }
+        };
         let longest = free_horizon.map_or(horizon_s, |free| free.longest_s);
         if self.horizon == MoveItHorizon::Free && Problem::check_horizon(longest).is_err() {
             let condition = format!(
@@ -137,9 +152,15 @@ impl MoveIt {
             q_start,
             v_start: zeros.clone(),
             q_goal,
-            goal: Vec::new(),
-            keep: Vec::new(),
-            v_goal: zeros,
+            v_goal: match &target {
+                Target::Joints(_) => zeros,
+                Target::Poses(_) => Vec::new(),
+            },
+            goal: match target {
+                Target::Joints(_) => Vec::new(),
+                Target::Poses(sets) => sets,
+            },
+            keep: kept(&request, &model, &request_name)?,
             free_final_velocity: false,
             continuity: None,
             running_cost: None,
@@ -158,6 +179,27 @@ impl MoveIt {
             success_threshold: 0.05,
         };
         Scenario::new(file, path, Path::new(""))
+    }
+
+    /// The names of the joints that are planned.
+    fn planned(
+        &self,
+        request: &Request,
+        target: &Target,
+        start: &Positions,
+        model: &Model,
+    ) -> Result<BTreeSet<String>> {
+        if let Target::Joints(goal) = target {
+            return Ok(goal.keys().cloned().collect());
+        }
+        let Some(path) = &self.srdf else {
+            return Ok(start.0.keys().cloned().collect());
+        };
+        let srdf = Srdf::load(path, model)?;
+        let file = path.display().to_string();
+        let joints = srdf.joints_of_group(&request.group_name, model, &file)?;
+        let name = |i: usize| model.joints()[i].name().to_owned();
+        Ok(joints.into_iter().map(name).collect())
     }
 
     /// The pairs of links that may overlap.
@@ -247,45 +289,6 @@ fn has_joint(model: &Model, name: &str) -> bool {
     let carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
     let mut names = carriers.map(|carrier| carrier.joint.as_str());
     names.any(|joint| joint == name)
-}
-
-/// The positions of joints at the goal.
-fn goal_of(request: &Request, model: &Model, file: &str) -> Result<BTreeMap<String, f64>> {
-    let refuse = |key: String, condition: String| Err(Error::input(file, key, condition));
-    let goals = "goal_constraints".to_owned();
-    if request.path_constraints.as_ref().is_some_and(has_entries) {
-        let condition = "constraints on the way are not read".to_owned();
-        return refuse("path_constraints".to_owned(), condition);
-    }
-    let [goal] = request.goal_constraints.as_slice() else {
-        let found = request.goal_constraints.len();
-        return refuse(goals, format!("it has {found} goals, one is needed"));
-    };
-    let Goal {
-        joint_constraints,
-        position_constraints,
-        orientation_constraints,
-    } = goal;
-    if !(position_constraints.is_empty() && orientation_constraints.is_empty()) {
-        let condition = "a goal in joint space is needed, without positions or orientations";
-        return refuse(format!("{goals}[0]"), condition.to_owned());
-    }
-    if joint_constraints.is_empty() {
-        let condition = "it has no joint_constraints: a goal in joint space is needed";
-        return refuse(format!("{goals}[0]"), condition.to_owned());
-    }
-    let mut positions = BTreeMap::new();
-    for (i, joint) in joint_constraints.iter().enumerate() {
-        let key = format!("{goals}[0].joint_constraints[{i}]");
-        let name = &joint.joint_name;
-        if model.joints().iter().all(|joint| joint.name() != name) {
-            return refuse(key, format!("the robot has no joint '{name}' that moves"));
-        }
-        if positions.insert(name.clone(), joint.position).is_some() {
-            return refuse(key, format!("joint '{name}' is named twice"));
-        }
-    }
-    Ok(positions)
 }
 
 /// Returns true if a message contains anything but empty lists and texts.

@@ -30,6 +30,7 @@ mod report;
 mod schema;
 mod self_collision;
 mod surroundings;
+mod warm_start;
 mod written;
 
 #[path = "../generate"]

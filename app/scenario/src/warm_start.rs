@@ -1,0 +1,78 @@
+//! A start from the motion of another solve.
+
+use super::{Details, Scenario, Solved};
+use aghf::constraint::{Constraint, Constraints};
+use aghf::direct::{DirectSettings, Multipliers};
+use aghf::error::{Error, Result};
+use aghf::model::Joint;
+use serde::{Deserialize, Serialize};
+
+/// The share of the largest multiplier below which others are not written: far above the barrier parameter's.
+const LEAST: f64 = 1e-7;
+
+/// The multipliers of the rows of a direct solve in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MultipliersFile {
+    /// The normalised times.
+    times: Vec<f64>,
+    /// The number of rows.
+    rows: usize,
+    /// Time, row and value of those that are not negligible.
+    entries: Vec<(usize, usize, f64)>,
+    /// Those of the rows of a goal.
+    of_goal: Vec<f64>,
+}
+
+impl MultipliersFile {
+    pub(super) fn new(multipliers: &Multipliers) -> Option<Self> {
+        let entries = multipliers.entries(LEAST);
+        let finite = |z: &f64| z.is_finite();
+        (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_goal().iter().all(finite)).then(
+            || Self {
+                times: multipliers.times().to_vec(),
+                rows: multipliers.rows(),
+                entries,
+                of_goal: multipliers.of_goal().to_vec(),
+            },
+        )
+    }
+}
+
+/// Makes a search begin with the motion of another solve, and with its multipliers if the rows are as many. Returns what
+/// was kept.
+///
+/// # Errors
+/// The motion is that of other joints, or a multiplier is wrong.
+pub(super) fn start_from<K: Constraint>(
+    start: &Solved,
+    scenario: &Scenario,
+    constraints: &Constraints<K>,
+    settings: &mut DirectSettings,
+) -> Result<String> {
+    let (name, own) = (&start.scenario.name, &start.summary.curve.joints);
+    if !scenario.model.joints().iter().map(Joint::name).eq(own) {
+        let condition = format!("the motion of '{name}' is that of other joints");
+        return Err(Error::input("start", "curve.joints", condition));
+    }
+    settings.start = Some(start.curve.clone());
+    let rows = constraints.dim();
+    let known = match &start.summary.details {
+        Details::Direct(details) => details.multipliers.as_ref(),
+        Details::Flow(_) | Details::Rest(_) => None,
+    };
+    let kept = match known {
+        Some(of) if of.rows == rows => {
+            let times = of.times.clone();
+            let known = Multipliers::of_entries(times, rows, &of.entries, of.of_goal.clone());
+            settings.multipliers =
+                Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
+            "with its multipliers"
+        }
+        Some(_) => "without its multipliers, as the constraints are others",
+        None => "without multipliers, as it has none",
+    };
+    Ok(format!(
+        "start: the search began with the motion of '{name}', {kept}"
+    ))
+}

@@ -1,0 +1,97 @@
+//! Starts from the motion of another solve.
+
+use crate::written::{load, solved_once};
+use aghf_scenario::{
+    Details, DirectDetails, Method, Scenario, Solve, SolveOptions, SolveReport, Solved,
+};
+use serde_json::{Value, json};
+
+/// An arm that has to keep its limits, with these.
+fn arm(goal: f64, enforced: Value) -> Scenario {
+    let zeros = [0.0; 7];
+    let file = json!({
+        "robot": "kinova_gen3", "horizon_s": 1.6, "robot_shape": "joint_frames",
+        "q_start": [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0], "v_start": zeros,
+        "q_goal": [goal, 0.9, 0.0, 1.9, 0.0, 0.9, 0.0], "v_goal": zeros,
+        "enforced_limits": enforced,
+    });
+    load("arm", &file).expect("it is good")
+}
+
+fn all() -> Value {
+    json!({ "position": true, "velocity": true, "torque": true })
+}
+
+fn details(report: &SolveReport) -> &DirectDetails {
+    match &report.summary.details {
+        Details::Direct(details) => details,
+        _ => panic!("it was solved directly"),
+    }
+}
+
+/// The solve as it is read from its summary.
+fn written(report: &SolveReport, name: &str) -> Solved {
+    let file = std::env::temp_dir().join(format!(
+        "aghf_warm_start_{name}_{}.json",
+        std::process::id()
+    ));
+    let text = serde_json::to_string(&report.summary).expect("it is JSON");
+    std::fs::write(&file, text).expect("the folder is writable");
+    let solved = Solved::load(&file.display().to_string());
+    std::fs::remove_file(&file).expect("it is there");
+    solved.unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_solve_starts_from_another_one_and_says_so() {
+    let first = arm(1.4, all());
+    let first = written(&solved_once(&first), "first");
+    let moved = arm(1.41, all());
+    let cold = solved_once(&moved);
+    let warm = Solve::new(&moved).start(&first).run().expect("it is good");
+    let [few, many] = [&warm, &cold].map(|report| details(report).iterations);
+    assert!(few < many, "{few} {many}");
+    let [cost, other] = [&warm, &cold].map(|report| details(report).cost);
+    assert!((cost - other).abs() < 1e-6 * other, "{cost} {other}");
+    let said = |report: &SolveReport| {
+        report
+            .summary
+            .notes
+            .iter()
+            .any(|n| n.ends_with("with its multipliers"))
+    };
+    assert!(said(&warm) && !said(&cold), "{:?}", warm.summary.notes);
+
+    let fewer = arm(
+        1.41,
+        json!({ "position": false, "velocity": true, "torque": false }),
+    );
+    let other = Solve::new(&fewer).start(&first).run().expect("it is good");
+    let noted = |words: &str| other.summary.notes.iter().any(|note| note.contains(words));
+    assert!(
+        noted("the constraints are others"),
+        "{:?}",
+        other.summary.notes
+    );
+}
+
+#[test]
+fn a_start_that_does_not_fit_is_refused() {
+    let first = arm(1.4, all());
+    let first = written(&solved_once(&first), "other");
+    let cart = Scenario::load("cart_pole_swingup").expect("it is built in");
+    let error = Solve::new(&cart)
+        .start(&first)
+        .run()
+        .map(|_| ())
+        .expect_err("other joints");
+    assert!(error.to_string().contains("other joints"), "{error}");
+    let moved = arm(1.41, all());
+    let rest = SolveOptions::from_keys(Method::Rest, Default::default()).expect("there are none");
+    let error = Solve::new(&moved).options(rest).start(&first).run();
+    let error = error.map(|_| ()).expect_err("another method");
+    assert!(
+        error.to_string().contains("only the direct method"),
+        "{error}"
+    );
+}
