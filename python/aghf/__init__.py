@@ -22,6 +22,7 @@ from ._dynamics import (
     rnea_vjp,
     rnea_weighted_hessian,
 )
+from ._goal import Goal
 from ._model import Model
 from ._native import _aghf
 from ._pinocchio import pinocchio_configuration
@@ -35,6 +36,7 @@ jacobians = _aghf.jacobians
 
 __all__ = [
     "Constraint",
+    "Goal",
     "InputError",
     "Model",
     "RunningCost",

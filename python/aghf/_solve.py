@@ -140,6 +140,7 @@ def solve(
     running_cost: RunningCost | None = None,
     constraints: Iterable[Constraint] = (),
     on_iteration: Callable[[dict], None] | None = None,
+    start: Solution | None = None,
     **options,
 ) -> Solution:
     """Solves a scenario. Ctrl-C ends the search with the best motion so far.
@@ -154,6 +155,9 @@ def solve(
         Enforced in addition to those of the scenario, also for success; see `check_constraint`.
     on_iteration : callable, optional
         Called with a dict of each iteration; an exception ends the search.
+    start : Solution, optional
+        A motion of the same joints from which the search starts, with its multipliers if the constraints are as many.
+        Goal, obstacles and limits may be others. Only for the direct method.
     **options
         The options of `aghf solve`: ``method``, ``degree``, ``segments``, ``tolerance``, ``starts``, ``seed``,
         ``planned_starts``, ``threads``, ``time_limit_s`` and so on.
@@ -164,7 +168,8 @@ def solve(
         Names the file, the key and the fault.
     """
     name, text = _named(scenario)
-    return Solution(_aghf.solve(name, text, _options(options), running_cost, list(constraints), on_iteration))
+    own = start._own if start is not None else None
+    return Solution(_aghf.solve(name, text, _options(options), running_cost, list(constraints), on_iteration, own))
 
 
 def solve_many(

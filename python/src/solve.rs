@@ -10,7 +10,7 @@ use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page};
-use aghf_scenario::{DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport};
+use aghf_scenario::{DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -37,8 +37,10 @@ fn solve<'py>(
     running_cost: Option<Py<PyAny>>,
     constraints: Vec<Bound<'py, PyAny>>,
     on_iteration: Option<Bound<'py, PyAny>>,
+    start: Option<PyRef<'py, PySolution>>,
 ) -> PyResult<PySolution> {
     let (mut scenario, options) = read(name, text, options)?;
+    let start = start.map(|start| start.solved());
     let raised_first = Raised::default();
     if let Some(object) = running_cost {
         let raised = raised_first.clone();
@@ -50,10 +52,13 @@ fn solve<'py>(
     let interrupt = Interrupt::default();
     let (sender, records) = channel();
     let records = Mutex::new(records);
-    let (of, stop) = (&scenario, interrupt.clone());
+    let (of, stop, start) = (&scenario, interrupt.clone(), start.as_ref());
     let report = std::thread::scope(|scope| {
         let search = scope.spawn(move || {
-            let solve = Solve::new(of).options(options).interrupt(stop);
+            let mut solve = Solve::new(of).options(options).interrupt(stop);
+            if let Some(start) = start {
+                solve = solve.start(start);
+            }
             // The receiver is gone once the search has to stop.
             let solve = solve.observe(move |record| {
                 let _ = sender.send(*record);
@@ -177,6 +182,17 @@ fn solve_many(
     };
     let solved = until_signalled(py, search, || interrupts.iter().for_each(Interrupt::raise))?;
     solved.map_err(raised)
+}
+
+impl PySolution {
+    /// The solve from which another one can start.
+    fn solved(&self) -> Solved {
+        Solved {
+            scenario: self.scenario.clone(),
+            curve: self.report.curve.clone(),
+            summary: self.report.summary.clone(),
+        }
+    }
 }
 
 #[pymethods]

@@ -120,3 +120,37 @@ def test_bad_scenarios_and_options_are_errors():
         aghf.solve(None)
     with pytest.raises(TypeError):
         aghf.solve({**SWING, "q_goal": object()})
+
+
+ARM = {
+    "robot": "kinova_gen3",
+    "horizon_s": 1.6,
+    "robot_shape": "joint_frames",
+    "q_start": [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0],
+    "v_start": [0.0] * 7,
+    "v_goal": [0.0] * 7,
+    "enforced_limits": {"position": True, "velocity": True, "torque": True},
+}
+
+
+def test_a_solve_starts_from_another_one():
+    goal = np.array([1.4, 0.9, 0.0, 1.9, 0.0, 0.9, 0.0])
+    first = aghf.solve(ARM | {"q_goal": list(goal)})
+    moved = ARM | {"q_goal": list(goal + 0.01)}
+    cold, warm = aghf.solve(moved), aghf.solve(moved, start=first)
+    assert warm.summary["iterations"] < cold.summary["iterations"]
+    assert warm.summary["cost"] == pytest.approx(cold.summary["cost"], rel=1e-6)
+    assert any("with its multipliers" in note for note in warm.summary["notes"])
+    with pytest.raises(aghf.InputError, match="only the direct method"):
+        aghf.solve(moved, start=first, method="rest")
+
+
+def test_a_goal_is_a_set_of_poses():
+    goal = aghf.Goal("end_effector_link", position_m=np.array([0.4, 0.1, 0.3]), tolerance_m=0.01)
+    assert goal == {"frame": "end_effector_link", "position_m": [0.4, 0.1, 0.3], "tolerance_m": 0.01}
+    arm = {key: value for key, value in ARM.items() if key != "v_goal"} | {"horizon_s": 3.0}
+    solution = aghf.solve(arm | {"goal": goal})
+    assert solution.success and solution.scenario["goal"] == [goal]
+    placement = aghf.frame_placement(solution.model, "end_effector_link", solution.evaluate(3.0).q)
+    position = np.asarray(placement)[..., :3, 3] if np.asarray(placement).ndim > 1 else placement
+    assert np.linalg.norm(position - [0.4, 0.1, 0.3]) < 0.01 + 1e-6
