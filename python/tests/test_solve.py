@@ -151,6 +151,6 @@ def test_a_goal_is_a_set_of_poses():
     arm = {key: value for key, value in ARM.items() if key != "v_goal"} | {"horizon_s": 3.0}
     solution = aghf.solve(arm | {"goal": goal})
     assert solution.success and solution.scenario["goal"] == [goal]
-    placement = aghf.frame_placement(solution.model, "end_effector_link", solution.evaluate(3.0).q)
-    position = np.asarray(placement)[..., :3, 3] if np.asarray(placement).ndim > 1 else placement
+    placement = aghf.frame_placement(solution.model, solution.evaluate(3.0).q, "end_effector_link")
+    position = placement[:3, 3]
     assert np.linalg.norm(position - [0.4, 0.1, 0.3]) < 0.01 + 1e-6

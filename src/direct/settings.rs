@@ -49,8 +49,8 @@ pub struct DirectSettings {
     /// The longest horizon to which a planned first start may lengthen that of the problem, s. The upper bound of a
     /// free horizon takes precedence.
     pub longest_horizon: Option<f64>,
-    /// An initial curve, used directly at this degree; its shape is fitted to the boundary states and the horizon of the
-    /// problem, or to its own horizon if that is free.
+    /// An initial curve, used directly at this degree; its shape is fitted to the boundary states and the horizon of
+    /// the problem, or to its own horizon if that is free.
     pub start: Option<Curve>,
     /// The multipliers of the rows at the initial curve, with which the barrier parameter begins smaller.
     pub multipliers: Option<Multipliers>,

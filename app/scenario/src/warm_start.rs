@@ -39,8 +39,8 @@ impl MultipliersFile {
     }
 }
 
-/// Makes a search begin with the motion of another solve, and with its multipliers if the rows are as many. Returns what
-/// was kept.
+/// Makes a search begin with the motion of another solve, and with its multipliers if the rows are as many. Returns
+/// what was kept.
 ///
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.

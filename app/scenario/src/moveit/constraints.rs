@@ -189,8 +189,8 @@ impl PositionConstraint {
 }
 
 impl OrientationConstraint {
-    /// All rotations within the smallest tolerance. About an axis with a tolerance of half a turn or more the link turns
-    /// freely, so that the axis keeps its direction.
+    /// All rotations within the smallest tolerance. About an axis with a tolerance of half a turn or more the link
+    /// turns freely, so that the axis keeps its direction.
     fn set(&self, model: &Model, file: &str, key: &str) -> Result<Goal> {
         let any = any_pose(&self.link_name, &self.header.frame_id, model, file, key)?;
         let refuse = |element: &str, condition: String| {
