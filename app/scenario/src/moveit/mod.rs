@@ -66,10 +66,10 @@ pub enum MoveItHorizon {
 impl MoveIt {
     /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space or
     /// by pose, at rest at both ends, with the poses of its path constraints, within all limits of the robot, with the
-    /// boxes, cylinders and spheres of the scene as obstacles, the collision shapes of the robot, and the pairs of links that may overlap. Joints that are not in
-    /// the goal are locked at their position in the request, or otherwise in the scene; for a goal by pose those that
-    /// are not in the group of the request, or without an SRDF not in its start. `path` is the future path of
-    /// the scenario, which is loaded once as a check.
+    /// boxes, cylinders and spheres of the scene as obstacles, the collision shapes of the robot, and the pairs of
+    /// links that may overlap. Joints that are not in the goal are locked at their position in the request, or otherwise
+    /// in the scene; for a goal by pose those that are not in the group of the request, or without an SRDF not in its
+    /// start. `path` is the future path of the scenario, which is loaded once as a check.
     ///
     /// # Errors
     /// Names the file, the element and the fault, such as a goal, an obstacle or a frame that scenarios do not support.
