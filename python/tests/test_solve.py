@@ -120,3 +120,14 @@ def test_bad_scenarios_and_options_are_errors():
         aghf.solve(None)
     with pytest.raises(TypeError):
         aghf.solve({**SWING, "q_goal": object()})
+
+
+def test_less_time_costs_more_effort():
+    found = aghf.tradeoff("limits_01", points=3, threads=1)
+    table = found.table
+    assert set(table["verdict"]) <= {"optimal", "valid"} and len(found.solutions) == 3
+    assert table["duration_s"] == sorted(table["duration_s"])
+    assert table["control_effort"] == sorted(table["control_effort"], reverse=True)
+    assert "A click on a point shows its motion" in found.report_html()
+    with pytest.raises(aghf.InputError, match="points: it is 1"):
+        aghf.tradeoff("limits_01", points=1)

@@ -7,8 +7,8 @@ use super::load::absolute_folders;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, RobotShape,
-    Scenario, ScenarioFile, SelfCollision, cover_links,
+    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, Objective,
+    Preset, RobotShape, Scenario, ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
@@ -47,6 +47,8 @@ pub struct MoveIt {
     pub excess: f64,
     /// The horizon.
     pub horizon: MoveItHorizon,
+    /// The objective; on a given horizon it is the least effort.
+    pub objective: Preset,
 }
 
 /// The horizon of a converted scenario.
@@ -142,7 +144,11 @@ impl MoveIt {
             v_goal: zeros,
             free_final_velocity: false,
             continuity: None,
-            running_cost: None,
+            // On a given horizon nothing can be weighed against effort.
+            objective: Objective::Preset(match self.horizon {
+                MoveItHorizon::Given(_) => Preset::LeastEffort,
+                _ => self.objective,
+            }),
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,
             robot_shape: Some(RobotShape::Collision {
@@ -185,7 +191,6 @@ impl MoveIt {
             let bounds = HorizonBounds {
                 shortest_s,
                 longest_s,
-                weight: 0.0,
             };
             // Bounds that make no sense are refused as those of any scenario.
             let first = (FIRST * least).min(longest_s).max(shortest_s);
