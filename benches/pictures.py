@@ -78,7 +78,8 @@ def first_motion():
         "v_start": rest,
         "q_goal": [0.8, 0.6, 0.0, 1.2, 0.0, 1.0, 0.0],
         "v_goal": rest,
-        "free_horizon": {"shortest_s": 0.5, "longest_s": 5.0, "weight": 100.0},
+        "objective": {"units": "si", "time": 100.0},
+        "free_horizon": {"shortest_s": 0.5, "longest_s": 5.0},
     }
     motion, _ = solved(reach)
     figure, axes = plt.subplots(1, 3, figsize=(8.4, 2.6), layout="constrained")

@@ -323,7 +323,7 @@ def finish(row, values, motion, tolerance=1e-3):
     goal = np.r_[values["q_goal"], values["v_goal"]]
     row.duration = float(motion.t[-1] - motion.t[0])
     row.effort = motion.effort()
-    weight = values.get("running_cost", {}).get("acceleration", 0.0)
+    weight = values.get("objective", {}).get("acceleration", 0.0)
     squares = (motion.a**2).sum(axis=1)
     row.cost = row.effort + weight * float(np.trapezoid(squares, motion.t))
     row.error, driven = simulated(model, motion, goal, gains(values["robot"]))

@@ -57,7 +57,7 @@ def solve(table, family, names, kind, repeats):
         if key not in built:
             model = robot(values["robot"])
             check_dynamics(model, values["robot"])
-            weight = values.get("running_cost", {}).get("acceleration", 0.0)
+            weight = values.get("objective", {}).get("acceleration", 0.0)
             kept = {"limits": limits, "spheres": spheres, "acceleration": weight}
             built[key] = KINDS[kind][0](Expressions(model), **KINDS[kind][1], **kept)
         programme = built[key]

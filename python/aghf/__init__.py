@@ -26,7 +26,7 @@ from ._goal import Goal
 from ._model import Model
 from ._native import _aghf
 from ._pinocchio import pinocchio_configuration
-from ._solve import Samples, Solution, solve, solve_many, sweep
+from ._solve import Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
 from ._table import Table
 from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
 
@@ -43,6 +43,7 @@ __all__ = [
     "Samples",
     "Solution",
     "Table",
+    "Tradeoff",
     "aba",
     "aba_derivatives",
     "aba_second_derivatives",
@@ -68,4 +69,5 @@ __all__ = [
     "solve",
     "solve_many",
     "sweep",
+    "tradeoff",
 ]

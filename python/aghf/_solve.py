@@ -109,12 +109,46 @@ class Solution:
         return self._own.report_html()
 
     def _repr_html_(self) -> str:
-        page = html.escape(self.report_html(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 46rem; border: 0"></iframe>'
+        return _frame(self.report_html())
 
     def __repr__(self) -> str:
         effort = self.summary["control_effort"]
         return f"Solution('{self.summary['scenario']}', {self.verdict}, {self.horizon:.4g} s, effort {effort:.4g})"
+
+
+class Tradeoff:
+    """The least effort of a scenario at several durations.
+
+    Attributes
+    ----------
+    solutions : list of Solution
+        The motions by their durations, from that of least time to that of least effort.
+    table : Table
+        The duration, s, the control effort and the verdict of each.
+    """
+
+    def __init__(self, solutions: list[Solution]) -> None:
+        self.solutions = solutions
+        self.table = Table.from_rows(
+            {
+                "duration_s": each.horizon,
+                "control_effort": each.summary["control_effort"],
+                "verdict": each.verdict,
+            }
+            for each in solutions
+        )
+
+    def report_html(self) -> str:
+        """The page of the curve, on which a click chooses the motion."""
+        return _aghf.tradeoff_html([each._own for each in self.solutions])
+
+    def _repr_html_(self) -> str:
+        return _frame(self.report_html())
+
+
+def _frame(page: str) -> str:
+    page = html.escape(page, quote=True)
+    return f'<iframe srcdoc="{page}" style="width: 100%; height: 46rem; border: 0"></iframe>'
 
 
 def _named(scenario) -> tuple[str, str | None]:
@@ -181,6 +215,23 @@ def solve_many(
     """
     named = [_named(scenario) for scenario in scenarios]
     return [Solution(own) for own in _aghf.solve_many(named, _options(options), threads)]
+
+
+def tradeoff(scenario: str | os.PathLike | Mapping, *, points: int = 20, **options) -> Tradeoff:
+    """Finds motions from the least duration to the least effort, each from the one before. Ctrl-C raises.
+
+    Parameters
+    ----------
+    scenario : str, os.PathLike or Mapping
+        As for `solve`; its objective has no effect.
+    points : int
+        The number of motions.
+    **options
+        The options of `aghf solve` for the direct method.
+    """
+    name, text = _named(scenario)
+    found = _aghf.tradeoff(name, text, _options(options), points)
+    return Tradeoff([Solution(own) for own in found])
 
 
 def sweep(name: str | os.PathLike, *, threads: int | None = None) -> Table:

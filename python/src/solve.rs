@@ -9,8 +9,10 @@ use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
-use aghf_cli::report::{Motion, page};
-use aghf_scenario::{DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved};
+use aghf_cli::report::{Motion, page, tradeoff_page};
+use aghf_scenario::{
+    DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Tradeoff,
+};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -184,6 +186,40 @@ fn solve_many(
     solved.map_err(raised)
 }
 
+/// Finds motions from the least duration to the least effort, in this order.
+#[pyfunction]
+fn tradeoff(
+    py: Python<'_>,
+    name: &str,
+    text: Option<&str>,
+    options: &str,
+    points: usize,
+) -> PyResult<Vec<PySolution>> {
+    let (scenario, options) = read(name, text, options)?;
+    let SolveOptions::Direct(options) = options else {
+        let condition = "method: only 'direct' has a trade-off";
+        return Err(PyValueError::new_err(condition));
+    };
+    let interrupt = Interrupt::default();
+    let search = Tradeoff::new(&scenario)
+        .points(points)
+        .options(options)
+        .interrupt(interrupt.clone());
+    let found = until_signalled(py, || search.run(), || interrupt.raise())?;
+    let found = found.map_err(raised)?.into_iter();
+    Ok(found
+        .map(|(scenario, report)| PySolution { scenario, report })
+        .collect())
+}
+
+/// The self-contained HTML page of a trade-off.
+#[pyfunction]
+fn tradeoff_html(solutions: Vec<PyRef<'_, PySolution>>) -> PyResult<String> {
+    let found = solutions.iter();
+    let found = found.map(|own| (own.scenario.clone(), own.report.clone()));
+    tradeoff_page(&found.collect::<Vec<_>>()).map_err(raised)
+}
+
 impl PySolution {
     /// The solve from which another one can start.
     fn solved(&self) -> Solved {
@@ -303,5 +339,7 @@ impl PySolution {
 /// Adds the functions to the module.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve, module)?)?;
-    module.add_function(wrap_pyfunction!(solve_many, module)?)
+    module.add_function(wrap_pyfunction!(solve_many, module)?)?;
+    module.add_function(wrap_pyfunction!(tradeoff, module)?)?;
+    module.add_function(wrap_pyfunction!(tradeoff_html, module)?)
 }

@@ -53,7 +53,7 @@ def test_bad_robots(tmp_path):
         ({"q_start": "zero"}, "q_start"),
         ({"spheres": [{"centre": [0, 0], "radius": 1}]}, "spheres"),
         ({"enforced_limits": {"torque": 2.0}}, "torque"),
-        ({"running_cost": {"torque": -1.0}}, "running_cost"),
+        ({"objective": {"effort": -1.0}}, "objective"),
     ],
 )
 def test_bad_scenarios(change, words):

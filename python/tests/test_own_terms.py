@@ -51,7 +51,7 @@ def test_a_cost_in_python_finds_what_the_same_cost_in_rust_does():
     assert table["quantity"] == ["gradient", "Hessian"] and all(table["passes"])
     assert set(table["witness"]) == {"complex step"}
     ours = aghf.solve(SWING, starts=1, running_cost=Squares(3.0))
-    theirs = aghf.solve({**SWING, "running_cost": {"velocity": 3.0}}, starts=1)
+    theirs = aghf.solve({**SWING, "objective": {"units": "si", "velocity": 3.0}}, starts=1)
     assert ours.success and theirs.success
     assert ours.summary["cost"] == pytest.approx(theirs.summary["cost"], rel=1e-9)
     assert ours.summary["cost"] > aghf.solve(SWING, starts=1).summary["control_effort"]

@@ -154,3 +154,14 @@ def test_a_goal_is_a_set_of_poses():
     placement = aghf.frame_placement(solution.model, solution.evaluate(3.0).q, "end_effector_link")
     position = placement[:3, 3]
     assert np.linalg.norm(position - [0.4, 0.1, 0.3]) < 0.01 + 1e-6
+
+
+def test_less_time_costs_more_effort():
+    found = aghf.tradeoff("limits_01", points=3, threads=1)
+    table = found.table
+    assert set(table["verdict"]) <= {"optimal", "valid"} and len(found.solutions) == 3
+    assert table["duration_s"] == sorted(table["duration_s"])
+    assert table["control_effort"] == sorted(table["control_effort"], reverse=True)
+    assert "A click on a point shows its motion" in found.report_html()
+    with pytest.raises(aghf.InputError, match="points: it is 1"):
+        aghf.tradeoff("limits_01", points=1)

@@ -32,6 +32,8 @@ pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     squares_of: [DVector<Wide<S>>; 3],
     /// True unless those in `v` and `a` are all zero.
     with_motion: bool,
+    /// The weights of squared jerks; empty without any.
+    jerk: Vec<S>,
     /// $\partial l / \partial u$, that is $w$ of the gradient.
     slopes: DVector<Wide<S>>,
     /// $w$ of $\Phi(w)$.
@@ -57,6 +59,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             model,
             squares_of: [zero.map(|_| Wide::splat(S::one())), zero.clone(), zero],
             with_motion: false,
+            jerk: Vec::new(),
             slopes: DVector::from_vec(zeros.clone()),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
@@ -96,6 +99,42 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         }
         effort.with_motion = weights[1..].iter().any(|w| w.iter().any(|w| !w.is_zero()));
         Ok(effort)
+    }
+
+    /// Adds weighted squares of the jerk, the rate of the acceleration, with one weight per joint.
+    ///
+    /// # Errors
+    /// The number of weights is not the number of joints.
+    pub fn with_jerk(mut self, weights: &[S]) -> Result<Self> {
+        check_length("weights", self.model.dof(), weights.len())?;
+        if weights.iter().any(|w| !w.is_zero()) {
+            self.jerk = weights.to_vec();
+        }
+        Ok(self)
+    }
+
+    /// Adds the cost of the jerk at all points.
+    fn add_jerk(&self, points: Points<'_, S>, costs: &mut [S]) {
+        if let Some(jerks) = points.jerks {
+            for (cost, jerk) in costs.iter_mut().zip(jerks.column_iter()) {
+                for (w, x) in self.jerk.iter().zip(&jerk) {
+                    *cost += *w * *x * *x;
+                }
+            }
+        }
+    }
+
+    /// Sets the derivatives in the jerk at all points.
+    fn put_jerk(&self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) {
+        if let (Some(jerks), false) = (points.jerks, self.jerk.is_empty()) {
+            let two = S::from_f64(2.0);
+            let slope = |i: usize, g: usize| two * self.jerk[i] * jerks[(i, g)];
+            let (n, count) = jerks.shape();
+            out.by_jerk = [
+                DMatrix::from_fn(n, count, slope),
+                DMatrix::from_fn(n, count, |i, _| two * self.jerk[i]),
+            ];
+        }
     }
 
     /// The cost of four points side by side.
@@ -154,6 +193,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             rnea_second_order(self.model, &mut self.data, z, weigh, id, second)?;
             self.file(start, count, stiff, out);
         }
+        self.add_jerk(points, &mut out.costs);
+        self.put_jerk(points, out);
         Ok(())
     }
 
@@ -249,6 +290,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         self.slopes = tau;
+        self.add_jerk(points, costs);
         Ok(())
     }
 }
@@ -268,6 +310,10 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
         alone(point, out, |points, all| self.all_derivatives(points, all))
+    }
+
+    fn needs_jerk(&self) -> bool {
+        !self.jerk.is_empty()
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {

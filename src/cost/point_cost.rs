@@ -238,6 +238,10 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
         (**self).time_rate(point)
     }
 
+    fn needs_jerk(&self) -> bool {
+        (**self).needs_jerk()
+    }
+
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
         (**self).values(points, costs)
     }

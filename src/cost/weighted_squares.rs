@@ -16,7 +16,7 @@ impl WeightedSquares {
     /// weights moves freely to reduce the cost of the others.
     ///
     /// # Errors
-    /// A slice has another length than the others, a weight is negative or not finite, or all weights are zero.
+    /// A slice has another length than the others, or a weight is negative or not finite.
     pub fn new(
         dof: usize,
         torque: Vec<f64>,
@@ -41,9 +41,6 @@ impl WeightedSquares {
                     format!("it is {}, a weight is not negative", plain(*w)),
                 );
             }
-        }
-        if all.iter().all(|(_, w)| w.iter().all(|w| *w == 0.0)) {
-            return refuse("all", "all are zero, at least one is needed".to_owned());
         }
         Ok(Self {
             torque,

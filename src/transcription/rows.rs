@@ -115,6 +115,11 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         torque.dim() > 0 || !stage.others.is_empty()
     }
 
+    /// Returns true if a row or the cost depends on the jerk.
+    pub fn needs_jerk(&self) -> bool {
+        self.constraints.stage.has_jerk() || self.cost.needs_jerk()
+    }
+
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;

@@ -227,6 +227,24 @@ test("view serves the page and nothing else", async () => {
   }
 });
 
+test("a trade-off: a click on the curve shows another motion", async () => {
+  const folder = join(ROOT, "target/browser/out/tradeoff");
+  execFileSync(AGHF, ["tradeoff", "limits_01", "--points", "4", "--out", folder, "--force"], { cwd: ROOT, stdio: ["ignore", "ignore", "inherit"] });
+  const { page, close } = await open(browser, join(folder, "report.html"));
+  const horizons = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).motions.map((motion) => motion.horizon));
+  const shown = () => page.evaluate(() => window.report.views.map((view) => view.motion.horizon));
+  assert.deepEqual(await shown(), [horizons[0]]);
+  const [width, height] = await page.locator(".scatter svg").evaluate((svg) => [svg.clientWidth, svg.clientHeight]);
+  // The last point is the longest motion of least effort, at the lower right.
+  await Promise.all([
+    page.waitForEvent("load"),
+    page.locator(".scatter svg").click({ position: { x: width - 40, y: height - 60 } }),
+  ]);
+  await page.waitForFunction(() => window.report);
+  assert.deepEqual(await shown(), [horizons[3]]);
+  await close();
+});
+
 // A sweep in which some sets miss the goal, as the flow is stopped early.
 const sweep = () => {
   const folder = join(ROOT, "target/browser/out/sweep");

@@ -15,6 +15,13 @@ fn random(rng: &mut ChaCha8Rng, rows: usize, columns: usize) -> DMatrix<f64> {
     DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0))
 }
 
+/// The effort with squared jerks.
+fn effort_and_jerk<S: AlgebraOver<f64>>(model: &Model) -> ControlEffort<'_, f64, S> {
+    let weights: Vec<S> = (0..model.dof()).map(|i| S::lift(0.3 + i as f64)).collect();
+    let cost = ControlEffort::new(model).with_jerk(&weights);
+    cost.expect("a weight for each joint")
+}
+
 /// The objective over numbers that move twice.
 fn second_order(
     model: &Model,
@@ -29,8 +36,7 @@ fn second_order(
     let entry = |unknown: usize| (unknown % n, free[unknown / n]);
     lifted[entry(moving[0])].re.eps[0] += 1.0;
     lifted[entry(moving[1])].eps[0].re += 1.0;
-    let cost = ControlEffort::<f64, Twice>::new(model);
-    Objective::new(&grid, cost, model.dof())
+    Objective::new(&grid, effort_and_jerk::<Twice>(model), model.dof())
         .value(&lifted)
         .expect("sizes agree")
 }
@@ -61,7 +67,7 @@ fn derivatives_are_those_of_duals() {
         let basis = Basis::new(segments, degree, continuity);
         let grid = Grid::new(&basis, 7, 1.3);
         let coefficients = random(&mut rng, n, basis.count());
-        let mut objective = Objective::new(&grid, ControlEffort::new(&model), n);
+        let mut objective = Objective::new(&grid, effort_and_jerk(&model), n);
         let mut derivatives = Derivatives::new(&grid, n);
         let value = objective
             .derivatives(&coefficients, &mut derivatives)

@@ -121,7 +121,8 @@ impl Limit {
     ];
 
     /// The name of the limit, which is its key in a scenario.
-    pub(super) fn name(self) -> &'static str {
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
             Self::Position => "position",
             Self::Velocity => "velocity",

@@ -7,7 +7,7 @@ use super::group::hold_others;
 use super::json::{by_name, one_or_more, read_json};
 use super::keep::{Kept, kept_rows};
 use super::losses::Losses;
-use super::objective::{Continuous, HorizonBounds, RunningCostWeights, check_objective};
+use super::objective::{Continuous, HorizonBounds, Objective, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
@@ -110,11 +110,12 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_of::<Continuous>")]
     pub continuity: Option<Continuous>,
-    /// The cost that is minimised instead of the control effort. The published flow always minimises the control
-    /// effort, and reports this.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub running_cost: Option<RunningCostWeights>,
-    /// For the direct method: the bounds and the weight of a free horizon; the search starts from `horizon_s`.
+    /// The cost that is minimised: a preset by its name, by default `least-effort`, or weights. The published flow
+    /// always minimises the control effort, and reports this.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub objective: Objective,
+    /// For the direct method: the bounds of a horizon that is an unknown; the search starts from `horizon_s`. By
+    /// default it is one if the objective weighs time, from the least horizon that the limits allow to ten times that.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free_horizon: Option<HorizonBounds>,
     /// The obstacles to keep clear of.

@@ -38,6 +38,11 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
                  \"pose\": {{\"position_m\": [x, y, z]}}}}] is needed"
             );
         }
+        if let Some((_, weights)) = FORMER_WEIGHTS.iter().find(|(key, _)| path == *key) {
+            condition = format!(
+                "all weights are in one object: \"objective\": {{\"units\": \"si\", {weights}}} is needed"
+            );
+        }
         refuse(key, condition)
     })?;
     let of_text = |e: serde_json::Error| refuse("scenario", e.to_string());
@@ -63,6 +68,15 @@ const FORMER_OBSTACLES: [(&str, &str); 5] = [
         "\"capsule\": {\"radius_m\": r, \"length_m\": l}",
     ),
     ("half_spaces", "\"half_space\": {}"),
+];
+
+/// The former keys of weights, and the keys that replaced them.
+const FORMER_WEIGHTS: [(&str, &str); 2] = [
+    (
+        "running_cost",
+        "\"effort\": w, \"velocity\": w, \"acceleration\": w",
+    ),
+    ("free_horizon.weight", "\"time\": w"),
 ];
 
 /// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.

@@ -7,6 +7,7 @@
 mod readme {}
 
 mod builtin;
+mod by_direct;
 mod by_flow;
 mod clearance;
 mod curve_file;
@@ -41,8 +42,11 @@ mod report;
 mod robot_shape;
 mod scene;
 mod schema;
+mod search;
 mod self_collision;
 mod summary;
+mod tradeoff;
+mod units;
 mod warm_start;
 mod yaml;
 
@@ -60,7 +64,9 @@ pub use limits::{Enforced, EnforcedLimits};
 pub use load::LoadOptions;
 pub use losses::{JointNumbers, LossNumbers, Losses};
 pub use moveit::{MoveIt, MoveItHorizon};
-pub use objective::{Continuous, HorizonBounds, PerJoint, RunningCostWeights};
+pub use objective::{
+    Continuous, HorizonBounds, Objective, ObjectiveWeights, PerJoint, Preset, Units,
+};
 pub use obstacles::{Obstacle, ObstacleShape, Pose, RobotShape, SelfCollision};
 pub use options::{DirectOptions, FlowOptions, Method, RestOptions, SolveOptions};
 pub use own_terms::SharedCost;
@@ -73,5 +79,8 @@ pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::{cover_links, cover_shape};
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
-pub use summary::{Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict};
+pub use summary::{
+    Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict,
+};
+pub use tradeoff::Tradeoff;
 pub use warm_start::MultipliersFile;

@@ -1,44 +1,197 @@
 //! The keys of a scenario that change the objective of the direct method from least control effort between two states.
 
+use super::schema::one_of;
 use super::{IgnoredPair, Method, RobotShape, Scenario, ScenarioFile};
-use aghf::cost::WeightedSquares;
 use aghf::direct::FreeHorizon;
-use aghf::error::{Error, Result};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use aghf::error::{Error, Result, plain};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
+use std::fmt;
 
-/// The weights of a running cost $\sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2$.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunningCostWeights {
-    /// Weights of squared torques or forces, one by default.
-    pub torque: PerJoint,
-    /// Weights of squared velocities, zero by default.
-    pub velocity: PerJoint,
-    /// Weights of squared accelerations, zero by default.
-    pub acceleration: PerJoint,
+/// The objective: a preset by its name, or weights. The control effort by default.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Objective {
+    /// A preset.
+    Preset(Preset),
+    /// The weights of a sum.
+    Weights(ObjectiveWeights),
 }
 
-impl Default for RunningCostWeights {
-    /// The control effort.
+aghf::names::named_enum! {
+/// An objective that means the same for every robot.
+pub enum Preset("objective") {
+    /// The least control effort; where the horizon is free, a second costs nothing.
+    LeastEffort = "least-effort",
+    /// The least duration within the limits: the weight of the effort vanishes in steps.
+    LeastTime = "least-time",
+    /// The least control effort that takes at most 1.25 times the least duration that was found.
+    Balanced = "balanced",
+}
+}
+
+impl Default for Objective {
     fn default() -> Self {
-        Self {
-            torque: PerJoint::Same(1.0),
-            velocity: PerJoint::Same(0.0),
-            acceleration: PerJoint::Same(0.0),
+        Self::Preset(Preset::LeastEffort)
+    }
+}
+
+impl Objective {
+    /// The preset, if it is one: a weight of time alone is least time.
+    #[must_use]
+    pub fn preset(&self) -> Option<Preset> {
+        match self {
+            Self::Preset(preset) => Some(*preset),
+            Self::Weights(weights) => weights.is_time_alone().then_some(Preset::LeastTime),
+        }
+    }
+
+    /// Returns true if a shorter motion is a better one, so that the horizon is an unknown.
+    #[must_use]
+    pub fn weighs_time(&self) -> bool {
+        match self {
+            Self::Preset(preset) => *preset != Preset::LeastEffort,
+            Self::Weights(weights) => weights.time > 0.0,
         }
     }
 }
 
-impl RunningCostWeights {
-    /// The running cost for a robot with `dof` joints.
-    ///
-    /// # Errors
-    /// Those of [`WeightedSquares::new`].
-    pub fn weighted(&self, dof: usize) -> Result<WeightedSquares> {
-        let [torque, velocity, acceleration] =
-            [&self.torque, &self.velocity, &self.acceleration].map(|weights| weights.all(dof));
-        WeightedSquares::new(dof, torque, velocity, acceleration)
+impl<'de> Deserialize<'de> for Objective {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        struct Either;
+        impl<'de> Visitor<'de> for Either {
+            type Value = Objective;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of an objective, or an object with weights")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> std::result::Result<Objective, E> {
+                name.parse().map(Objective::Preset).map_err(E::custom)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(
+                self,
+                map: A,
+            ) -> std::result::Result<Objective, A::Error> {
+                ObjectiveWeights::deserialize(MapAccessDeserializer::new(map))
+                    .map(Objective::Weights)
+            }
+        }
+        from.deserialize_any(Either)
+    }
+}
+
+impl JsonSchema for Objective {
+    fn schema_name() -> Cow<'static, str> {
+        "Objective".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let weights = generator.subschema_for::<ObjectiveWeights>();
+        json_schema!({ "anyOf": [one_of::<Preset>(generator), weights] })
+    }
+}
+
+/// The weights of an objective $w^t T + \int \sum_i w^u_i u_i^2 + w^v_i v_i^2 + w^a_i a_i^2 + w^j_i \dot a_i^2\, dt$.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ObjectiveWeights {
+    /// The units in which the terms are measured.
+    #[schemars(schema_with = "one_of::<Units>")]
+    pub units: Units,
+    /// Weight of the duration, zero by default. Where it is positive the horizon is an unknown; alone it is
+    /// `least-time`.
+    pub time: f64,
+    /// Weights of squared torques or forces, one by default.
+    pub effort: PerJoint,
+    /// Weights of squared velocities, zero by default.
+    pub velocity: PerJoint,
+    /// Weights of squared accelerations, zero by default.
+    pub acceleration: PerJoint,
+    /// For the direct method: weights of the squared rates of accelerations, zero by default.
+    pub jerk: PerJoint,
+}
+
+aghf::names::named_enum! {
+/// The units of the terms of an objective.
+pub enum Units("units") {
+    /// Each term in units of its value for the straight motion between the ends in twice the least horizon, the
+    /// duration in units of the least horizon, so that weights mean the same for every robot.
+    Scaled = "scaled",
+    /// Seconds, and the integrals of squares in N m, rad/s and so on.
+    Si = "si",
+}
+}
+
+impl Default for ObjectiveWeights {
+    /// The control effort.
+    fn default() -> Self {
+        let zero = PerJoint::Same(0.0);
+        Self {
+            units: Units::default(),
+            time: 0.0,
+            effort: PerJoint::Same(1.0),
+            velocity: zero.clone(),
+            acceleration: zero.clone(),
+            jerk: zero,
+        }
+    }
+}
+
+impl ObjectiveWeights {
+    /// The weights of the integrals, each with its key.
+    pub(super) fn integrals(&self) -> [(&'static str, &PerJoint); 4] {
+        [
+            ("effort", &self.effort),
+            ("velocity", &self.velocity),
+            ("acceleration", &self.acceleration),
+            ("jerk", &self.jerk),
+        ]
+    }
+
+    /// Returns true if nothing but time has a weight.
+    fn is_time_alone(&self) -> bool {
+        self.time > 0.0
+            && self
+                .integrals()
+                .iter()
+                .all(|(_, weights)| weights.is_zero())
+    }
+
+    /// Refuses weights that are negative, for another number of joints than `dof`, or all zero. `path` names the
+    /// scenario.
+    fn check(&self, dof: usize, path: &str) -> Result<()> {
+        let refuse = |key: &str, condition: String| {
+            Err(Error::input(path, format!("objective{key}"), condition))
+        };
+        let negative = |w: &f64| !(w.is_finite() && *w >= 0.0);
+        let fault = |w: f64| format!("it is {}, a weight is not negative", plain(w));
+        if negative(&self.time) {
+            return refuse(".time", fault(self.time));
+        }
+        for (key, weights) in self.integrals() {
+            let (key, weights) = (format!(".{key}"), weights.all(dof));
+            if weights.len() != dof {
+                let found = weights.len();
+                let joints = format!("the robot has {dof} joints, but {found} values are given");
+                return refuse(&key, joints);
+            }
+            if let Some(w) = weights.iter().copied().find(negative) {
+                return refuse(&key, fault(w));
+            }
+        }
+        let none = self
+            .integrals()
+            .iter()
+            .all(|(_, weights)| weights.is_zero());
+        if none && self.time == 0.0 {
+            return refuse("", "all are zero, at least one is needed".to_owned());
+        }
+        Ok(())
     }
 }
 
@@ -61,6 +214,14 @@ impl PerJoint {
         match self {
             Self::Same(number) => vec![*number; dof],
             Self::Each(numbers) => numbers.clone(),
+        }
+    }
+
+    /// Returns true if all are zero.
+    fn is_zero(&self) -> bool {
+        match self {
+            Self::Same(number) => *number == 0.0,
+            Self::Each(numbers) => numbers.iter().all(|number| *number == 0.0),
         }
     }
 }
@@ -87,62 +248,68 @@ impl ScenarioFile {
     }
 }
 
-/// The bounds and the weight of a free horizon.
+/// The bounds of a free horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
-    expecting = "an object with the keys shortest_s, longest_s and weight"
+    expecting = "an object with the keys shortest_s and longest_s"
 )]
 pub struct HorizonBounds {
     /// The shortest horizon, s.
     pub shortest_s: f64,
     /// The longest horizon, s.
     pub longest_s: f64,
-    /// The cost per second.
-    pub weight: f64,
 }
 
-impl From<HorizonBounds> for FreeHorizon {
-    fn from(bounds: HorizonBounds) -> Self {
-        Self {
-            shortest: bounds.shortest_s,
-            longest: bounds.longest_s,
-            weight: bounds.weight,
+impl HorizonBounds {
+    /// The free horizon with this cost of a second.
+    pub(super) fn weighted(self, weight: f64) -> FreeHorizon {
+        FreeHorizon {
+            shortest: self.shortest_s,
+            longest: self.longest_s,
+            weight,
         }
     }
 }
 
 /// Refuses keys of this file that are invalid for a robot with `dof` joints. `path` names the scenario.
 pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Result<()> {
-    let named = |error: Error, key: &dyn Fn(&str) -> String| match error {
-        Error::Input {
-            element, condition, ..
-        } => Error::input(path, key(&element), condition),
-        other => other,
-    };
-    if let Some(weights) = &file.running_cost {
-        let key = |element: &str| match element {
-            "all" => "running_cost".to_owned(),
-            _ => format!("running_cost.{element}"),
-        };
-        weights.weighted(dof).map_err(|error| named(error, &key))?;
+    let jumps = file.continuity() == Continuous::Velocity;
+    let condition = "the continuity is 'velocity', with which accelerations jump";
+    if let Objective::Weights(weights) = &file.objective {
+        weights.check(dof, path)?;
+        if jumps && !weights.jerk.is_zero() {
+            return Err(Error::input(path, "objective.jerk", condition));
+        }
     }
-    if file.enforced_limits.jerk.is_some() && file.continuity() == Continuous::Velocity {
-        let condition = "the continuity is 'velocity', with which accelerations jump";
+    if file.enforced_limits.jerk.is_some() && jumps {
         return Err(Error::input(path, "enforced_limits.jerk", condition));
     }
+    let unbounded = file.free_horizon.is_none() && !file.enforced_limits.any();
+    let preset = file.objective.preset();
+    if unbounded && preset.is_some_and(|preset| preset != Preset::LeastEffort) {
+        let condition =
+            "without limits there is no least time: enforced_limits or free_horizon is needed";
+        return Err(Error::input(path, "objective", condition));
+    }
     if let Some(bounds) = file.free_horizon {
-        let key = |element: &str| match element {
-            "free_horizon.weight" => element.to_owned(),
-            bound => format!("{bound}_s"),
-        };
-        let checked = FreeHorizon::from(bounds).check(file.horizon_s);
-        checked.map_err(|error| named(error, &key))?;
+        let checked = bounds.weighted(0.0).check(file.horizon_s);
+        checked.map_err(|error| match error {
+            Error::Input {
+                element, condition, ..
+            } => Error::input(path, format!("{element}_s"), condition),
+            other => other,
+        })?;
     }
     Ok(())
 }
 
 impl Scenario {
+    /// Refuses an objective that does not go with the other keys.
+    pub(super) fn check_objective(&self) -> Result<()> {
+        check_objective(&self.file, self.model.dof(), &self.name)
+    }
+
     /// The keys of this scenario that the method ignores, and what keeps clear of what though no key says so, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let unnamed = |IgnoredPair {
@@ -155,8 +322,9 @@ impl Scenario {
         };
         let mut notes: Vec<_> = self.overlapping.iter().map(unnamed).collect();
         notes.extend(self.kept_clear().map(str::to_owned));
-        if method == Method::Flow && self.file.running_cost.is_some() {
-            let note = "running_cost: the published flow minimises the control effort alone";
+        let weighted = matches!(self.file.objective, Objective::Weights(_));
+        if method == Method::Flow && weighted {
+            let note = "objective: the published flow minimises the control effort alone";
             notes.push(note.to_owned());
         }
         notes
@@ -189,7 +357,14 @@ impl Scenario {
     /// published flow.
     pub(super) fn check_for(&self, method: Method) -> Result<()> {
         let file = &self.file;
+        let of_jerk = |weights: &ObjectiveWeights| !weights.jerk.is_zero();
+        let jerk = matches!(&file.objective, Objective::Weights(weights) if of_jerk(weights));
         let keys = [
+            (
+                "objective with a weight of time",
+                file.objective.weighs_time(),
+            ),
+            ("objective.jerk", jerk),
             ("free_final_velocity", file.free_final_velocity),
             ("goal", !file.goal.is_empty()),
             ("keep", !file.keep.is_empty()),

@@ -87,28 +87,17 @@ impl Scenario {
         Ok(())
     }
 
-    /// The running cost that is minimised, without the weight of time.
-    ///
-    /// # Errors
-    /// The scenario has weights for another number of joints.
-    pub fn running_cost(&self) -> Result<impl CostWithControl> {
-        let model = &self.model;
-        Ok(match (&self.own.running_cost, &self.file.running_cost) {
-            (Some(own), _) => {
-                ScenarioCost::Own(Box::new(CostThroughDynamics::of(model, own.clone())))
-            }
-            (None, None) => ScenarioCost::Squares(Box::new(ControlEffort::new(model))),
-            (None, Some(weights)) => {
-                let weights = weights.weighted(model.dof())?;
-                ScenarioCost::Squares(Box::new(ControlEffort::weighted(model, &weights)?))
-            }
-        })
+    /// The user-defined running cost, if there is one.
+    pub(super) fn own_cost(&self) -> Option<ScenarioCost<'_>> {
+        let own = self.own.running_cost.clone()?;
+        let cost = CostThroughDynamics::of(&self.model, own);
+        Some(ScenarioCost::Own(Box::new(cost)))
     }
 }
 
 /// The running cost of a scenario.
 #[derive(Clone)]
-enum ScenarioCost<'m> {
+pub(super) enum ScenarioCost<'m> {
     /// Weighted squares.
     Squares(Box<ControlEffort<'m, f64, f64>>),
     /// A user-defined cost.
@@ -140,6 +129,10 @@ impl PointCost<f64> for ScenarioCost<'_> {
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
         either!(self, it => it.time_rate(point))
+    }
+
+    fn needs_jerk(&self) -> bool {
+        either!(self, it => it.needs_jerk())
     }
 
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {

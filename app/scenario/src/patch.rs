@@ -8,7 +8,7 @@ use std::path::Path;
 
 impl Scenario {
     /// The same scenario with other values for some keys, with dots before the keys of inner objects, such as
-    /// `running_cost.velocity`. As in a merge patch (RFC 7396), what is no object becomes one where an inner key is
+    /// `objective.velocity`. As in a merge patch (RFC 7396), what is no object becomes one where an inner key is
     /// set.
     ///
     /// # Errors

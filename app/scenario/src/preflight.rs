@@ -178,7 +178,7 @@ impl Scenario {
     /// Refuses a horizon that is too short for a joint.
     fn check_horizon(&self) -> Result<()> {
         let file = &self.file;
-        let (key, horizon) = match file.free_horizon {
+        let (key, horizon) = match self.horizon_bounds() {
             Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
             None => ("horizon_s", file.horizon_s),
         };

@@ -1,19 +1,16 @@
 //! Solving a scenario and testing the result.
 
+use super::by_direct::solve_directly;
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
-use super::summary::{Details, DirectDetails, ReachedEnd, Summary, Verdict};
-use super::warm_start::{MultipliersFile, start_from};
-use super::{
-    CurveFile, DirectOptions, Feasibility, Method, Provenance, Scenario, SolveOptions, Solved,
-};
+use super::summary::{Details, Summary, Verdict};
+use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions, Solved};
 use aghf::curve::Curve;
-use aghf::direct::{Direct, DirectSettings, DirectSolution, Iteration};
+use aghf::direct::{DirectSettings, Iteration};
 use aghf::error::{Error, Result};
 use aghf::flow::rest::RestRecord;
-use aghf::flow::{EffortSummary, FlowRecord, effort_of};
-use aghf::motion::{Feedback, Interrupt, Stopped, replay_error, simulate};
-use std::time::Instant;
+use aghf::flow::{EffortSummary, FlowRecord};
+use aghf::motion::{Feedback, Interrupt, Stopped, simulate};
 
 /// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact.
 const LIMIT_TOLERANCE: f64 = 1e-3;
@@ -160,138 +157,6 @@ impl<'a> Solve<'a> {
     }
 }
 
-fn solve_directly(
-    scenario: &Scenario,
-    options: &DirectOptions,
-    (start, interrupt): (Option<&Solved>, Interrupt),
-    observe: &mut dyn FnMut(&Record),
-) -> Result<Solution> {
-    let started = Instant::now();
-    let problem = scenario.problem()?;
-    let mut settings = DirectSettings {
-        interrupt,
-        goal: scenario.goal_with_ends()?,
-        ..options.settings(scenario)?
-    };
-    let constraints = scenario.constraints();
-    let start = start.map(|start| start_from(start, scenario, &constraints, &mut settings));
-    let start = start.transpose()?;
-    let settings = &settings;
-    let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
-    let solution = Direct::new(&problem)
-        .cost(scenario.running_cost()?)
-        .constraints(&constraints)
-        .settings(settings.clone())
-        .observe(observe)
-        .solve()?;
-    let solve_seconds = started.elapsed().as_secs_f64();
-    let stopped = solution.stopped;
-    let failure = failure_of(&solution, settings).map(|missed| match stopped {
-        Some(stopped) => format!("{stopped}: the motion is the best until then; {missed}"),
-        None => missed,
-    });
-    let DirectSolution {
-        curve, iterations, ..
-    } = solution;
-    let trace = Trace {
-        first_guess: Some(solution.first_guess),
-        minima: solution.minima_curves,
-        best_start: solution.best_start,
-    };
-    let horizon = curve.horizon();
-    let time = settings.free_horizon.map(|free| free.weight * horizon);
-    let details = Details::Direct(DirectDetails {
-        start,
-        multipliers: MultipliersFile::new(&solution.multipliers),
-        horizon_s: horizon,
-        cost: solution.cost + time.unwrap_or(0.0),
-        tolerance: settings.tolerance,
-        gradient_norm: solution.gradient_norm,
-        smallest_curvature: solution.smallest_curvature,
-        largest_violation: (!scenario.is_free()).then_some(solution.largest_violation),
-        unknowns: solution.unknowns,
-        replay_error_inf: replay_error(&scenario.model, &curve, &scenario.passive())?,
-        adapted: solution.adapted,
-        quadrature_points: solution.points,
-        starts_tried: solution.start_costs.len(),
-        start_costs: solution.start_costs,
-        stationarity: solution.stationarity,
-        complementarity: (!scenario.is_free()).then_some(solution.complementarity),
-        minima: solution.minima,
-        iterations: iterations.len(),
-        factorisations: iterations.iter().map(|i| i.factorisations).sum(),
-        end: settings.goal.as_ref().map(|_| ReachedEnd {
-            goal: solution.alternative,
-            q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
-        }),
-    });
-    let history = iterations.into_iter().map(Record::Direct).collect();
-    // No reported value depends on the penalty.
-    let effort = effort_of(&scenario.model, &curve, 1.0)?;
-    Ok(Solution {
-        curve,
-        effort,
-        history,
-        details,
-        solve_seconds,
-        failure,
-        stopped,
-        trace,
-    })
-}
-
-/// The reason why a direct solve found no minimum, if it found none.
-fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<String> {
-    let DirectSolution {
-        converged,
-        gradient_norm,
-        quadrature_error,
-        smallest_curvature,
-        largest_violation,
-        start_costs,
-        ..
-    } = solution;
-    if *largest_violation > DirectSettings::FEASIBLE {
-        if solution.stopped.is_some() {
-            return Some("no motion within the constraints was found".to_owned());
-        }
-        let starts = match start_costs.len() {
-            0 | 1 => "the one start did not lead".to_owned(),
-            starts => format!("none of {starts} starts led"),
-        };
-        return Some(format!(
-            "{starts} to a motion within the constraints, which is the end of the search and no proof that there is \
-            none"
-        ));
-    }
-    if !converged {
-        let off = [
-            ("gradient norm", *gradient_norm, settings.tolerance),
-            (
-                "error of the quadrature",
-                *quadrature_error,
-                settings.quadrature_tolerance,
-            ),
-        ];
-        let off = off
-            .into_iter()
-            .filter(|(_, reached, asked)| reached.is_nan() || reached > asked);
-        let off: Vec<_> = off
-            .map(|(what, reached, asked)| {
-                format!("the {what} is {reached:.1e}, {asked:e} was asked for")
-            })
-            .collect();
-        return Some(if off.is_empty() {
-            "the search ended before a minimum was sure".to_owned()
-        } else {
-            format!("where the search ended {}", off.join(", "))
-        });
-    }
-    (*smallest_curvature <= 0.0).then(|| {
-        format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum")
-    })
-}
-
 /// The result of a method.
 pub(super) struct Solution {
     pub curve: Curve,
@@ -306,7 +171,11 @@ pub(super) struct Solution {
 }
 
 /// The report of a curve, independent of the method.
-fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Result<SolveReport> {
+pub(super) fn report_of(
+    scenario: &Scenario,
+    options: &SolveOptions,
+    found: Solution,
+) -> Result<SolveReport> {
     let Solution {
         curve,
         effort,

@@ -1,6 +1,6 @@
 //! The result of a solve in numbers.
 
-use super::{CurveFile, Feasibility, Method, MultipliersFile, Provenance};
+use super::{CurveFile, Feasibility, Limit, Method, MultipliersFile, Provenance};
 use aghf::direct::{DegreeRefinement, LocalMinimum};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::motion::{Feedback, Guess};
@@ -181,7 +181,11 @@ pub struct DirectDetails {
     pub multipliers: Option<MultipliersFile>,
     /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
     pub horizon_s: f64,
-    /// The minimised cost: the control effort or the running cost, and the cost of a free horizon.
+    /// The shortest horizon that the limits of the joints allow, if the horizon is free; `None` without such limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizon_bound: Option<HorizonBound>,
+    /// The minimised cost in the units of the objective: the control effort or the weighted sum; with the preset
+    /// `least-time` the effort alone, which was not minimised.
     #[serde(deserialize_with = "not_finite_for_null")]
     pub cost: f64,
     /// The requested gradient norm, relative to the effort.
@@ -221,6 +225,17 @@ pub struct DirectDetails {
     /// The end in a goal that is a set; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<ReachedEnd>,
+}
+
+/// A lower bound of the duration of a motion: no motion between the ends is shorter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HorizonBound {
+    /// The bound, s.
+    pub least_s: f64,
+    /// The joint that takes longest.
+    pub joint: String,
+    /// The limit at which it takes that long: of velocity, acceleration or jerk.
+    pub limit: Limit,
 }
 
 /// The end of a motion in a goal that is a set.

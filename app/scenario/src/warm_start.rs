@@ -1,7 +1,6 @@
 //! A start from the motion of another solve.
 
 use super::{Details, Scenario, Solved};
-use aghf::constraint::{Constraint, Constraints};
 use aghf::direct::{DirectSettings, Multipliers};
 use aghf::error::{Error, Result};
 use aghf::model::Joint;
@@ -44,10 +43,9 @@ impl MultipliersFile {
 ///
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.
-pub(super) fn start_from<K: Constraint>(
+pub(super) fn start_from(
     start: &Solved,
     scenario: &Scenario,
-    constraints: &Constraints<K>,
     settings: &mut DirectSettings,
 ) -> Result<String> {
     let (name, own) = (&start.scenario.name, &start.summary.curve.joints);
@@ -56,7 +54,7 @@ pub(super) fn start_from<K: Constraint>(
         return Err(Error::input("start", "curve.joints", condition));
     }
     settings.start = Some(start.curve.clone());
-    let rows = constraints.dim();
+    let rows = scenario.constraints().dim();
     let known = match &start.summary.details {
         Details::Direct(details) => details.multipliers.as_ref(),
         Details::Flow(_) | Details::Rest(_) => None,

@@ -123,7 +123,7 @@ impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
     /// Adds the derivatives of the limits of acceleration and jerk.
     fn add_rates(&self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) {
         let first = self.rows.constraints.first_of_stage();
-        if self.needs_jerk() {
+        if self.needs_jerk() && !self.rows.cost.needs_jerk() {
             out.by_jerk = [(); 2].map(|()| DMatrix::zeros(points.states.nrows(), points.count()));
         }
         for g in 0..points.count() {
@@ -165,7 +165,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
     }
 
     fn needs_jerk(&self) -> bool {
-        self.rows.constraints.stage.has_jerk()
+        self.rows.needs_jerk()
     }
 
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {

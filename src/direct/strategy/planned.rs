@@ -141,7 +141,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         while horizon < longest {
             let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
             let mut states = DMatrix::zeros(n, grid.table.ncols());
-            let with_jerk = rows.constraints.stage.has_jerk();
+            let with_jerk = rows.needs_jerk();
             let mut jerks = with_jerk.then(|| DMatrix::zeros(n, grid.points()));
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;

@@ -3,7 +3,7 @@
 use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of};
 use aghf::urdf::Mimic;
-use aghf_scenario::{MoveIt, MoveItHorizon, Scenario};
+use aghf_scenario::{MoveIt, MoveItHorizon, Preset, Scenario};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -129,6 +129,7 @@ fn of_moveit(
             srdf: srdf.is_file().then(|| srdf.to_owned()),
             excess: EXCESS,
             horizon: MoveItHorizon::Free,
+            objective: Preset::Balanced,
         };
         found.push(Problem {
             family: family.to_owned(),

@@ -5,7 +5,7 @@ use super::{PackageArgs, print, tell};
 use crate::output::{refuse_existing, write_json, write_text};
 use aghf::error::Result;
 use aghf::urdf::Mimic;
-use aghf_scenario::{MoveIt, MoveItHorizon};
+use aghf_scenario::{MoveIt, MoveItHorizon, Preset};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -54,6 +54,9 @@ struct FromMoveIt {
     /// Bounds of a free horizon, s [default: the shortest that the velocity limits allow, and fifteen times that].
     #[arg(long, num_args = 2, value_names = ["SHORTEST", "LONGEST"], allow_negative_numbers = true)]
     horizon_bounds: Option<Vec<f64>>,
+    /// Objective; a motion on a given horizon has least effort.
+    #[arg(long, value_parser = choice::<Preset>(), default_value_t = Preset::Balanced)]
+    objective: Preset,
     /// File for the scenario.
     #[arg(long, short)]
     out: PathBuf,
@@ -86,6 +89,7 @@ impl FromMoveIt {
             srdf: self.srdf,
             excess: self.excess,
             horizon,
+            objective: self.objective,
         };
         let scenario = problem.scenario(&self.out.display().to_string())?;
         if let Err(error) = scenario.check_feasible() {

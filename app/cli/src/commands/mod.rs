@@ -22,6 +22,7 @@ mod signals;
 mod solve;
 mod stages;
 mod sweep;
+mod tradeoff;
 mod view;
 
 use aghf::error::Error;
@@ -66,6 +67,7 @@ enum Command {
     Export(export::Export),
     Sample(sample::Sample),
     Sweep(sweep::Sweep),
+    Tradeoff(tradeoff::TradeoffArgs),
     Doctor(doctor::Doctor),
     Robots(robots::Robots),
     Scenarios(scenarios::Scenarios),
@@ -221,6 +223,7 @@ pub fn main() -> ExitCode {
         Command::Export(export) => export.run(),
         Command::Sample(sample) => sample.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Tradeoff(tradeoff) => tradeoff.run(),
         Command::Doctor(doctor) => doctor.run(),
         Command::Robots(robots) => robots.run(),
         Command::Scenarios(scenarios) => scenarios.run(),

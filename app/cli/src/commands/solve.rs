@@ -81,7 +81,7 @@ impl SolveArgs {
         let sampling = self.sampling.sampling();
         // Better to learn now than in the end that it cannot be written.
         if let Some(sampling) = sampling {
-            let longest = scenario.file.free_horizon.map(|free| free.longest_s);
+            let longest = scenario.horizon_bounds().map(|free| free.longest_s);
             let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
         }
         let default = Path::new("out").join(&scenario.name);

@@ -7,6 +7,7 @@ mod json;
 mod judgement;
 mod rows;
 mod table;
+mod tradeoff;
 mod trajectory;
 
 pub use evaluation::{Evaluation, evaluate};
@@ -21,4 +22,5 @@ pub use table::{
     check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
 };
 pub(crate) use table::{short, summary_rows, table};
+pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

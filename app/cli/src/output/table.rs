@@ -6,8 +6,8 @@ use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, FlowDetails, Limit, RestDetails, RobotShape, Scenario,
-    Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape,
+    Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -165,7 +165,21 @@ fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
     rows.push(("cost that was minimised", short(d.cost)));
-    rows.push(("horizon", format!("{} s", short(d.horizon_s))));
+    let mut horizon = format!("{} s", short(d.horizon_s));
+    if let Some(HorizonBound {
+        least_s,
+        joint,
+        limit,
+    }) = &d.horizon_bound
+    {
+        let above = 100.0 * (d.horizon_s / least_s - 1.0);
+        horizon += &format!(
+            ", {above:.1} % above the {} s that {joint} takes at its {} limit",
+            short(*least_s),
+            limit.name()
+        );
+    }
+    rows.push(("horizon", horizon));
     if let Some(adapted) = &d.adapted {
         rows.push(("effort by degree", efforts_by_degree(adapted)));
     }
@@ -313,7 +327,7 @@ pub fn scenario_table() -> Result<String> {
     let builtin = builtin_scenarios().map(str::to_owned);
     for name in builtin.chain(generated_scenarios()) {
         let scenario = Scenario::load(&name)?;
-        let shape = scenario.robot_shape();
+        let (shape, bounds) = (scenario.robot_shape(), scenario.horizon_bounds());
         let Scenario { file, scene, .. } = scenario;
         let mut counts: Vec<(&str, usize)> = Vec::new();
         for obstacle in scene.obstacles() {
@@ -335,7 +349,7 @@ pub fn scenario_table() -> Result<String> {
             RobotShape::SweptLinks { radius_m, .. } => format!("links of radius {radius_m} m"),
             RobotShape::Collision { .. } => "collision shapes".to_owned(),
         };
-        let horizon = match file.free_horizon {
+        let horizon = match bounds {
             None => format!("{} s", file.horizon_s),
             Some(free) => format!("{} to {} s", free.shortest_s, free.longest_s),
         };

@@ -15,9 +15,11 @@ mod plots;
 mod scene;
 mod tables;
 mod track;
+mod tradeoff;
 
 pub use data::Motion;
 pub use tables::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
+pub use tradeoff::tradeoff_page;
 
 use crate::output::write_text;
 use aghf::error::Result;

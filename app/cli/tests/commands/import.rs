@@ -146,11 +146,12 @@ fn a_problem_becomes_a_scenario() {
         [&json!([-0.5]), &json!([1.0])]
     );
     // At 1.5 rad/s the way takes a second.
-    let free = json!({ "shortest_s": 1.0, "longest_s": 15.0, "weight": 0.0 });
+    let free = json!({ "shortest_s": 1.0, "longest_s": 15.0 });
     assert_eq!(
         [&file["free_horizon"], &file["horizon_s"]],
         [&free, &json!(2.0)]
     );
+    assert_eq!(file["objective"], json!("balanced"));
     let table = json!({ "name": "table", "shape": { "box": { "size_m": [1.0, 2.0, 0.1] } },
         "pose": { "position_m": [0.1, 0.0, -1.0] } });
     assert_eq!(file["obstacles"][0], table);
@@ -210,8 +211,11 @@ fn the_horizon_is_what_was_asked_for() {
         [&given["horizon_s"], &given["free_horizon"]],
         [&json!(3.0), &Value::Null]
     );
+    assert_eq!(given["objective"], Value::Null, "the least effort");
+    let fast = with(&["--objective", "least-time"]);
+    assert_eq!(fast["objective"], json!("least-time"));
     let between = with(&["--horizon-bounds", "2.5", "4"]);
-    let free = json!({ "shortest_s": 2.5, "longest_s": 4.0, "weight": 0.0 });
+    let free = json!({ "shortest_s": 2.5, "longest_s": 4.0 });
     assert_eq!(
         [&between["horizon_s"], &between["free_horizon"]],
         [&json!(2.5), &free]

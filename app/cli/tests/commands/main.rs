@@ -20,4 +20,5 @@ mod scenarios;
 mod signals;
 mod solve;
 mod sweep;
+mod tradeoff;
 mod view;

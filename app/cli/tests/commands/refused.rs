@@ -95,7 +95,7 @@ fn lists_of_a_sweep_have_bounds() {
     };
     let (long, longer) = (list(2000), list(10_001));
     let costs =
-        format!("[running_cost]\ntorque = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
+        format!("[objective]\neffort = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
     for (keys, words) in [
         (
             "starts = [100001]".to_owned(),
@@ -107,8 +107,8 @@ fn lists_of_a_sweep_have_bounds() {
         ),
         (costs, "sweep: the grid has more than 1000000 sets"),
         (
-            "running_cost = [[1.0], [0.1], [0.2]]".to_owned(),
-            "running_cost[0]: it is a list, not an object",
+            "objective = [[1.0], [0.1], [0.2]]".to_owned(),
+            "objective[0]: ; the name of an objective, or an object",
         ),
     ] {
         let text =

@@ -23,7 +23,7 @@ scenarios = ["pendulum_1_swingup", "pendulum_2_swingup"]
 time_limit_s = 600
 degree = [5, 6, 7]
 starts = [1, 2, 3, 4, 5]
-running_cost.velocity = [0, 0.5]
+objective.velocity = [0, 0.5]
 "#;
 
 fn write(path: PathBuf, text: &str) -> PathBuf {

@@ -11,7 +11,9 @@ use aghf::urdf::{
 use aghf_cli::output::{evaluate, robot_table};
 use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
-use aghf_scenario::{DirectOptions, MoveIt, MoveItHorizon, Scenario, ScenarioFile, Solve, Solved};
+use aghf_scenario::{
+    DirectOptions, MoveIt, MoveItHorizon, Preset, Scenario, ScenarioFile, Solve, Solved,
+};
 use nalgebra::{DMatrix, Vector3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -204,6 +206,7 @@ fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
         srdf: None,
         excess: 0.005,
         horizon: MoveItHorizon::Free,
+        objective: Preset::Balanced,
     };
     let made = folder.join("scenario.json");
     let scenario = match files.scenario(&made.display().to_string()) {

@@ -94,11 +94,10 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
         ..FlowOptions::default()
     };
     let weights = serde_json::from_value(json!({ "acceleration": 1.0 })).expect("weights");
-    let weighted =
-        |scenario: &mut Scenario| scenario.file.running_cost = Some(Clone::clone(&weights));
+    let weighted = |scenario: &mut Scenario| scenario.file.objective = Clone::clone(&weights);
     let flow = table("pendulum_1_swingup", &weighted, by_flow.into());
     assert!(
-        flow.contains("running_cost: the published flow minimises the control effort alone"),
+        flow.contains("objective: the published flow minimises the control effort alone"),
         "{flow}"
     );
     let passive = table("cart_pole_swingup", &|_| (), SolveOptions::default());
@@ -108,7 +107,7 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
     assert!(row.is_some_and(|row| row.contains(" of ")), "{passive}");
     let driven = table("pendulum_1_swingup", &|_| (), SolveOptions::default());
     assert!(
-        !driven.contains("passive") && !driven.contains("running_cost"),
+        !driven.contains("passive") && !driven.contains("objective"),
         "{driven}"
     );
 }

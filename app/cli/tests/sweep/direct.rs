@@ -6,7 +6,9 @@ use aghf_cli::sweep::{
     ParameterSet, Ranked, Results, Row, RowOutcome, Shard, Sweep, best, merge, ranking,
     ranking_table, run, shard_files,
 };
-use aghf_scenario::{DirectOptions, Enforced, Method, PerJoint, Solve};
+use aghf_scenario::{
+    DirectOptions, Enforced, Method, Objective, ObjectiveWeights, PerJoint, Solve, Units,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Mutex;
@@ -31,7 +33,7 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
     let points: Vec<_> = sweep.sets.iter().map(|s| sweep.parameters(s)).collect();
     let first = json!({
         "seed": 7, "degree": 9, "segments": 1, "starts": 1, "tolerance": 1e-6, "planned_starts": "later",
-        "running_cost.torque": 0, "running_cost.velocity": 0.5, "running_cost.acceleration": 0.1,
+        "objective.units": "si", "objective.effort": 0, "objective.velocity": 0.5, "objective.acceleration": 0.1,
         "enforced_limits.position": true, "enforced_limits.velocity": true, "enforced_limits.torque": false
     });
     let with = |changes: Value| {
@@ -40,7 +42,7 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
         point
     };
     let last = with(json!({
-        "seed": 8, "degree": 16, "segments": 2, "starts": 3, "running_cost.torque": 1, "running_cost.acceleration": 2,
+        "seed": 8, "degree": 16, "segments": 2, "starts": 3, "objective.effort": 1, "objective.acceleration": 2,
         "enforced_limits.velocity": 0.5, "enforced_limits.torque": 1.0
     }));
     assert_eq!((&points[0], &points[255]), (&with(json!({})), &last));
@@ -66,9 +68,15 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
     };
     assert_eq!(sweep.options(set).expect("good"), asked.into());
     let scenario = sweep.scenario(set);
-    let cost = scenario.file.running_cost.as_ref().expect("a cost");
-    let weights = [&cost.torque, &cost.velocity, &cost.acceleration];
-    assert_eq!(weights, [1.0, 0.5, 2.0].map(PerJoint::Same).each_ref());
+    let [effort, velocity, acceleration] = [1.0, 0.5, 2.0].map(PerJoint::Same);
+    let weights = ObjectiveWeights {
+        units: Units::Si,
+        effort,
+        velocity,
+        acceleration,
+        ..ObjectiveWeights::default()
+    };
+    assert_eq!(scenario.file.objective, Objective::Weights(weights));
     let limits = &scenario.file.enforced_limits;
     let share = |share| Enforced::Share {
         share,
@@ -120,7 +128,7 @@ method = "direct"
 scenarios = ["limits_01"]
 time_limit_s = 600
 degree = [9]
-running_cost.acceleration = [0.1, 10]
+objective.acceleration = [0.1, 10]
 enforced_limits.velocity = [true, 0.9, 0.01]
 enforced_limits.position = [false]
 "#;
@@ -285,8 +293,8 @@ starts = [1, 2]
         ("600", "601", "time_limit_s"),
         (
             "starts = [1, 2]",
-            "starts = [1, 2]\nrunning_cost.velocity = [0.1]",
-            "grid.running_cost.velocity",
+            "starts = [1, 2]\nobjective.velocity = [0.1]",
+            "grid.objective.velocity",
         ),
         (
             "starts = [1, 2]",

@@ -24,7 +24,7 @@ starts = [1, 3]
 tolerance = [1e-6]
 seed = [7, 8]
 planned_starts = ["later"]
-running_cost = { torque = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }
+objective = { units = ["si"], effort = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }
 enforced_limits = { position = [true], velocity = [true, 0.5], torque = [false, 1.0] }
 "#;
 

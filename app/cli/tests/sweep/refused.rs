@@ -168,17 +168,17 @@ fn bad_sweeps_of_the_direct_method_are_refused_by_name_and_key() {
         (
             "[0.5]",
             "[-0.5]",
-            "running_cost.velocity[0]: it is -0.5, a weight",
+            "objective.velocity[0]: it is -0.5, a weight",
         ),
         (
             "[0.5]",
             "[inf]",
-            "running_cost.velocity[0]: it is inf, a finite",
+            "objective.velocity[0]: it is inf, a finite",
         ),
         (
             "velocity = [0.5]",
             "speed = [0.5]",
-            "running_cost.speed[0]: unknown field `speed`",
+            "objective.speed[0]: unknown field `speed`",
         ),
         (
             "position = [true]",
@@ -206,9 +206,9 @@ fn bad_sweeps_of_the_direct_method_are_refused_by_name_and_key() {
             "it is good",
         ),
         (
-            "{ torque = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }",
-            "{ torque = [0, 1], velocity = [1, 0], acceleration = [0] }",
-            "running_cost: ; all are zero",
+            "effort = [0, 1], velocity = [0.5], acceleration = [0.1, 2] }",
+            "effort = [0, 1], velocity = [1, 0], acceleration = [0] }",
+            "objective: ; all are zero",
         ),
         (
             "\"kinova_obstacles_01\"",

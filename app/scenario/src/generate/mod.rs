@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    Clearance, Continuous, EnforcedLimits, FlowParameters, Losses, Obstacle, ObstacleShape,
-    PerJoint, Pose, RobotShape, RunningCostWeights, ScenarioFile,
+    Clearance, Continuous, EnforcedLimits, FlowParameters, Losses, Objective, ObjectiveWeights,
+    Obstacle, ObstacleShape, PerJoint, Pose, RobotShape, ScenarioFile, Units,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -308,9 +308,10 @@ impl Family {
             v_goal,
             free_final_velocity: false,
             continuity: Some(Continuous::Velocity),
-            running_cost: Some(RunningCostWeights {
+            objective: Objective::Weights(ObjectiveWeights {
+                units: Units::Si,
                 acceleration: PerJoint::Same(SMALL_ACCELERATION),
-                ..RunningCostWeights::default()
+                ..ObjectiveWeights::default()
             }),
             free_horizon: None,
             obstacles: made.obstacles,

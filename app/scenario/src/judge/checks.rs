@@ -35,7 +35,7 @@ pub(super) fn by_joint(
 /// Checks the duration and the boundary states.
 fn boundary(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Result<Vec<Row>> {
     let (file, duration) = (&scenario.file, trajectory.duration());
-    let bounds = match file.free_horizon {
+    let bounds = match scenario.horizon_bounds() {
         Some(free) => [free.shortest_s, free.longest_s],
         None => [file.horizon_s; 2],
     };

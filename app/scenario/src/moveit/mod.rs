@@ -8,8 +8,8 @@ use super::load::absolute_folders;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, RobotShape,
-    Scenario, ScenarioFile, SelfCollision, cover_links,
+    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, Objective,
+    Preset, RobotShape, Scenario, ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
@@ -50,6 +50,8 @@ pub struct MoveIt {
     pub excess: f64,
     /// The horizon.
     pub horizon: MoveItHorizon,
+    /// The objective; on a given horizon it is the least effort.
+    pub objective: Preset,
 }
 
 /// The horizon of a converted scenario.
@@ -67,9 +69,9 @@ impl MoveIt {
     /// Converts the planning problem to a scenario: from the joint state of the request to its goal in joint space or
     /// by pose, at rest at both ends, with the poses of its path constraints, within all limits of the robot, with the
     /// boxes, cylinders and spheres of the scene as obstacles, the collision shapes of the robot, and the pairs of
-    /// links that may overlap. Joints that are not in the goal are locked at their position in the request, or otherwise
-    /// in the scene; for a goal by pose those that are not in the group of the request, or without an SRDF not in its
-    /// start. `path` is the future path of the scenario, which is loaded once as a check.
+    /// links that may overlap. Joints that are not in the goal are locked at their position in the request, or in the
+    /// scene; for a goal by pose those that are not in the group of the request, or without an SRDF not in its start.
+    /// `path` is the future path of the scenario, which is loaded once as a check.
     ///
     /// # Errors
     /// Names the file, the element and the fault, such as a goal, an obstacle or a frame that scenarios do not support.
@@ -163,7 +165,11 @@ impl MoveIt {
             keep: kept(&request, &model, &request_name)?,
             free_final_velocity: false,
             continuity: None,
-            running_cost: None,
+            // On a given horizon nothing can be weighed against effort.
+            objective: Objective::Preset(match self.horizon {
+                MoveItHorizon::Given(_) => Preset::LeastEffort,
+                _ => self.objective,
+            }),
             free_horizon,
             obstacles: obstacles_of(&scene, &scene_name)?,
             robot_shape: Some(RobotShape::Collision {
@@ -227,7 +233,6 @@ impl MoveIt {
             let bounds = HorizonBounds {
                 shortest_s,
                 longest_s,
-                weight: 0.0,
             };
             // Bounds that make no sense are refused as those of any scenario.
             let first = (FIRST * least).min(longest_s).max(shortest_s);

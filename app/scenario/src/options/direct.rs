@@ -72,7 +72,7 @@ impl DirectOptions {
             threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,
             continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
-            free_horizon: scenario.file.free_horizon.map(Into::into),
+            free_horizon: scenario.free_horizon()?,
             goal: scenario.goal.clone(),
             ..default
         })

@@ -4,7 +4,10 @@
 use aghf::dynamics::{Data, bias, crba};
 use aghf::model::Model;
 use aghf::urdf::Mimic;
-use aghf_scenario::{EnforcedLimits, LoadOptions, PerJoint, Scenario, generate, generate_for};
+use aghf_scenario::{
+    EnforcedLimits, LoadOptions, Objective, ObjectiveWeights, PerJoint, Scenario, Units, generate,
+    generate_for,
+};
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -105,10 +108,12 @@ fn every_horizon_is_the_least_and_some_more() {
             let rest = vec![0.0; model.dof()];
             assert_eq!([&file.v_start, &file.v_goal], [&rest; 2]);
             assert_eq!(file.enforced_limits, EnforcedLimits::default());
-            let weights = file.running_cost.expect("it is more than effort");
-            assert_eq!(weights.torque, PerJoint::Same(1.0));
-            assert_eq!(weights.velocity, PerJoint::Same(0.0));
-            assert_eq!(weights.acceleration, PerJoint::Same(0.1));
+            let weights = ObjectiveWeights {
+                units: Units::Si,
+                acceleration: PerJoint::Same(0.1),
+                ..ObjectiveWeights::default()
+            };
+            assert_eq!(file.objective, Objective::Weights(weights));
         }
     }
 }

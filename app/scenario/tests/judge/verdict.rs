@@ -96,7 +96,7 @@ fn each_violation_is_found() {
         ),
         (
             "too early",
-            json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5, "weight": 1.0 } }),
+            json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5 } }),
             none,
             &[Check::Horizon],
             "duration",

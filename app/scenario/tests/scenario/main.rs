@@ -28,8 +28,11 @@ mod rate_limits;
 mod refused;
 mod report;
 mod schema;
+mod search;
 mod self_collision;
 mod surroundings;
+mod tradeoff;
+mod units;
 mod warm_start;
 mod written;
 

@@ -63,22 +63,26 @@ fn the_horizon_is_that_of_all_pieces() {
 fn what_a_file_says_is_kept() {
     let keys = json!({
         "free_final_velocity": true,
-        "running_cost": { "torque": [1.0, 0.5], "velocity": 0.25, "acceleration": 0.0 },
-        "free_horizon": { "shortest_s": 0.5, "longest_s": 3.0, "weight": 4.0 },
+        "objective": {
+            "units": "si", "time": 4.0, "effort": [1.0, 0.5], "velocity": 0.25, "acceleration": 0.0, "jerk": 0.0,
+        },
+        "free_horizon": { "shortest_s": 0.5, "longest_s": 3.0 },
     });
     let file = load("kept", &with(keys.clone())).expect("it is good").file;
     let again = serde_json::to_value(&file).expect("numbers");
     for (key, value) in keys.as_object().expect("it is one") {
         assert_eq!(&again[key], value, "{key}");
     }
-    let short = with(json!({ "running_cost": { "velocity": [1.0, 2.0] } }));
-    let cost = load("short", &short).expect("it is good").file.running_cost;
+    let short = with(json!({ "objective": { "velocity": [1.0, 2.0] } }));
+    let cost = load("short", &short).expect("it is good").file.objective;
     let cost = serde_json::to_value(cost).expect("numbers");
-    let all = json!({ "torque": 1.0, "velocity": [1.0, 2.0], "acceleration": 0.0 });
+    let all = json!({
+        "units": "scaled", "time": 0.0, "effort": 1.0, "velocity": [1.0, 2.0], "acceleration": 0.0, "jerk": 0.0,
+    });
     assert_eq!(cost, all);
     let file = serde_json::to_value(load("plain", &plain()).expect("it is good").file);
     let file = file.expect("numbers");
-    for key in ["free_final_velocity", "running_cost", "free_horizon"] {
+    for key in ["free_final_velocity", "objective", "free_horizon"] {
         assert_eq!(file.get(key), None, "what is not asked for is not written");
     }
 }
@@ -88,7 +92,7 @@ fn the_flow_refuses_what_it_does_not_know() {
     let flow = FlowOptions::default();
     for keys in [
         json!({ "free_final_velocity": true }),
-        json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0, "weight": 1.0 } }),
+        json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0 } }),
     ] {
         let key = keys.as_object().expect("it is one").keys().next();
         let key = key.expect("there is one").clone();
@@ -105,7 +109,7 @@ fn the_flow_refuses_what_it_does_not_know() {
 /// It finds the motion that it finds without, and says so.
 #[test]
 fn the_flow_minimises_the_effort_alone_with_a_note() {
-    let weights = json!({ "running_cost": { "acceleration": 1.0 } });
+    let weights = json!({ "objective": { "units": "si", "acceleration": 1.0 } });
     let [alone, weighted] =
         [("effort", plain()), ("weighted", with(weights))].map(|(name, file)| {
             let flow = FlowOptions {
@@ -121,9 +125,12 @@ fn the_flow_minimises_the_effort_alone_with_a_note() {
         });
     assert_eq!(weighted.curve.x(), alone.curve.x());
     assert_eq!(alone.summary.notes, [""; 0]);
-    let note = "running_cost: the published flow minimises the control effort alone";
+    let note = "objective: the published flow minimises the control effort alone";
     assert_eq!(weighted.summary.notes, [note]);
-    let (direct, _) = solved("direct", json!({ "running_cost": { "acceleration": 1.0 } }));
+    let (direct, _) = solved(
+        "direct",
+        json!({ "objective": { "units": "si", "acceleration": 1.0 } }),
+    );
     assert_eq!(direct.summary.notes, [""; 0], "the direct method knows it");
 }
 
@@ -142,13 +149,17 @@ fn what_was_found_is_told() {
     let end = free.curve.x().column(9);
     assert!(end.as_slice()[..2] == [1.0, 0.5] && end.rows(2, 2).amax() > 0.1);
 
-    let weights = json!({ "torque": 2.0, "velocity": 30.0 });
-    let (slow, details) = solved("cost", json!({ "running_cost": weights }));
+    let weights = json!({ "units": "si", "effort": 2.0, "velocity": 30.0 });
+    let (slow, details) = solved("cost", json!({ "objective": weights }));
     let cost = details.cost;
     assert!(slow.summary.control_effort > effort && cost > 2.0 * slow.summary.control_effort);
 
-    let bounds = |weight: f64| json!({ "shortest_s": 0.4, "longest_s": 2.5, "weight": weight });
-    let (found, details) = solved("horizon", json!({ "free_horizon": bounds(600.0) }));
+    let bounds = json!({ "shortest_s": 0.4, "longest_s": 2.5 });
+    let timed = json!({ "units": "si", "time": 600.0 });
+    let (found, details) = solved(
+        "horizon",
+        json!({ "free_horizon": bounds, "objective": timed }),
+    );
     let horizon = details.horizon_s;
     assert_eq!(horizon, found.curve.chebyshev().horizon());
     assert!(horizon > 0.4 && horizon < 1.5, "{horizon}");
@@ -158,8 +169,8 @@ fn what_was_found_is_told() {
 
     // All at once, and above a floor: the robot has no limits.
     let all = json!({
-        "free_final_velocity": true, "running_cost": { "velocity": 1.0 },
-        "free_horizon": bounds(600.0), "obstacles": [{ "shape": { "half_space": {} },
+        "free_final_velocity": true, "objective": { "units": "si", "time": 600.0, "velocity": 1.0 },
+        "free_horizon": bounds, "obstacles": [{ "shape": { "half_space": {} },
         "pose": { "position_m": [0.0, 0.0, -1.9] } }],
     });
     let (_, details) = solved("all", all);

@@ -113,8 +113,8 @@ fn a_constraint_of_ones_own_is_kept_and_judged() {
 fn a_running_cost_of_ones_own_takes_the_place_of_the_scenarios() {
     let weights = |n| WeightedSquares::new(n, vec![1.0; n], vec![3.0; n], vec![0.0; n]);
     let mut by_key = swing();
-    by_key.file.running_cost =
-        Some(serde_json::from_str(r#"{"velocity": 3.0}"#).expect("it is good"));
+    by_key.file.objective =
+        serde_json::from_str(r#"{"units": "si", "velocity": 3.0}"#).expect("it is good");
     let mut own = swing();
     own.set_running_cost(Arc::new(weights(2).expect("in range")));
     let [expected, found] = [&by_key, &own].map(|scenario| {

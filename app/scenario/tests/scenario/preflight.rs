@@ -119,7 +119,7 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
 
     // A horizon that is free may be as long as its bound.
     let free = |longest: f64| {
-        let bounds = json!({ "shortest_s": 1.0, "longest_s": longest, "weight": 1.0 });
+        let bounds = json!({ "shortest_s": 1.0, "longest_s": longest });
         far(json!({ "free_horizon": bounds }))
     };
     assert_refused(

@@ -88,7 +88,7 @@ fn the_schema_of_scenarios_has_their_keys() {
     let table = scenario_keys();
     for key in [
         "horizon_s",
-        "running_cost.velocity",
+        "objective.velocity",
         "flow.k_cons",
         "feedback.kp",
     ] {
@@ -101,16 +101,16 @@ fn the_schema_of_scenarios_has_their_keys() {
 fn keys_are_replaced_as_in_a_file() {
     let scenario = Scenario::load("limits_01").expect("generated");
     let with = |key: &str, value| scenario.with_keys(&Map::from_iter([(key.to_owned(), value)]));
-    let weighted = with("running_cost.velocity", json!(2.0)).expect("good");
+    let weighted = with("objective.velocity", json!(2.0)).expect("good");
     let mut file = serde_json::to_value(&scenario.file).expect("numbers");
-    file["running_cost"]["velocity"] = json!(2.0);
+    file["objective"]["velocity"] = json!(2.0);
     assert_eq!(serde_json::to_value(&weighted.file).expect("numbers"), file);
     assert_eq!(weighted.name, scenario.name);
     for (key, value, words) in [
         (
-            "running_cost.speed",
+            "objective.speed",
             json!(1),
-            "limits_01: running_cost.speed: unknown field",
+            "limits_01: objective.speed: unknown field",
         ),
         (
             "enforced_limits.velocity",
@@ -118,9 +118,9 @@ fn keys_are_replaced_as_in_a_file() {
             "limits_01: enforced_limits.velocity: it is 2",
         ),
         (
-            "running_cost",
+            "objective",
             json!([1.0]),
-            "limits_01: running_cost: it is a list",
+            "limits_01: objective: ; the name of an objective, or an object",
         ),
     ] {
         let error = with(key, value).expect_err(words).to_string();

@@ -1,6 +1,9 @@
 // The page: a column of views with a shared clock, and a column of plots and tables.
 
-const motions = JSON.parse(document.getElementById("data").textContent);
+// A list of motions side by side, or those of a trade-off, of which the address says which one is shown.
+const data = JSON.parse(document.getElementById("data").textContent);
+const chosen = data.plot ? clamp(Number(location.hash.slice(1)) || 1, 1, data.motions.length) - 1 : 0;
+const motions = data.plot ? [data.motions[chosen]] : data;
 
 // Colours of the picture in the style of the page, red, green and blue from 0 to 1.
 let colors = {};
@@ -112,6 +115,16 @@ const watch = (canvas) => {
   }, { passive: false });
 };
 
+const tradeoffPanel = () => {
+  const curve = new ScatterCard(data.plot, (point) => {
+    const number = data.motions.findIndex((motion) => motion.horizon === point.x);
+    location.hash = `#${number + 1}`;
+    location.reload();
+  });
+  curve.mark = (point) => point.x === motions[0].horizon;
+  return panel("Duration and effort", [element("p", "hint", "A click on a point shows its motion; the ring is around the one that is shown."), curve.root]);
+};
+
 const addMotion = (motion, i) => {
   const canvas = element("canvas", "view");
   canvas.tabIndex = 0;
@@ -181,6 +194,7 @@ const addMotion = (motion, i) => {
     ? "for a joint that is chosen in the table below it is shaded beyond its limits"
     : "beyond the limits of the joints it is shaded";
   const panels = [
+    data.plot && tradeoffPanel(),
     motion.failure && element("p", "fault", motion.failure),
     panel("Over time", [element("p", "hint", `A click in a plot moves the robot there; ${limits}.`), grid(over)]),
     panel("Joints", [joints.root]),

@@ -59,8 +59,10 @@ const tickLabel = (x) => {
 const MARGINS = { left: 66, right: 14, top: 10, bottom: 42 };
 
 class ScatterCard {
-  constructor(plot) {
+  // `choose` takes the point of a click; a point for which `mark` holds has a ring.
+  constructor(plot, choose = null) {
     this.plot = plot;
+    this.mark = () => false;
     this.points = plot.groups.flatMap((group) => group.points.map(([x, y, name]) => ({ x, y, name, group })));
     this.svg = shape("svg", { role: "img", "aria-label": `${plot.title}: ${plot.y} against ${plot.x}` });
     this.readout = element("div", "tip");
@@ -85,6 +87,10 @@ class ScatterCard {
     new ResizeObserver(() => this.draw()).observe(this.area);
     this.area.addEventListener("pointermove", (event) => this.point(event));
     this.area.addEventListener("pointerdown", (event) => this.point(event));
+    if (choose) {
+      this.area.classList.add("seekable");
+      this.area.addEventListener("click", (event) => { const nearest = this.point(event); if (nearest) choose(nearest); });
+    }
     this.area.addEventListener("pointerleave", () => this.leave());
   }
 
@@ -120,6 +126,7 @@ class ScatterCard {
       const className = group.failed ? "crosses" : "dots";
       parts.push(shape("path", { class: className, stroke: group.color, d: own.map((point) => `M${place(point.at)} ${mark}`).join("") }));
     });
+    for (const { at } of this.points.filter(this.mark)) parts.push(shape("circle", { class: "ring", r: 7, cx: at[0], cy: at[1] }));
     this.ring = shape("circle", { class: "ring", r: 7, visibility: "hidden" });
     parts.push(this.ring);
     this.svg.replaceChildren(...parts);
@@ -132,10 +139,11 @@ class ScatterCard {
     const nearest = this.points.reduce((best, point) => (off(point) < off(best) ? point : best));
     if (off(nearest) > 40) {
       this.leave();
-      return;
+      return null;
     }
     for (const [key, value] of [["cx", nearest.at[0]], ["cy", nearest.at[1]], ["visibility", "visible"]]) this.ring.setAttribute(key, value);
     showTip(this.readout, this.area, nearest.at, nearest.name);
+    return nearest;
   }
 
   leave() {

@@ -1,0 +1,254 @@
+//! The search of the direct method for the motion of an objective: one solve, or one after the other for a preset.
+
+use super::{Preset, Scenario};
+use aghf::curve::Curve;
+use aghf::direct::{
+    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration,
+};
+use aghf::error::Result;
+use aghf::motion::Stopped;
+use std::time::Instant;
+
+/// The weights of time in a search for the least time, as multiples of the effort per second of the motion before: the
+/// first one, and those after it.
+const FIRST_SHARE: f64 = 30.0;
+const SHARE: f64 = 1000.0;
+
+/// The same at the end, of the last motion: a hundredth at most is left to the effort, without which a joint that is not
+/// in a hurry has no best motion.
+const LAST_SHARE: f64 = 100.0;
+
+/// The largest number of weights. Where nothing but inertia costs effort, two of them divide the duration by seven.
+const STEPS: usize = 8;
+
+/// The longest duration of a balanced motion, as a multiple of the least one, and that from which its search starts at
+/// least.
+const BALANCED: f64 = 1.25;
+const SLOWED: f64 = 1.2;
+
+/// The factor by which the horizon of a faster motion may be longer than before, because of rounding.
+const NOT_LONGER: f64 = 1.0 + 1e-6;
+
+/// The part of a time limit for the starts of a search that goes on from the best one.
+const PART_OF_STARTS: f64 = 0.5;
+
+/// A search for the motion of a scenario.
+pub(super) struct Search<'s, 'o> {
+    pub scenario: &'s Scenario,
+    pub settings: DirectSettings,
+    pub observe: &'o mut dyn FnMut(&Iteration),
+    started: Instant,
+    /// The reason why the last solve stopped early, if it did.
+    stopped: Option<Stopped>,
+    /// False if the last solve was not reached, or led to nothing better than the one before.
+    complete: bool,
+}
+
+impl<'s, 'o> Search<'s, 'o> {
+    pub fn new(
+        scenario: &'s Scenario,
+        settings: DirectSettings,
+        observe: &'o mut dyn FnMut(&Iteration),
+    ) -> Self {
+        Self {
+            scenario,
+            settings,
+            observe,
+            started: Instant::now(),
+            stopped: None,
+            complete: true,
+        }
+    }
+
+    /// Finds the motion of the objective.
+    pub fn run(&mut self) -> Result<DirectSolution> {
+        match self.scenario.file.objective.preset() {
+            None | Some(Preset::LeastEffort) => self.solve(self.settings.clone()),
+            Some(Preset::LeastTime) => self.least_time(),
+            Some(Preset::Balanced) => self.balanced(),
+        }
+    }
+
+    /// The motion of least time.
+    pub fn least_time(&mut self) -> Result<DirectSolution> {
+        let (first, others) = self.faster()?;
+        Ok(self.whole(first, others))
+    }
+
+    /// Motions each of which is faster than the one before: first one that weighs time as much as effort, then with a
+    /// weight of the effort that vanishes in steps, each from the motion before.
+    fn faster(&mut self) -> Result<(DirectSolution, Vec<DirectSolution>)> {
+        let scenario = self.scenario;
+        let ends = self.settings.goal.as_ref().map(|goal| &goal.ends[0].q);
+        let goal = ends.unwrap_or(&scenario.file.q_goal);
+        let unit = scenario.cost_of_straight(&mut scenario.scenario_cost()?, goal)?;
+        let mut settings = self.settings.clone();
+        settings.free_horizon = self.weighted(unit / scenario.unit_of_time());
+        settings.time_limit = settings
+            .time_limit
+            .map(|limit| limit.mul_f64(PART_OF_STARTS));
+        let first = self.solve(settings)?;
+        let mut others = Vec::new();
+        for step in 0..STEPS {
+            let before = others.last().unwrap_or(&first);
+            self.complete = self.goes_on(before);
+            if !self.complete {
+                break;
+            }
+            let horizon = before.curve.horizon();
+            let share = if step == 0 { FIRST_SHARE } else { SHARE };
+            let weight = share * before.cost / horizon;
+            let next = self.from(before, horizon, self.weighted(weight))?;
+            self.complete = is_valid(&next) && next.curve.horizon() <= NOT_LONGER * horizon;
+            let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
+            let over = step > 0 && (last || !self.complete);
+            if self.complete {
+                others.push(next);
+            }
+            if over {
+                break;
+            }
+        }
+        Ok((first, others))
+    }
+
+    /// The least effort within [`BALANCED`] times the least time, from the slowest of the motions that led to that.
+    fn balanced(&mut self) -> Result<DirectSolution> {
+        let (first, mut others) = self.faster()?;
+        let fast = others.last().unwrap_or(&first);
+        self.complete = self.goes_on(fast);
+        if self.complete {
+            let least = fast.curve.horizon();
+            let within = |of: &&DirectSolution| of.curve.horizon() <= BALANCED * least;
+            let slow = [&first].into_iter().chain(&others).find(within);
+            let slow = slow.unwrap_or(fast);
+            let horizon = slow.curve.horizon().max(SLOWED * least);
+            let found = self.at_most(slow, horizon, BALANCED * least)?;
+            // Otherwise the fast motion remains.
+            self.complete = is_valid(&found);
+            if self.complete {
+                others.push(found);
+            }
+        }
+        Ok(self.whole(first, others))
+    }
+
+    /// The last motion, with the starts of the first one and the iterations of all.
+    fn whole(&self, first: DirectSolution, others: Vec<DirectSolution>) -> DirectSolution {
+        let found = others.into_iter().fold(first, joined);
+        DirectSolution {
+            converged: found.converged && self.complete,
+            stopped: self.stopped,
+            ..found
+        }
+    }
+
+    /// Returns true if a search goes on from this motion: it is valid, and there is time.
+    fn goes_on(&self, found: &DirectSolution) -> bool {
+        let limit = self.settings.time_limit;
+        let late = limit.is_some_and(|limit| self.started.elapsed() >= limit);
+        is_valid(found) && !late && !self.settings.interrupt.is_raised()
+    }
+
+    /// The least effort on a horizon of at most `longest`, from another motion stretched to `horizon`.
+    pub fn at_most(
+        &mut self,
+        from: &DirectSolution,
+        horizon: f64,
+        longest: f64,
+    ) -> Result<DirectSolution> {
+        let free = self.weighted(0.0).map(|free| FreeHorizon {
+            longest: free.longest.min(longest),
+            ..free
+        });
+        self.from(from, horizon, free)
+    }
+
+    /// The least effort on a given horizon, from another motion stretched to it.
+    pub fn at(&mut self, from: &DirectSolution, horizon: f64) -> Result<DirectSolution> {
+        self.from(from, horizon, None)
+    }
+
+    /// The bounds of the horizon with another cost of a second.
+    fn weighted(&self, weight: f64) -> Option<FreeHorizon> {
+        let free = self.settings.free_horizon;
+        free.map(|free| FreeHorizon { weight, ..free })
+    }
+
+    /// One solve from a motion, to its alternative of a goal that is a set, on a horizon within the bounds.
+    fn from(
+        &mut self,
+        from: &DirectSolution,
+        horizon: f64,
+        free_horizon: Option<FreeHorizon>,
+    ) -> Result<DirectSolution> {
+        let horizon = match free_horizon {
+            Some(free) => horizon.clamp(free.shortest, free.longest),
+            None => horizon,
+        };
+        let (curve, alternative) = (&from.curve, from.alternative);
+        let (dof, mut x) = (curve.dof(), curve.x().clone());
+        x.rows_mut(dof, dof).scale_mut(curve.horizon() / horizon);
+        let limit = self.settings.time_limit;
+        let goal = self.settings.goal.as_ref().map(|goal| GoalSet {
+            alternatives: vec![goal.alternatives[alternative].clone()],
+            ends: vec![GoalEnd {
+                q: curve.x().column(x.ncols() - 1).as_slice()[..dof].to_vec(),
+                alternative: 0,
+            }],
+        });
+        let settings = DirectSettings {
+            start: Some(Curve::piecewise(horizon, curve.segments(), x)?),
+            // The objective is another.
+            multipliers: None,
+            free_horizon,
+            goal,
+            time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),
+            ..self.settings.clone()
+        };
+        let found = self.solve(settings)?;
+        Ok(DirectSolution {
+            alternative,
+            ..found
+        })
+    }
+
+    /// One solve.
+    fn solve(&mut self, settings: DirectSettings) -> Result<DirectSolution> {
+        let scenario = self.scenario;
+        let mut problem = scenario.problem()?;
+        if let Some(curve) = &settings.start {
+            problem = problem.with_horizon(curve.horizon())?;
+        }
+        let found = Direct::new(&problem)
+            .cost(scenario.scenario_cost()?)
+            .constraints(&scenario.constraints())
+            .settings(settings)
+            .observe(&mut *self.observe)
+            .solve()?;
+        self.stopped = found.stopped;
+        Ok(found)
+    }
+}
+
+/// Returns true if the motion keeps all constraints.
+fn is_valid(found: &DirectSolution) -> bool {
+    found.largest_violation <= DirectSettings::FEASIBLE
+}
+
+/// A motion that was found from another one, with the starts of that and the iterations of both. The minima of another
+/// objective are no minima.
+fn joined(before: DirectSolution, mut found: DirectSolution) -> DirectSolution {
+    let mut iterations = before.iterations;
+    iterations.append(&mut found.iterations);
+    DirectSolution {
+        iterations,
+        start_costs: before.start_costs,
+        best_start: before.best_start,
+        alternative: before.alternative,
+        first_guess: before.first_guess,
+        minima: Vec::new(),
+        minima_curves: Vec::new(),
+        ..found
+    }
+}
