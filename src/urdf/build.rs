@@ -1,5 +1,6 @@
 //! Models of robots in the types of `urdf-rs`.
 
+use super::reroot::reroot;
 use super::shapes::{collision_name, convert_shape};
 use super::tree::{Visit, walk};
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions};
@@ -43,7 +44,11 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
         frames: Vec::new(),
         collisions: Vec::new(),
     };
-    for visit in walk(robot, file)? {
+    let hung = match &builder.options.root {
+        Some(root) => Some(reroot(robot, root, file)?),
+        None => None,
+    };
+    for visit in walk(hung.as_ref().unwrap_or(robot), file)? {
         builder.visit(&visit)?;
     }
     let drives = match &builder.options.losses {

@@ -42,6 +42,7 @@ mod robot_shape;
 mod scene;
 mod schema;
 mod self_collision;
+mod stand;
 mod summary;
 mod yaml;
 
@@ -72,4 +73,5 @@ pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::{cover_links, cover_shape};
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
+pub use stand::{FootLoad, Stand};
 pub use summary::{Details, DirectDetails, FlowDetails, ReachedEnd, RestDetails, Summary, Verdict};

@@ -29,6 +29,7 @@ mod refused;
 mod report;
 mod schema;
 mod self_collision;
+mod stand;
 mod surroundings;
 mod written;
 
