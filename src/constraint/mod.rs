@@ -26,6 +26,7 @@ mod point_speed;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
+mod standing_foot;
 mod torque_limits;
 mod weighted_derivatives;
 
@@ -43,6 +44,7 @@ pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
 pub(crate) use stage::{RateLimit, still};
 pub use stage::{StageConstraint, StageConstraints, StageDerivatives, StageInput, StageRows};
+pub use standing_foot::{FootContact, FootDerivatives, FootWeights, StandingFoot};
 pub(crate) use torque_limits::NONE;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;

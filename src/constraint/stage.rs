@@ -1,7 +1,8 @@
-//! Constraints on a motion at one time: limits of acceleration and jerk, and user-defined rows in $(t, q, v, a, u)$.
+//! Constraints on a motion at one time: limits of acceleration and jerk, a standing foot, and user-defined rows in
+//! $(t, q, v, a, u)$.
 
 use super::label::unit_of;
-use super::{RowKind, RowLabel, Side};
+use super::{RowKind, RowLabel, Side, StandingFoot};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -230,6 +231,8 @@ pub struct StageConstraints {
     pub acceleration: Vec<Option<f64>>,
     /// Limits of the rate of the acceleration in rad/s^3 or m/s^3, one entry per joint; no entries if there are none.
     pub jerk: Vec<Option<f64>>,
+    /// A foot on which the robot stands.
+    pub foot: Option<StandingFoot>,
     /// Any other rows.
     pub others: Vec<Arc<dyn StageConstraint>>,
 }
@@ -241,6 +244,7 @@ impl PartialEq for StageConstraints {
             |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
         self.acceleration == other.acceleration
             && self.jerk == other.jerk
+            && self.foot == other.foot
             && self.others.len() == other.others.len()
             && self.others.iter().zip(&other.others).all(same)
     }
@@ -271,6 +275,7 @@ impl StageConstraints {
     pub const NONE: Self = Self {
         acceleration: Vec::new(),
         jerk: Vec::new(),
+        foot: None,
         others: Vec::new(),
     };
 
@@ -296,17 +301,27 @@ impl StageConstraints {
         self.jerk.iter().any(Option::is_some)
     }
 
-    /// The number of rows: two for each limit, then those of the others.
+    /// The foot with its first row.
+    pub(crate) fn foot(&self) -> Option<(usize, &StandingFoot)> {
+        self.foot.as_ref().map(|foot| (self.rates().count(), foot))
+    }
+
+    /// The first row of the other constraints.
+    fn first_of_others(&self) -> usize {
+        self.rates().count() + self.foot.as_ref().map_or(0, StandingFoot::dim)
+    }
+
+    /// The number of rows: two for each limit, then those of the foot, then those of the others.
     #[must_use]
     pub fn dim(&self) -> usize {
-        self.rates().count() + self.others.iter().map(|other| other.dim()).sum::<usize>()
+        self.first_of_others() + self.others.iter().map(|other| other.dim()).sum::<usize>()
     }
 
     /// The other constraints, each with its first row.
     pub(crate) fn others(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
         self.others
             .iter()
-            .scan(self.rates().count(), |next, other| {
+            .scan(self.first_of_others(), |next, other| {
                 let first = *next;
                 *next += other.dim();
                 Some((first, &**other))
@@ -317,13 +332,18 @@ impl StageConstraints {
     pub(crate) fn scales(&self) -> Vec<f64> {
         let others = self.others.iter();
         let others = others.flat_map(|other| (0..other.dim()).map(|row| other.scale(row)));
-        self.rates().map(|rate| rate.limit).chain(others).collect()
+        let foot = self.foot.iter().flat_map(StandingFoot::scales);
+        let rates = self.rates().map(|rate| rate.limit);
+        rates.chain(foot).chain(others).collect()
     }
 
     /// The name of a row and its unit.
     #[must_use]
     pub fn label(&self, row: usize, model: &Model) -> RowLabel {
         let Some(rate) = self.rates().nth(row) else {
+            if let Some((first, foot)) = self.foot().filter(|_| row < self.first_of_others()) {
+                return foot.label(row - first);
+            }
             let other = self.others().take_while(|(first, _)| *first <= row).last();
             return match other {
                 Some((first, other)) => other.label(row - first, model),
@@ -360,16 +380,16 @@ impl StageConstraints {
             "a flow keeps limits of position, velocity and torque, the direct method these as well";
         Err(Error::input(
             robot,
-            "limits of acceleration and jerk, rows in (t, q, v, a, u)",
+            "limits of acceleration and jerk, a foot that stands, rows in (t, q, v, a, u)",
             condition,
         ))
     }
 
-    /// Checks the limits for `model`.
+    /// Checks the limits for `model`, and the foot.
     ///
     /// # Errors
     /// The number of entries is not the number of joints, or a limit is not positive and finite; the error names the
-    /// joint.
+    /// joint. Those of [`StandingFoot::check`].
     pub fn check(&self, model: &Model) -> Result<()> {
         for (what, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
             if limits.is_empty() {
@@ -384,6 +404,6 @@ impl StageConstraints {
                 }
             }
         }
-        Ok(())
+        self.foot.as_ref().map_or(Ok(()), StandingFoot::check)
     }
 }

@@ -114,7 +114,8 @@ pub struct Constraints<K, C: Scalar = f64> {
     pub state: K,
     /// Limits on $u$; no entries if there are none.
     pub torque: TorqueLimits<C>,
-    /// Limits of acceleration and jerk, and rows in $(t, q, v, a, u)$, which the [direct method](crate::direct) keeps.
+    /// Limits of acceleration and jerk, a standing foot, and rows in $(t, q, v, a, u)$, which the
+    /// [direct method](crate::direct) keeps.
     pub stage: StageConstraints,
 }
 

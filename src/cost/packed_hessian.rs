@@ -100,7 +100,7 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
-    /// Adds a matrix in the leading part of $z$ (`2 N` by `2 N` for $[q; v]$) to that of point `g`.
+    /// Adds a matrix in $z$, or in its leading part $[q; v]$, to that of point `g`.
     pub fn add(&mut self, g: usize, matrix: &DMatrix<S>) {
         self.add_wide(g, &matrix.map(|x| Lanes([x])));
     }
@@ -113,6 +113,7 @@ impl<S: Scalar> PackedHessian<S> {
             }
         }
         let n = self.dof;
+        let parts = matrix.nrows() / n;
         let columns = self.symmetric.as_mut_slice();
         let mut sums = columns.chunks_exact_mut(6 * self.room);
         let columns = self.antisymmetric.as_mut_slice();
@@ -122,18 +123,22 @@ impl<S: Scalar> PackedHessian<S> {
                 let Some(sum) = sums.next() else {
                     return;
                 };
-                for x in 0..2 {
-                    let row = index(x, x) * self.room + start;
-                    add(&mut sum[row..], matrix[(x * n + i, x * n + j)]);
-                }
-                let (here, mirrored) = (matrix[(i, n + j)], matrix[(j, n + i)]);
-                let row = index(0, 1) * self.room + start;
-                add(&mut sum[row..], here + mirrored);
-                if i > j
-                    && let Some(difference) = differences.next()
-                {
-                    let row = row - 3 * self.room;
-                    add(&mut difference[row..], here - mirrored);
+                let mut difference = match i > j {
+                    true => differences.next(),
+                    false => None,
+                };
+                for (x, y) in BLOCKS.into_iter().filter(|(_, y)| *y < parts) {
+                    let row = index(x, y) * self.room + start;
+                    let here = matrix[(x * n + i, y * n + j)];
+                    if x == y {
+                        add(&mut sum[row..], here);
+                        continue;
+                    }
+                    let mirrored = matrix[(x * n + j, y * n + i)];
+                    add(&mut sum[row..], here + mirrored);
+                    if let Some(difference) = &mut difference {
+                        add(&mut difference[row - 3 * self.room..], here - mirrored);
+                    }
                 }
             }
         }
@@ -143,12 +148,6 @@ impl<S: Scalar> PackedHessian<S> {
     pub(crate) fn add_acceleration(&mut self, g: usize, i: usize, second: S) {
         let (at, _) = self.columns(i, i);
         self.symmetric[(index(2, 2) * self.room + g, at)] += second;
-    }
-
-    /// Adds a matrix in $z$, `3 N` by `3 N`, to that of point `g`.
-    pub(crate) fn add_full(&mut self, g: usize, matrix: &DMatrix<S>) {
-        let sum = self.get(g) + matrix;
-        self.set(g, &sum);
     }
 
     /// Overwrites the matrix of point `g`.

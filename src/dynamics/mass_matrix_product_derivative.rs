@@ -4,6 +4,7 @@ use super::{Data, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::Motion;
 use nalgebra::DMatrix;
 
 /// Computes $K_{ij} = \sum_k \frac{\partial H_{ik}}{\partial q_j} w_k$, the derivative of $H(q)\\, w$ in `q` for a
@@ -33,7 +34,7 @@ pub fn mass_matrix_product_derivative<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<()> {
     clear_square("k", model.dof(), k)?;
     data.place(model, q)?;
-    data.add_virtual_velocities(model, w)?;
+    data.add_virtual_velocities(model, w, Motion::zero())?;
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, gained) = (data.axes[i], data.virtual_axis_rates[i]);
         let (inertia, momentum) = (data.inertias[i], data.virtual_momenta[i]);
@@ -52,19 +53,20 @@ pub fn mass_matrix_product_derivative<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// Virtual velocities $\mu$, momenta and the motions $\mu_{\lambda(i)} \times S_i$ for the weights `w`, after
-    /// [`place`](Self::place).
+    /// Virtual velocities $\mu$, momenta and the motions $\mu_{\lambda(i)} \times S_i$ for the weights `w` and the
+    /// virtual velocity `base` of the base, after [`place`](Self::place).
     pub(super) fn add_virtual_velocities<C: Scalar>(
         &mut self,
         model: &Model<C>,
         w: &[S],
+        base: Motion<S>,
     ) -> Result<()> {
         model.check("w", w.len())?;
         for (i, joint) in model.joints().iter().enumerate() {
             let own = self.axes[i] * w[i];
             self.virtual_velocities[i] = match joint.parent() {
                 Some(parent) => self.virtual_velocities[parent] + own,
-                None => own,
+                None => base + own,
             };
             // The joint's own virtual velocity is parallel to its axis and drops out of the product.
             self.virtual_axis_rates[i] = self.virtual_velocities[i].cross(&self.axes[i]);

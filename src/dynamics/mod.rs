@@ -28,6 +28,7 @@ mod rnea;
 mod rnea_derivatives;
 mod rnea_second_derivatives;
 mod rnea_weighted;
+mod root_wrench;
 
 pub use aba::aba;
 pub use aba_derivatives::{ForwardDynamicsDerivatives, aba_derivatives};
@@ -48,6 +49,7 @@ pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_
 pub use rnea_weighted::{
     RneaVjp, RneaWeightedHessian, rnea_second_order, rnea_vjp, rnea_weighted_hessian,
 };
+pub use root_wrench::{RootWrenchDerivatives, root_wrench, root_wrench_second_order};
 
 use crate::error::{Result, check_length};
 use crate::model::Model;

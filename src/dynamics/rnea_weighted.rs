@@ -29,11 +29,12 @@
 //! and the other half of each block follows from the symmetry of second derivatives.
 
 use super::rnea::add_drives;
+use super::rnea_derivatives::SubtreeForceDerivatives;
 use super::{Data, InverseDynamicsDerivatives, clear_square, path_to_base};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Coriolis, cross, dot};
+use crate::spatial::{Coriolis, Motion, cross, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// The gradient of $w^T ID(q, v, a)$.
@@ -86,7 +87,7 @@ impl<S: Scalar> RneaWeightedHessian<S> {
     }
 
     /// Sets the blocks to zero, after a check of their sizes.
-    fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
+    pub(super) fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
         let blocks = [
             ("qq", &mut self.qq),
             ("qv", &mut self.qv),
@@ -134,7 +135,7 @@ pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
         model.check(what, vector.len())?;
     }
     data.prepare_derivatives(model, q, v, a)?;
-    data.contract(model, w)?;
+    data.contract(model, w, Motion::zero())?;
     data.sum_forces(model);
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
@@ -183,9 +184,9 @@ pub fn rnea_weighted_hessian<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<()> {
     out.clear(model)?;
     data.prepare_derivatives(model, q, v, a)?;
-    data.contract(model, w)?;
+    data.contract(model, w, Motion::zero())?;
     data.sum_forces(model);
-    data.sweep(model, None, out);
+    data.sweep(model, out, |_, _, _| ());
     out.add_drives(model, v, w);
     Ok(())
 }
@@ -218,9 +219,11 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
     add_drives(model, v, a, first.tau.as_mut_slice());
     let mut w = std::mem::take(&mut data.scalar_scratch);
     weigh(&first.tau, &mut w);
-    let contracted = data.contract(model, &w);
+    let contracted = data.contract(model, &w, Motion::zero());
     if contracted.is_ok() {
-        data.sweep(model, Some(first), second);
+        data.sweep(model, second, |k, load, data| {
+            load.fill_row_and_column(model, data, k, first);
+        });
         first.add_drive_derivatives(model, v);
         second.add_drives(model, v, &w);
     }
@@ -229,10 +232,15 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// Computes the virtual quantities of the bodies for a contraction, after
-    /// [`prepare_derivatives`](Self::prepare_derivatives).
-    fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S]) -> Result<()> {
-        self.add_virtual_velocities(model, w)?;
+    /// Computes the virtual quantities of the bodies for a contraction with the weights `w` of the joints and the virtual
+    /// velocity of the base, after [`prepare_derivatives`](Self::prepare_derivatives).
+    pub(super) fn contract<C: Scalar>(
+        &mut self,
+        model: &Model<C>,
+        w: &[S],
+        base: Motion<S>,
+    ) -> Result<()> {
+        self.add_virtual_velocities(model, w, base)?;
         let two = S::from_f64(2.0);
         for i in 0..model.dof() {
             let mu = &self.virtual_velocities[i];
@@ -241,13 +249,13 @@ impl<S: Scalar> Data<S> {
         Ok(())
     }
 
-    /// The Hessian and, if requested, the first derivatives of inverse dynamics, after [`contract`](Self::contract) and
-    /// [`sum_forces`](Self::sum_forces): from the tips to the base, with sums over subtrees.
-    fn sweep<C: Scalar>(
+    /// The Hessian, after [`contract`](Self::contract) and [`sum_forces`](Self::sum_forces): from the tips to the base,
+    /// with sums over subtrees. `visit` takes the load on each joint.
+    pub(super) fn sweep<C: Scalar>(
         &mut self,
         model: &Model<C>,
-        mut first: Option<&mut InverseDynamicsDerivatives<S>>,
         out: &mut RneaWeightedHessian<S>,
+        mut visit: impl FnMut(usize, &SubtreeForceDerivatives<S>, &Self),
     ) {
         for i in 0..model.dof() {
             let mu = &self.virtual_velocities[i];
@@ -257,9 +265,7 @@ impl<S: Scalar> Data<S> {
         for (k, joint) in model.joints().iter().enumerate().rev() {
             // The derivatives of the force F on the subtree of k in the coordinates of joint k.
             let f = self.push(k);
-            if let Some(first) = first.as_deref_mut() {
-                f.fill_row_and_column(model, self, k, first);
-            }
+            visit(k, &f, self);
             let (axis, rate, gained) = (
                 &self.axes[k],
                 &self.axis_rates[k],

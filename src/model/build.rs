@@ -43,6 +43,7 @@ impl<C: Scalar> Model<C> {
             name: name.to_owned(),
             joints: Vec::with_capacity(specs.len()),
             inertias: Vec::with_capacity(specs.len()),
+            base_inertia: Inertia::zero(),
             frames: Vec::with_capacity(specs.len()),
             collisions: Vec::new(),
             drives: Vec::new(),

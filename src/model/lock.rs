@@ -15,8 +15,8 @@ pub struct Reduced {
 
 impl Model<f64> {
     /// Locks some joints, given by their indices, at the given positions, in rad or m, like Pinocchio's
-    /// `buildReducedModel`. A body whose joint is locked becomes part of its parent body, or of the base, whose mass is
-    /// ignored; the other joints keep their order and their drives, and all frames are kept. Cost O(N).
+    /// `buildReducedModel`. A body whose joint is locked becomes part of its parent body, or of the base; the other
+    /// joints keep their order and their drives, and all frames are kept. Cost O(N).
     ///
     /// # Errors
     /// A joint does not exist, is locked twice or cannot be at that position, or no joint remains. See also
@@ -52,7 +52,7 @@ impl Model<f64> {
             return Err(Error::input(&self.name, "robot", condition));
         }
 
-        let mut specs: Vec<JointSpec<f64>> = Vec::new();
+        let (mut specs, mut base) = (Vec::<JointSpec<f64>>::new(), self.base_inertia);
         let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
         let free = positions.iter().map(Option::is_none);
         let drives = (self.drives.iter().zip(free))
@@ -77,8 +77,9 @@ impl Model<f64> {
                 continue;
             };
             let placement = within.compose(&joint.placement(q));
-            if let Some(parent) = parent {
-                specs[parent].inertia += inertia.placed(&placement);
+            match parent {
+                Some(parent) => specs[parent].inertia += inertia.placed(&placement),
+                None => base += inertia.placed(&placement),
             }
             bodies.push((parent, placement));
         }
@@ -109,6 +110,7 @@ impl Model<f64> {
         let collisions = self.collisions.iter().map(collision).collect();
         let model = Model::from_joints(&self.name, specs)?
             .with_gravity(self.gravity)
+            .with_base_inertia(base)
             .with_frames(frames)
             .with_collisions(collisions)?
             .with_drives(drives)?;

@@ -19,7 +19,7 @@
 //! | a mimic joint, with [`Mimic::Independent`](crate::urdf::Mimic::Independent) | an ordinary joint, unless `mimic=True` is passed |
 //! | a [`Frame`], one per link, in the order of the visit | the frame of type `BODY` and the same name; frames of joints (`JOINT`, `FIXED_JOINT`) have no counterpart |
 //! | the inertia of a body, about the origin of its joint | `inertias[i + 1]`, which is given by `mass`, `lever` and the inertia about the centre of mass |
-//! | the mass fixed to the base: ignored | `inertias[0]` |
+//! | [`Model::base_inertia`], of the bodies fixed to the base | `inertias[0]`, and `inertias[1]` with a `JointModelFreeFlyer` at the root |
 //! | `armature` of a [`Drive`]; damping and friction of a [`Drive`] | `armature[i]`; none: the algorithms do not read `damping` and `friction` |
 //! | infinite limits if the file has none, only zeros, or a zero for velocity or effort | zeros as in the file; cosine and sine of a continuous joint have the limits 1.01 |
 //! | angular part first in spatial vectors, at the origin of the base | linear part first, at the requested frame |
@@ -84,6 +84,7 @@ pub struct Model<C: Scalar = f64> {
     name: String,
     joints: Vec<Joint<C>>,
     inertias: Vec<Inertia<C>>,
+    base_inertia: Inertia<C>,
     frames: Vec<Frame<C>>,
     collisions: Vec<Collision<C>>,
     drives: Vec<Drive<C>>,
@@ -120,6 +121,20 @@ impl<C: Scalar> Model<C> {
         &mut self.inertias
     }
 
+    /// The inertia of the bodies fixed to the base, in its frame. No joint feels it, but the
+    /// [wrench of the root](crate::dynamics::root_wrench()) includes its weight.
+    #[must_use]
+    pub fn base_inertia(&self) -> &Inertia<C> {
+        &self.base_inertia
+    }
+
+    /// Replaces the inertia of the base.
+    #[must_use]
+    pub fn with_base_inertia(mut self, inertia: Inertia<C>) -> Self {
+        self.base_inertia = inertia;
+        self
+    }
+
     /// The frames of all links, in the order in which the tree is visited.
     #[must_use]
     pub fn frames(&self) -> &[Frame<C>] {
@@ -154,16 +169,16 @@ impl Model<f64> {
         let placement = |p: &Placement<f64>| {
             Placement::new(p.rotation.map(D::from_f64), vector(&p.translation))
         };
+        let inertia = |i: &Inertia<f64>| Inertia {
+            mass: D::from_f64(i.mass),
+            first_moment: vector(&i.first_moment),
+            rotational: i.rotational.map(D::from_f64),
+        };
         Model {
             name: self.name.clone(),
             joints: self.joints.iter().map(Joint::cast).collect(),
-            inertias: (self.inertias.iter())
-                .map(|i| Inertia {
-                    mass: D::from_f64(i.mass),
-                    first_moment: vector(&i.first_moment),
-                    rotational: i.rotational.map(D::from_f64),
-                })
-                .collect(),
+            inertias: self.inertias.iter().map(inertia).collect(),
+            base_inertia: inertia(&self.base_inertia),
             frames: (self.frames.iter())
                 .map(|f| Frame {
                     name: f.name.clone(),

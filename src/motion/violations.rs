@@ -238,6 +238,11 @@ impl<'a, K: Constraint> Rows<'a, K> {
                 let of_joint = self.z[rate.order * n + rate.joint];
                 *g = of_joint * Wide::splat(rate.sign()) - Wide::splat(rate.limit);
             }
+            if let Some((row, foot)) = stage.foot() {
+                let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
+                let g = &mut of_stage[row..row + foot.dim()];
+                foot.value(self.model, &mut self.data, z, g)?;
+            }
             for (row, other) in stage.others() {
                 let begin = curve.breakpoints()[segment];
                 for lane in 0..LANES.min(times - first) {

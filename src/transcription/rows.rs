@@ -4,6 +4,7 @@ use crate::constraint::{
     Constraint, Constraints, Evaluator, RateLimit, RowKind, WeightedDerivatives, Weights,
 };
 use crate::cost::{CostWithControl, Points};
+use crate::dynamics::Data;
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{LANES, Wide};
@@ -20,6 +21,8 @@ pub(crate) struct Rows<'a, K, P> {
     pub cost: P,
     /// The controls at the points.
     controls: DMatrix<f64>,
+    /// Scratch space for the foot.
+    data: Data<Wide<f64>>,
     evaluator: Evaluator<'a, f64, Wide<f64>>,
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
@@ -51,6 +54,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             rates: self.rates.clone(),
             cost: self.cost.clone(),
             controls: self.controls.clone(),
+            data: self.data.clone(),
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
@@ -87,6 +91,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             rates: constraints.stage.rates().collect(),
             cost,
             controls: DMatrix::zeros(n, 0),
+            data: Data::new(model),
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); state.dim()],
@@ -124,6 +129,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, h)?;
         self.of_rates(points, h);
+        self.of_foot(points, h)?;
         if !self.with_control() {
             return self.cost.values(points, costs);
         }
@@ -174,12 +180,36 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         }
     }
 
+    /// Computes the rows of a standing foot.
+    fn of_foot(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+        let Some((row, foot)) = self.constraints.stage.foot() else {
+            return Ok(());
+        };
+        let (n, count) = (self.model.dof(), self.count());
+        let first = self.constraints.first_of_stage() + row;
+        let scales = &self.attributes.scales[first..first + foot.dim()];
+        let mut g = vec![Wide::splat(0.0); foot.dim()];
+        for start in (0..points.count()).step_by(LANES) {
+            let found = points.gather(start, &mut self.z);
+            let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
+            foot.value(self.model, &mut self.data, z, &mut g)?;
+            for lane in 0..found {
+                let h = &mut h[(start + lane) * count + first..];
+                for (h, (g, scale)) in h.iter_mut().zip(g.iter().zip(scales)) {
+                    *h = g.0[lane] * scale;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Computes the rows without the running cost, which is skipped if only the state has constraints.
     pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
         if self.with_control() {
             return self.at(points, h, &mut vec![0.0; points.count()]);
         }
         self.of_rates(points, h);
+        self.of_foot(points, h)?;
         self.of_state(points, h)
     }
 

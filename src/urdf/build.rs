@@ -1,5 +1,6 @@
 //! Models of robots in the types of `urdf-rs`.
 
+use super::reroot::reroot;
 use super::shapes::{collision_name, convert_shape};
 use super::tree::{Visit, walk};
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions};
@@ -38,11 +39,16 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
         options,
         report: LoadReport::new(),
         specs: Vec::new(),
+        base_inertia: Inertia::zero(),
         dynamics: Vec::new(),
         frames: Vec::new(),
         collisions: Vec::new(),
     };
-    for visit in walk(robot, file)? {
+    let hung = match &builder.options.root {
+        Some(root) => Some(reroot(robot, root, file)?),
+        None => None,
+    };
+    for visit in walk(hung.as_ref().unwrap_or(robot), file)? {
         builder.visit(&visit)?;
     }
     let drives = match &builder.options.losses {
@@ -56,6 +62,7 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
             } => Error::input(file, element, condition),
             other => other,
         })?
+        .with_base_inertia(builder.base_inertia)
         .with_frames(builder.frames)
         .with_collisions(builder.collisions)?
         .with_drives(drives)?;
@@ -71,6 +78,7 @@ struct Builder<'a> {
     options: UrdfOptions,
     report: LoadReport,
     specs: Vec<JointSpec<f64>>,
+    base_inertia: Inertia<f64>,
     /// The `dynamics` elements of the joints.
     dynamics: Vec<Dynamics>,
     frames: Vec<Frame<f64>>,
@@ -119,13 +127,14 @@ impl Builder<'_> {
                 }
             }
         };
-        if let Some(body) = body {
-            let placed = inertia.placed(&placement);
-            if !is_finite(&placed) {
-                let condition = "its inertia about the joint that moves it is not finite";
-                return Err(self.error(format!("link '{}'", link.name), condition));
-            }
-            self.specs[body].inertia += placed;
+        let placed = inertia.placed(&placement);
+        if !is_finite(&placed) {
+            let condition = "its inertia about the joint that moves it is not finite";
+            return Err(self.error(format!("link '{}'", link.name), condition));
+        }
+        match body {
+            Some(body) => self.specs[body].inertia += placed,
+            None => self.base_inertia += placed,
         }
         self.add_collisions(link, body, &placement)?;
         self.frames.push(Frame {

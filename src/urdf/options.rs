@@ -26,6 +26,8 @@ pub enum Mimic("mimic") {
 pub struct UrdfOptions {
     /// The treatment of mimic joints.
     pub mimic: Mimic,
+    /// The link that becomes the [root](super::reroot()); `None` for that of the file.
+    pub root: Option<String>,
     /// The losses and the rotor inertia of the joints; `None` for rigid bodies alone.
     pub losses: Option<Losses>,
     /// True to accept a robot whose mass matrix is singular, such as one whose joints will be locked.

@@ -31,8 +31,7 @@ impl Model<f64> {
     ///
     /// Every frame is written as a link, on the joint that carried it, so that the names of links and joints, the order
     /// of the joints and the shapes are those of the original file. The inertia of a body is written in the link of its
-    /// joint; links on fixed joints are massless, and so is the base, whose mass the model does not store. Numbers are
-    /// the shortest that read back to the same bits. Missing velocity or effort limits, and missing limits altogether,
+    /// joint, and that of the base in its first link; links on fixed joints are massless. Numbers are the shortest that read back to the same bits. Missing velocity or effort limits, and missing limits altogether,
     /// are written as zeros, which [`parse_urdf`] reads as no limit. A model made in code gets a link `base`; its
     /// joints are read back in the order in which the tree is visited.
     ///
@@ -66,12 +65,12 @@ impl Model<f64> {
             base.push('_');
         }
         if self.frames().iter().all(|f| f.carrier.is_some()) {
-            write_link(xml, &base, &Inertia::zero(), &[])?;
+            write_link(xml, &base, self.base_inertia(), &[])?;
         }
         for frame in self.frames() {
             let shapes = self.shapes_of(frame);
             let Some(carrier) = &frame.carrier else {
-                write_link(xml, &frame.name, &Inertia::zero(), &shapes)?;
+                write_link(xml, &frame.name, self.base_inertia(), &shapes)?;
                 continue;
             };
             let parent = carrier.parent.map(|p| &self.frames()[p]);
@@ -107,6 +106,10 @@ impl Model<f64> {
     fn difference(&self, read: &Self) -> Option<(String, &'static str)> {
         if self.gravity() != read.gravity() {
             return Some(("robot".to_owned(), "its gravity"));
+        }
+        let [a, b] = [self, read].map(|model| model.base_inertia().to_matrix());
+        if !close(&a, &b) {
+            return Some(("robot".to_owned(), "the inertia of its base"));
         }
         let carrier = |model: &Self, joint: &Joint<f64>| {
             joint.parent().map(|p| model.joints()[p].name().to_owned())

@@ -14,3 +14,4 @@ mod point_speed;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
+mod standing_foot;

@@ -53,6 +53,7 @@ fn rows_have_names_and_units() {
     let limits = StageConstraints {
         acceleration: vec![None, Some(4.0)],
         jerk: vec![Some(9.0), None],
+        foot: None,
         others: vec![rows()],
     };
     limits.check(&model).expect("valid");

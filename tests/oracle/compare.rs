@@ -3,13 +3,14 @@
 use crate::python::{Oracle, Quantities};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
-    aba, aba_derivatives, bias, crba, forward_kinematics, frame_jacobian, frame_placement,
-    kinetic_energy, mass_matrix_and_rate, potential_energy, rnea, rnea_derivatives,
-    rnea_second_derivatives,
+    RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives, bias, crba,
+    forward_kinematics, frame_jacobian, frame_placement, kinetic_energy, mass_matrix_and_rate,
+    potential_energy, rnea, rnea_derivatives, rnea_second_derivatives, root_wrench,
+    root_wrench_second_order,
 };
 use aghf::model::Model;
-use aghf::spatial::Placement;
-use nalgebra::DMatrix;
+use aghf::spatial::{Motion, Placement};
+use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -146,6 +147,17 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     rnea_derivatives(model, &mut data, q, v, a, &mut first).expect("lengths agree");
     let mut second = InverseDynamicsSecondDerivatives::new(n);
     rnea_second_derivatives(model, &mut data, q, v, a, &mut second).expect("lengths agree");
+    let (mut root, mut of_root) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let motion = Motion::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, 5.0, 6.0));
+    root_wrench_second_order(
+        model,
+        &mut data,
+        [q, v, a],
+        |_| motion,
+        &mut root,
+        &mut of_root,
+    )
+    .expect("lengths agree");
     let tensors = [
         ("d2ID/dqdq", second.dqdq(), &first.dq),
         ("d2ID/dqdv", second.dqdv(), &first.dq),
@@ -153,13 +165,26 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
         ("d2ID/dadq", second.dadq(), &first.h),
     ];
     let column = |t: &[f64]| DMatrix::from_column_slice(t.len(), 1, t);
-    let ours = tensors.map(|(name, tensor, _)| (name.to_owned(), column(tensor.entries())));
-    let floors: BTreeMap<_, _> = tensors
-        .map(|(name, _, f)| (name, f.amax().max(FLOOR)))
-        .into();
+    let tensors = tensors.map(|(name, tensor, first)| (name, column(tensor.entries()), first));
+    let matrices = [
+        ("d2root/dqdq", of_root.qq),
+        ("d2root/dqdv", of_root.qv),
+        ("d2root/dvdv", of_root.vv),
+        ("d2root/dqda", of_root.qa),
+    ];
+    let matrices = matrices.map(|(name, m)| (name, column(m.as_slice()), &root.jacobian));
+    let all: Vec<_> = tensors.into_iter().chain(matrices).collect();
+    let floors = all
+        .iter()
+        .map(|(name, _, first)| (*name, first.amax().max(FLOOR)));
+    let floors: BTreeMap<_, _> = floors.collect();
+    let ours: Quantities = all
+        .into_iter()
+        .map(|(name, ours, _)| (name.to_owned(), ours))
+        .collect();
     let theirs = oracle.call("second_derivatives", &[q, v, a]);
     let mut comparison = Comparison::default();
-    comparison.compare(&ours.into(), &theirs, |name| floors[name], |_| BOUND);
+    comparison.compare(&ours, &theirs, |name| floors[name], |_| BOUND);
     comparison
 }
 
@@ -186,6 +211,13 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     mass_matrix_and_rate(model, data, q, v, &mut h_too, &mut hdot).expect("lengths agree");
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, data, q, v, a, &mut id).expect("lengths agree");
+    let (mut root, mut of_root) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let still = |_: &_| Motion::zero();
+    root_wrench_second_order(model, data, [q, v, a], still, &mut root, &mut of_root)
+        .expect("lengths agree");
+    let wrench = root_wrench(model, data, q, v, a).expect("lengths agree");
+    let wrench = [wrench.angular.as_slice(), wrench.linear.as_slice()].concat();
+    let of_part = |part: usize| root.jacobian.columns(part * n, n).into_owned();
     let mut fd = ForwardDynamicsDerivatives::new(n);
     aba_derivatives(model, data, q, v, tau, &mut fd).expect("lengths agree");
     let kinetic = kinetic_energy(model, data, q, v).expect("lengths agree");
@@ -221,6 +253,10 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
         ("dID/dq", id.dq),
         ("dID/dv", id.dv),
         ("dID/da", id.h),
+        ("root wrench", DMatrix::from_column_slice(6, 1, &wrench)),
+        ("droot/dq", of_part(0)),
+        ("droot/dv", of_part(1)),
+        ("droot/da", of_part(2)),
         ("dFD/dq", fd.dq),
         ("dFD/dv", fd.dv),
         ("dFD/dtau", fd.h_inverse),

@@ -53,7 +53,7 @@ const MIMIC: [&str; 8] = [
 const STATES: u32 = 3;
 
 /// The columns of the table, each with prefixes of names of quantities.
-const COLUMNS: [(&str, &[&str]); 9] = [
+const COLUMNS: [(&str, &[&str]); 10] = [
     ("kinematics", &["joint placements", "link placements"]),
     ("Jacobians", &["joint axes", "link Jacobians"]),
     ("ID, C, gravity", &["ID", "C", "gravity"]),
@@ -62,6 +62,10 @@ const COLUMNS: [(&str, &[&str]); 9] = [
     ("FD", &["FD", "dFD/dtau"]),
     ("dID", &["dID/dq", "dID/dv"]),
     ("dFD", &["dFD/dq", "dFD/dv"]),
+    (
+        "root wrench",
+        &["root wrench", "droot/dq", "droot/dv", "droot/da"],
+    ),
     (
         "d2ID",
         &["d2ID/dqdq", "d2ID/dqdv", "d2ID/dvdv", "d2ID/dadq"],

@@ -48,6 +48,8 @@ class Robot:
     def __init__(self, urdf):
         self.model = pin.buildModelFromXML(urdf)
         self.data = self.model.createData()
+        self.floating = pin.buildModelFromXML(urdf, pin.JointModelFreeFlyer())
+        self.data_of_floating = self.floating.createData()
         joints = list(self.model.joints)[1:]
         self.n = len(joints)
         # A continuous joint has two numbers in Pinocchio, the cosine and the sine of its angle.
@@ -106,6 +108,15 @@ class Robot:
         force, slope, _ = self.losses(v)
         return tau + force, dq, dv + np.diag(slope), mass
 
+    def root_wrench(self, q, v, a):
+        """The wrench of the root and its derivatives: the base rows of the robot on a floating base at rest."""
+        model, data = self.floating, self.data_of_floating
+        still = np.zeros(6)
+        p = np.concatenate([pin.neutral(model)[:7], self.configuration(q)])
+        v, a = np.concatenate([still, v]), np.concatenate([still, a])
+        slopes = [np.array(slope) for slope in pin.computeRNEADerivatives(model, data, p, v, a)]
+        return angular_first(np.array(data.tau)[:6]).ravel(), *(angular_first(slope[:6, 6:]) for slope in slopes)
+
     def mass_rate(self, q, qdot):
         """The rate of H along qdot: C + C^T, since H' - 2 C is skew."""
         coriolis = pin.computeCoriolisMatrix(self.model, self.data, self.configuration(q), qdot)
@@ -145,6 +156,8 @@ class Robot:
         everything["ID"] += losses
         everything["C"] += losses
         _, everything["dID/dq"], everything["dID/dv"], everything["dID/da"] = self.inverse_dynamics(q, v, a)
+        names = ["root wrench", "droot/dq", "droot/dv", "droot/da"]
+        everything |= zip(names, self.root_wrench(q, v, a))
         fd = pin.computeABADerivatives(model, data, p, v, tau - losses)
         everything |= zip(["dFD/dq", "dFD/dv", "dFD/dtau"], map(np.array, fd))
         everything["dFD/dv"] = everything["dFD/dv"] - everything["dFD/dtau"] * slope
@@ -165,6 +178,11 @@ class Robot:
         every = np.arange(self.n)
         dvdv[every, every, every] += self.losses(v)[2]
         tensors = {"d2ID/dqdq": dqdq, "d2ID/dadq": dadq, "d2ID/dqdv": dqdv, "d2ID/dvdv": dvdv}
+        wrench = lambda q, v: np.tensordot(np.arange(1, 7), np.stack(self.root_wrench(q, v, a)[1:]), (0, 1))
+        by_q = [derivative(lambda q: wrench(q, v), q, i, self.turns[i], 2) for i in range(self.n)]
+        by_v = [derivative(lambda v: wrench(q, v), v, i, False, 2) for i in range(self.n)]
+        (qq, _, aq), (qv, vv, _) = np.stack(by_q, axis=-1), np.stack(by_v, axis=-1)
+        tensors |= {"d2root/dqdq": qq, "d2root/dqdv": qv, "d2root/dvdv": vv, "d2root/dqda": aq.T}
         return {name: tensor.ravel(order="F") for name, tensor in tensors.items()}
 
     def constraints(self, q):

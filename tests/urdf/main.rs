@@ -17,6 +17,7 @@ mod mimic;
 mod options;
 mod read;
 mod refused;
+mod reroot;
 mod several_arms;
 mod shapes;
 mod srdf;

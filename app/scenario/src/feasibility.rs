@@ -1,6 +1,6 @@
 //! The feasibility of a motion: its clearance, and the limits that it violates.
 
-use super::{PASSIVE_TORQUE_SHARE, Scenario};
+use super::{FootLoad, PASSIVE_TORQUE_SHARE, Scenario};
 use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
 use aghf::curve::Curve;
 use aghf::direct::DirectSettings;
@@ -30,6 +30,9 @@ pub struct Feasibility {
     pub largest_torque: f64,
     /// The largest absolute torque of a passive joint; `None` without passive joints.
     pub largest_passive_torque: Option<f64>,
+    /// The force of the ground on a standing foot, at 2001 times; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foot: Option<FootLoad>,
 }
 
 /// A violated limit.
@@ -201,6 +204,7 @@ impl Feasibility {
             limit_violations,
             largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
             largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),
+            foot: scenario.foot_load(curve, INTERVALS)?,
         })
     }
 

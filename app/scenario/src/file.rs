@@ -15,6 +15,7 @@ use super::payload::Payload;
 use super::scene::scene;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
+use super::stand::{Stand, standing_foot};
 use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
 use aghf::direct::GoalSet;
@@ -46,6 +47,9 @@ pub struct ScenarioFile {
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub packages: BTreeMap<String, PathBuf>,
+    /// The link that becomes the root of the robot, such as the foot on which it stands; by default that of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root: Option<String>,
     /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
@@ -102,6 +106,9 @@ pub struct ScenarioFile {
     /// For the direct method: conditions that are kept along the way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep: Vec<Kept>,
+    /// For the direct method: the foot on which the robot stands; by default the base holds anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stand: Option<Stand>,
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
@@ -212,6 +219,7 @@ impl Scenario {
                 Some(_) => Mimic::Independent,
                 None => file.mimic,
             },
+            root: file.root.clone(),
             losses: file.losses.options(),
             singular: true,
             packages: file.packages.clone(),
@@ -252,6 +260,7 @@ impl Scenario {
         };
         let goal = goal_set(&mut file, &model, path)?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
+        let foot = standing_foot(&file, &model, path)?;
         let states = [
             ("q_start", &file.q_start),
             ("v_start", &file.v_start),
@@ -319,6 +328,7 @@ impl Scenario {
             own: OwnTerms {
                 constraints: kept,
                 stage: kept_between,
+                foot,
                 running_cost: None,
             },
         })

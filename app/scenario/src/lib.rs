@@ -44,6 +44,7 @@ mod scene;
 mod schema;
 mod search;
 mod self_collision;
+mod stand;
 mod summary;
 mod tradeoff;
 mod units;
@@ -79,6 +80,7 @@ pub use report::{Record, Solve, SolveReport, Trace};
 pub use robot_shape::{cover_links, cover_shape};
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
+pub use stand::{FootLoad, Stand};
 pub use summary::{
     Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict,
 };

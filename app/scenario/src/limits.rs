@@ -202,6 +202,7 @@ impl Scenario {
             && !self.limits_are_enforced()
             && self.own.constraints.is_empty()
             && self.own.stage.is_empty()
+            && self.own.foot.is_none()
     }
 
     /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
@@ -230,7 +231,7 @@ impl Scenario {
         }
     }
 
-    /// The enforced limits of acceleration and jerk, and user-defined rows.
+    /// The enforced limits of acceleration and jerk, a standing foot, and user-defined rows.
     #[must_use]
     pub fn stage_constraints(&self) -> StageConstraints {
         let all = |limit| {
@@ -242,6 +243,7 @@ impl Scenario {
         StageConstraints {
             acceleration: all(Limit::Acceleration),
             jerk: all(Limit::Jerk),
+            foot: self.own.foot.clone(),
             others: self.own.stage.clone(),
         }
     }

@@ -1,7 +1,9 @@
 //! User-defined constraints and running costs, which no key of a scenario can express.
 
 use super::Scenario;
-use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint};
+use aghf::constraint::{
+    AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint, StandingFoot,
+};
 use aghf::cost::{
     ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
     PointDerivatives, Points, PointsDerivatives, RunningCost,
@@ -35,11 +37,13 @@ pub(super) fn worst_row(
 /// A running cost of any type.
 pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 
-/// The constraints of what is kept along the way, user-defined constraints and a user-defined running cost.
+/// The constraints of what is kept along the way, a standing foot, user-defined constraints and a user-defined running
+/// cost.
 #[derive(Clone, Default)]
 pub(super) struct OwnTerms {
     pub constraints: Vec<AnyConstraint>,
     pub stage: Vec<Arc<dyn StageConstraint>>,
+    pub foot: Option<StandingFoot>,
     pub running_cost: Option<SharedCost>,
 }
 
@@ -48,6 +52,7 @@ impl Debug for OwnTerms {
         f.debug_struct("OwnTerms")
             .field("constraints", &self.constraints)
             .field("stage", &self.stage)
+            .field("foot", &self.foot)
             .field("running_cost", &self.running_cost.is_some())
             .finish()
     }

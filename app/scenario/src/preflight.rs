@@ -1,7 +1,7 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
 use super::feasibility::three_digits;
-use super::{HorizonBounds, Limit, Scenario};
+use super::{Continuous, HorizonBounds, Limit, Scenario};
 use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
@@ -97,7 +97,7 @@ impl Scenario {
 
     /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
     /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
-    /// at rest that the torques cannot hold. Only constraints of the scenario count, each within the tolerance of the
+    /// at rest that the torques cannot hold, or the foot on which the robot stands. Only constraints of the scenario count, each within the tolerance of the
     /// search, [`DirectSettings::FEASIBLE`]; a free final velocity is not checked, nor a first guess of the end.
     ///
     /// # Errors
@@ -153,6 +153,9 @@ impl Scenario {
         }
         if end.v.is_some_and(rests) {
             self.check_rest(end)?;
+            if self.file.continuity() == Continuous::Acceleration {
+                self.check_balance(end.keys[0], end.q)?;
+            }
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The running cost with the weighted rows of constraints.
 
+use super::foot_terms::FootTerms;
 use super::stage_terms::StageTerms;
 use crate::constraint::{Constraint, Constraints, Side, Weights};
 use crate::cost::alone;
@@ -33,6 +34,8 @@ pub(crate) struct Integrand<'a, K, P> {
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     multipliers: Vec<Wide<f64>>,
+    /// The derivatives of the rows of a standing foot, if there is one.
+    foot: Option<FootTerms<'a>>,
     /// The derivatives of the rows in $(t, q, v, a, u)$, if there are any.
     stage: Option<StageTerms<'a>>,
 }
@@ -49,7 +52,12 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
             _ => (joint, *scale),
         });
         let Constraints { stage, .. } = rows.constraints;
+        let first = rows.constraints.first_of_stage();
+        let scales = &rows.attributes().scales;
+        let foot = stage.foot();
+        let foot = foot.map(|(row, foot)| FootTerms::new(rows.model, foot, first + row, scales));
         Self {
+            foot,
             stage: (!stage.others.is_empty()).then(|| StageTerms::new(rows.model)),
             torques: torques.collect(),
             h: vec![0.0; points * rows.count()],
@@ -209,6 +217,9 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
                 .sum::<f64>();
         }
         self.add_rates(points, out);
+        if let Some(foot) = &mut self.foot {
+            foot.add(points, &self.terms, out)?;
+        }
         if let Some(stage) = &mut self.stage {
             stage.add(points, self.rows.constraints, &self.terms, out)?;
         }

@@ -7,6 +7,7 @@
 
 mod candidate;
 mod curvature;
+mod foot_terms;
 mod goal_rows;
 mod integrand;
 mod margins;

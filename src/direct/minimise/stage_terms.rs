@@ -47,7 +47,7 @@ impl<'a> StageTerms<'a> {
             for (i, slope) in self.gradient.iter().enumerate() {
                 out.gradients[(i % n, 3 * g + i / n)] += slope;
             }
-            out.hessians.add_full(g, &self.hessian);
+            out.hessians.add(g, &self.hessian);
         }
         Ok(())
     }

@@ -1,11 +1,13 @@
 //! Checks of the derivatives of constraints and of the Jacobians of the constrained flow by dual numbers.
 
+use super::dynamics::{split, state_of};
 use super::{
     At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
 };
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRows,
-    SelfClearance, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator,
+    FootDerivatives, FootWeights, FrameRows, SelfClearance, Side, SolidClearance, Sphere,
+    SphereClearance, StandingFoot, TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
@@ -33,6 +35,7 @@ pub fn check_constraints(model: &Model, options: &CheckOptions) -> Result<Vec<Fi
         for (name, constraint) in KINDS.iter().zip(&made_up.constraints.state) {
             contractions(model, name, constraint, at, &mut findings)?;
         }
+        standing_foot(model, at, &mut findings)?;
     }
     let mut all = findings.all;
     for (name, kind) in JacobianKind::by_name() {
@@ -289,5 +292,72 @@ fn contractions(
         ours.hessian().as_view(),
         expected.as_view(),
     );
+    Ok(())
+}
+
+/// Compares the weighted derivatives of the rows of a standing foot in the same way.
+fn standing_foot(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let state = state_of(at);
+    let axis = Vector3::new(0.4, -0.8, 0.3);
+    let mass = model.mass() + model.base_inertia().mass;
+    let foot = StandingFoot {
+        name: String::new(),
+        sole: Placement::new(Rotation3::new(axis).into_inner(), axis * 0.2),
+        half_length: 0.12,
+        half_width: 0.05,
+        friction: 0.6,
+        torsion: Some(0.03),
+        weight: mass * (1.0 + model.gravity().norm()),
+    };
+    let wave = |f: f64| {
+        (1..=foot.dim())
+            .map(move |j| (f * j as f64).sin())
+            .collect::<Vec<_>>()
+    };
+    let (w, c) = (wave(0.7), wave(1.9));
+    let (q, v, a) = split(&state);
+    let mut g = vec![0.0; foot.dim()];
+    foot.value(model, &mut Data::new(model), [q, v, a], &mut g)?;
+    let mut ours = FootDerivatives::new(model.dof());
+    let weights = FootWeights {
+        slopes: &w,
+        multipliers: &w,
+        curvatures: &c,
+    };
+    foot.weighted_derivatives(model, &mut Data::new(model), [q, v, a], weights, &mut ours)?;
+
+    let rows = |z: [&[Dual64]; 3]| -> Result<Vec<Dual64>> {
+        let mut g = vec![Dual64::from(0.0); foot.dim()];
+        foot.value(model, &mut Data::new(model), z, &mut g)?;
+        Ok(g)
+    };
+    let expected = gradient(&state, |state| {
+        let (q, v, a) = split(state);
+        let weighted = rows([q, v, a])?.into_iter().zip(&w);
+        Ok(weighted.fold(Dual64::from(0.0), |sum, (g, w)| sum + g * *w))
+    })?;
+    let row = DMatrix::from_row_slice(1, state.len(), ours.gradient.as_slice());
+    let (tolerance, name) = (at.direct(), "foot: weighted gradient");
+    let expected = expected.transpose();
+    findings.compare(tolerance, name, at, row.as_view(), expected.as_view());
+
+    let expected = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        let mut moved = rows([q, v, a])?;
+        for (moved, ((w, c), g)) in moved.iter_mut().zip(w.iter().zip(&c).zip(&g)) {
+            *moved = (*moved - *g) * *c + *w;
+        }
+        let zeros = vec![Dual64::from(0.0); foot.dim()];
+        let weights = FootWeights {
+            slopes: &moved,
+            multipliers: &zeros,
+            curvatures: &zeros,
+        };
+        let mut out = FootDerivatives::new(model.dof());
+        foot.weighted_derivatives(model, &mut Data::new(model), [q, v, a], weights, &mut out)?;
+        Ok(out.gradient)
+    })?;
+    let (name, hessian) = ("foot: weighted Hessian", ours.hessian.as_view());
+    findings.compare(tolerance, name, at, hessian, expected.as_view());
     Ok(())
 }

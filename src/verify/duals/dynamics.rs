@@ -4,14 +4,16 @@ use super::tensors::second_derivatives;
 use super::{At, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
-    aba, aba_derivatives, mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
-    rnea_vjp, rnea_weighted_hessian,
+    RootWrenchDerivatives, aba, aba_derivatives, mass_matrix_and_rate,
+    mass_matrix_product_derivative, rnea_derivatives, rnea_vjp, rnea_weighted_hessian, root_wrench,
+    root_wrench_second_order,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::model::Model;
+use crate::spatial::Motion;
 use crate::verify::reference::{self, entries, jacobian, mass, vector};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use num_dual::Dual64;
 
 /// Compares the derivatives of the dynamics with dual numbers, and the two forms of $\Omega$ with each other.
@@ -39,6 +41,7 @@ pub fn check_dynamics_at(
         forward_dynamics(model, at, &mut findings)?;
         mass_matrix(model, at, &mut findings)?;
         contractions(model, at, &mut findings)?;
+        root(model, at, &mut findings)?;
         second_derivatives(model, at, &mut findings)?;
         for k in penalties {
             omega(model, *k, at.under(*k), &mut findings)?;
@@ -142,6 +145,71 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
         let (by_q, by_v) = (id.dq.tr_mul(&fixed), id.dv.tr_mul(&fixed));
         Ok(vector(&[by_q.as_slice(), by_v.as_slice()].concat()))
     })?;
+    compare_hessian("w^T ID", &hessian, &expected, at, findings);
+    Ok(())
+}
+
+/// Compares the Jacobian of the wrench of the root with dual numbers of its value, and the Hessian of its product with a
+/// motion of the base with dual numbers of the Jacobian.
+fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
+    let n = model.dof();
+    let state = state_of(at);
+    let (q, v, a) = split(&state);
+    let base = [0.3, -0.7, 0.4, 0.9, -0.2, 0.6];
+    let motion = |m: [f64; 6]| {
+        Motion::new(
+            Vector3::new(m[0], m[1], m[2]),
+            Vector3::new(m[3], m[4], m[5]),
+        )
+    };
+    let (mut first, mut second) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let data = &mut Data::new(model);
+    root_wrench_second_order(
+        model,
+        data,
+        [q, v, a],
+        |_| motion(base),
+        &mut first,
+        &mut second,
+    )?;
+    let expected = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        let force = root_wrench(model, &mut Data::new(model), q, v, a)?;
+        Ok(vector(
+            &[force.angular.as_slice(), force.linear.as_slice()].concat(),
+        ))
+    })?;
+    let (wrench, ours) = ("root wrench", first.jacobian.as_view());
+    findings.compare(at.direct(), wrench, at, ours, expected.as_view());
+
+    let fixed = DVector::from_row_slice(&base).map(Dual64::from);
+    let expected = jacobian(&state, |state| {
+        let (q, v, a) = split(state);
+        let (mut first, mut second) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+        let data = &mut Data::new(model);
+        root_wrench_second_order(
+            model,
+            data,
+            [q, v, a],
+            |_| Motion::zero(),
+            &mut first,
+            &mut second,
+        )?;
+        Ok(first.jacobian.tr_mul(&fixed))
+    })?;
+    compare_hessian("m^T root wrench", &second, &expected, at, findings);
+    Ok(())
+}
+
+/// Compares the blocks of a Hessian in `q`, `v` and `a`.
+fn compare_hessian(
+    of: &str,
+    hessian: &RneaWeightedHessian<f64>,
+    expected: &DMatrix<f64>,
+    at: At<'_>,
+    findings: &mut Findings,
+) {
+    let n = hessian.qq.nrows();
     let blocks = [
         ("qq", &hessian.qq, 0, 0),
         ("qv", &hessian.qv, 0, n),
@@ -149,11 +217,10 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
         ("qa", &hessian.qa, 0, 2 * n),
     ];
     for (name, ours, row, column) in blocks {
-        let quantity = format!("w^T ID: second derivatives {name}");
+        let quantity = format!("{of}: second derivatives {name}");
         let expected = expected.view((row, column), (n, n));
         findings.compare(at.direct(), &quantity, at, ours.as_view(), expected);
     }
-    Ok(())
 }
 
 fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<()> {

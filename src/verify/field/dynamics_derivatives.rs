@@ -4,18 +4,22 @@ use super::wrt::{Wrt, derivative, gathered, unfold};
 use super::{Equality, Gf, Identity, Jet1, Jet2, RandomInstance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
-    RneaVjp, RneaWeightedHessian, aba, aba_derivatives, crba_second_derivatives,
-    mass_matrix_product_derivative, rnea_second_derivatives, rnea_vjp, rnea_weighted_hessian,
+    RneaVjp, RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives,
+    crba_second_derivatives, mass_matrix_product_derivative, rnea_second_derivatives, rnea_vjp,
+    rnea_weighted_hessian, root_wrench, root_wrench_second_order,
 };
 use crate::error::Result;
 use crate::flow::RightHandSide;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks};
+use crate::model::{JointKind, JointSpec, Limits, Model};
 use crate::scalar::AlgebraOver;
+use crate::spatial::{Force, Inertia, Motion, Placement};
 use crate::verify::reference::{
     At, bias_force, constant, entries, fd_0, inverse_dynamics, jacobian, mass, omega_by_definition,
     rate, vector,
 };
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
+use num_traits::{One, Zero};
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
@@ -32,6 +36,12 @@ pub(super) fn identities() -> Vec<Identity> {
         law("ABA_2D", "second derivatives of FD_0", aba_2d),
         law("contracted gradient", "gradient of w^T ID", gradient),
         law("contracted Hessian", "Hessian of w^T ID", hessian),
+        law("root wrench", "torques of six joints at the root", root),
+        law(
+            "root wrench derivatives",
+            "Jacobian, and Hessian of m . f",
+            root_second,
+        ),
         law("crba contracted", "d(H w)/dq", contracted_mass),
         law("control form Jacobian", "its three blocks", control_form),
     ]
@@ -194,6 +204,109 @@ fn hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
         Equality::new("in v, a", zero.clone(), part(1, 2)),
         Equality::new("in a, a", zero, part(2, 2)),
     ])
+}
+
+/// The wrench as six numbers, moment first.
+fn wrench_of<S: AlgebraOver<Gf>>(p: &RandomInstance, s: &[S]) -> Result<DVector<S>> {
+    let (n, data) = (p.dof(), &mut Data::new(&p.model));
+    let force = root_wrench(&p.model, data, &s[..n], &s[n..2 * n], &s[2 * n..])?;
+    Ok(vector(
+        &[force.angular.as_slice(), force.linear.as_slice()].concat(),
+    ))
+}
+
+/// The robot on six joints at the root, three that turn and three that slide, which are massless but for the last one,
+/// whose body is the base.
+fn with_floating_base(p: &RandomInstance) -> Result<Model<Gf>> {
+    let (model, zero, one) = (&p.model, Gf::default(), Gf::one());
+    let unit = |i: usize| Vector3::from_fn(|k, _| if k == i { one } else { zero });
+    let mut specs: Vec<_> = (0..6_usize)
+        .map(|i| JointSpec {
+            name: format!("root_{i}"),
+            kind: if i < 3 {
+                JointKind::Revolute
+            } else {
+                JointKind::Prismatic
+            },
+            parent: i.checked_sub(1),
+            origin: Placement::identity(),
+            axis: unit(i % 3),
+            inertia: Inertia::zero(),
+            limits: Limits::NONE,
+        })
+        .collect();
+    specs[5].inertia = *model.base_inertia();
+    for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
+        specs.push(JointSpec {
+            name: joint.name().to_owned(),
+            kind: joint.kind(),
+            parent: Some(joint.parent().map_or(5, |parent| parent + 6)),
+            origin: *joint.origin(),
+            axis: *joint.axis(),
+            inertia: *inertia,
+            limits: Limits::NONE,
+        });
+    }
+    Ok(Model::from_joints("on a floating base", specs)?.with_gravity(*model.gravity()))
+}
+
+fn root(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let node = p.node();
+    let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+    let still = |x: &[Gf]| [&[Gf::default(); 6], x].concat();
+    let tau = inverse_dynamics(&with_floating_base(p)?, &still(q), &still(v), &still(a))?;
+    let found = wrench_of(p, &[q, v, a].concat())?;
+    let right = tau.rows(0, 6).into_owned();
+    Ok(vec![Equality::vectors("f", &found, &right)])
+}
+
+fn root_second(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (n, node) = (p.dof(), p.node());
+    let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
+    let (mut first, mut second_order) =
+        (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let m = DVector::from_column_slice(&p.extra[..6]);
+    let motion = Motion::new(vector3(&m, 0), vector3(&m, 3));
+    let (data, weigh) = (&mut Data::new(&p.model), |_: &Force<Gf>| motion);
+    root_wrench_second_order(
+        &p.model,
+        data,
+        [q, v, a],
+        weigh,
+        &mut first,
+        &mut second_order,
+    )?;
+    let state = [q, v, a].concat();
+    let wrench = [
+        first.wrench.angular.as_slice(),
+        first.wrench.linear.as_slice(),
+    ]
+    .concat();
+    let all = second(&state, |s| {
+        let fixed = m
+            .iter()
+            .zip(&wrench_of(p, s)?)
+            .map(|(m, f)| f.scale(*m))
+            .collect::<Vec<_>>();
+        let sum = fixed.into_iter().fold(Jet2::zero(), |sum, x| sum + x);
+        Ok(DVector::from_element(1, sum))
+    })?;
+    let part = |i: usize, j: usize| all.view((i * n, j * n), (n, n)).into_owned();
+    let zero = DMatrix::zeros(n, n);
+    Ok(vec![
+        Equality::vectors("f", &vector(&wrench), &wrench_of(p, &state)?),
+        Equality::new("J", first.jacobian, jacobian(&state, |s| wrench_of(p, s))?),
+        Equality::new("in q, q", second_order.qq, part(0, 0)),
+        Equality::new("in q, v", second_order.qv, part(0, 1)),
+        Equality::new("in v, v", second_order.vv, part(1, 1)),
+        Equality::new("in q, a", second_order.qa, part(0, 2)),
+        Equality::new("in v, a", zero.clone(), part(1, 2)),
+        Equality::new("in a, a", zero, part(2, 2)),
+    ])
+}
+
+fn vector3(m: &DVector<Gf>, first: usize) -> Vector3<Gf> {
+    m.fixed_rows::<3>(first).into_owned()
 }
 
 fn contracted_mass(p: &RandomInstance) -> Result<Vec<Equality>> {

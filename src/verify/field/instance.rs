@@ -110,6 +110,17 @@ fn axis(rng: &mut ChaCha8Rng) -> Vector3<Gf> {
     Vector3::new(a + a, b + b, Gf::one() - a * a - b * b) * inverse
 }
 
+fn inertia(rng: &mut ChaCha8Rng) -> Inertia<Gf> {
+    let (half, off) = (vector(rng), vector(rng));
+    Inertia {
+        mass: number(rng),
+        first_moment: vector(rng),
+        rotational: Matrix3::new(
+            half.x, off.x, off.y, off.x, half.y, off.z, off.y, off.z, half.z,
+        ),
+    }
+}
+
 /// A random orthogonal matrix with determinant one: the rotation of a rational quaternion.
 fn rotation(rng: &mut ChaCha8Rng) -> Matrix3<Gf> {
     let (w, v) = (number(rng), vector(rng));
@@ -134,8 +145,6 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
                 (rng.random_bool(0.3), parent)
             }
         };
-        let half = vector(rng);
-        let off = vector(rng);
         specs.push(JointSpec {
             name: format!("joint_{i}"),
             kind: if slides {
@@ -146,13 +155,7 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
             parent,
             origin: Placement::new(rotation(rng), vector(rng)),
             axis: axis(rng),
-            inertia: Inertia {
-                mass: number(rng),
-                first_moment: vector(rng),
-                rotational: Matrix3::new(
-                    half.x, off.x, off.y, off.x, half.y, off.z, off.y, off.z, half.z,
-                ),
-            },
+            inertia: inertia(rng),
             limits: Limits::NONE,
         });
     }
@@ -164,5 +167,6 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
     });
     let drives = drives.collect();
     let model = Model::from_joints("random robot over the field", specs)?;
+    let model = model.with_base_inertia(inertia(rng));
     model.with_gravity(vector(rng)).with_drives(drives)
 }

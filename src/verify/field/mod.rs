@@ -19,6 +19,7 @@ mod geometry;
 mod instance;
 mod reference;
 mod running_cost;
+mod standing_foot;
 mod theorem_b3;
 mod theorem_b3_gradient;
 mod theorem_b4;
@@ -161,6 +162,7 @@ pub fn identities() -> Vec<Identity> {
     all.extend(dynamics_derivatives::identities());
     all.extend(constraints::identities());
     all.extend(constraint_kinds::identities());
+    all.extend(standing_foot::identities());
     all.extend(geometry::identities());
     all.extend(theorem_b3::identities());
     all.extend(theorem_b3_gradient::identities());

@@ -87,6 +87,9 @@ struct UrdfArgs {
     /// Treatment of mimic joints in a URDF file: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
+    /// The link that becomes the root of the robot, such as the foot on which it stands [default: that of the file].
+    #[arg(long, value_name = "LINK")]
+    root: Option<String>,
     /// Count the damping and the friction in the URDF, which are left out otherwise.
     #[arg(long)]
     losses: bool,
@@ -111,6 +114,7 @@ impl UrdfArgs {
     fn options(&self) -> UrdfOptions {
         UrdfOptions {
             mimic: self.mimic,
+            root: self.root.clone(),
             losses: self.losses.then(Losses::default),
             packages: self.packages.folders(),
             ..UrdfOptions::default()

@@ -95,6 +95,23 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         let both = format!("{} of {}", short(passive), short(largest));
         add("largest torque of passive joints", &both);
     }
+    if let Some(foot) = &s.feasibility.foot {
+        let range = |[least, most]: [f64; 2]| format!("{} to {}", short(least), short(most));
+        add(
+            "normal force on the foot",
+            &format!("{} N", range(foot.normal_force)),
+        );
+        let (along, across) = (range(foot.along_m), range(foot.across_m));
+        add(
+            "centre of pressure",
+            &format!("{along} m along, {across} m across"),
+        );
+        let (friction, torsion) = (short(foot.friction), short(foot.torsion));
+        add(
+            "friction of the foot",
+            &format!("{friction}, torsion {torsion} m"),
+        );
+    }
     let limits = s.feasibility.limit_violations.iter();
     // The torques of passive joints have their own row.
     for violation in limits.filter(|violation| violation.limit != Limit::Passive) {

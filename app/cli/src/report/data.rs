@@ -152,6 +152,7 @@ impl MotionData {
             all.flatten().copied()
         });
         let mut plots = plots_of_joints(model, &rows)?;
+        plots.extend(plots_of_foot(scenario, &rows)?);
         plots.extend(plot_of_clearance(&rows, clearance.as_ref())?);
         if let Some(outcome) = motion.outcome {
             plots.extend(super::convergence::plots_of_search(outcome)?);
@@ -268,6 +269,54 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
         )?);
     }
     Ok(plots)
+}
+
+/// Plots of the centre of pressure and of the friction of a standing foot, with the region beyond its bounds shaded.
+fn plots_of_foot(scenario: &Scenario, rows: &[Sample]) -> Result<Vec<Plot>> {
+    let Some(foot) = scenario.foot() else {
+        return Ok(Vec::new());
+    };
+    let (mut pressure, mut friction) = ([Vec::new(), Vec::new()], Vec::new());
+    for row in rows {
+        if let Some(contact) = scenario.contact([&row.q, &row.v, &row.a])? {
+            for (line, x) in pressure.iter_mut().zip(contact.centre_of_pressure) {
+                line.push((row.t, x));
+            }
+            friction.push((row.t, contact.friction));
+        }
+    }
+    let colours = colours(2);
+    let names = ["along", "across"].iter().zip(&colours);
+    let legend = names
+        .map(|(name, colour)| [(*name).to_owned(), css(*colour)])
+        .collect();
+    let sizes = [foot.half_length, foot.half_width];
+    let lines = pressure.into_iter().zip(&colours).zip(sizes);
+    let lines = lines.map(|((points, colour), half)| Line {
+        points,
+        colour: *colour,
+        bounds: -half..half,
+    });
+    let axes = |title: &str, unit, legend| Axes {
+        title: title.to_owned(),
+        unit,
+        time: true,
+        logarithmic: false,
+        per_joint: false,
+        legend,
+    };
+    let line = Line {
+        points: friction,
+        colour: colours[0],
+        bounds: f64::NEG_INFINITY..foot.friction,
+    };
+    Ok(vec![
+        plot(
+            axes("Centre of pressure", "m", legend),
+            &lines.collect::<Vec<_>>(),
+        )?,
+        plot(axes("Friction", "", Vec::new()), &[line])?,
+    ])
 }
 
 fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<Option<Plot>> {

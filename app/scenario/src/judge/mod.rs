@@ -20,6 +20,7 @@
 //! | position and velocity limits | the extrema of the cubics, in closed form |
 //! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
 //! | kept along the way | the poses of frames at all times, and speeds of points at the samples and halfway between them |
+//! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at the samples and halfway between them |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
 //!
 //! **Clearances** are proved. A ball is within a [bound](Reach) of its position in the middle of an interval, so that
@@ -37,6 +38,7 @@
 mod checks;
 mod clearance;
 mod cubic;
+mod foot;
 mod message;
 mod poses;
 mod reach;
@@ -85,6 +87,12 @@ pub fn judge(
         tolerances.overlap_m,
     )?);
     rows.extend(poses::kept(
+        scenario,
+        trajectory,
+        &intervals,
+        tolerances.tolerance,
+    )?);
+    rows.extend(foot::standing(
         scenario,
         trajectory,
         &intervals,

@@ -184,6 +184,8 @@ pub enum Check {
     JerkLimits,
     /// Conditions along the way.
     Kept,
+    /// The force of the ground on a standing foot.
+    Foot,
     /// Clearances from obstacles.
     Obstacles,
     /// Clearances between links.
@@ -210,6 +212,7 @@ impl Check {
             Self::VelocityLimits => "velocity limits",
             Self::TorqueLimits => "torque limits",
             Self::Kept => "kept along the way",
+            Self::Foot => "standing foot",
             Self::Obstacles => "obstacles",
             Self::SelfCollision => "self-collision",
         }

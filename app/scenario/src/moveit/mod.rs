@@ -142,6 +142,7 @@ impl MoveIt {
             schema: None,
             robot: source.absolute()?,
             packages: absolute_folders(&self.packages)?,
+            root: None,
             mimic: self.mimic,
             srdf: None,
             group: None,
@@ -163,6 +164,7 @@ impl MoveIt {
                 Target::Poses(sets) => sets,
             },
             keep: kept(&request, &model, &request_name)?,
+            stand: None,
             free_final_velocity: false,
             continuity: None,
             // On a given horizon nothing can be weighed against effort.

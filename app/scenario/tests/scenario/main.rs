@@ -30,6 +30,7 @@ mod report;
 mod schema;
 mod search;
 mod self_collision;
+mod stand;
 mod surroundings;
 mod tradeoff;
 mod units;

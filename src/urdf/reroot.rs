@@ -1,0 +1,85 @@
+//! Another link as the root of a robot, such as the foot on which it stands.
+
+use super::build::convert_pose;
+use super::tree::walk;
+use super::write::roll_pitch_yaw;
+use crate::error::{Error, Result};
+use crate::spatial::Placement;
+use urdf_rs::{Joint, JointType, Link, Pose, Robot, Vec3};
+
+/// Hangs a robot on another link, which becomes its root; `file` names it in errors.
+///
+/// Joints between the two roots are turned round and keep their names, positions and limits: each is at the end of its
+/// former child and carries a new massless link `JOINT_reversed`, on which its former parent is fixed. All other links
+/// and joints, and the places of all links in each other, are as they were.
+///
+/// # Errors
+/// The robot has no such link, an origin on the way is not finite, or its links form no tree.
+pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
+    let visits = walk(robot, file)?;
+    let Some(mut at) = visits.iter().position(|visit| visit.link.name == root) else {
+        let condition = "the robot has no such link";
+        return Err(Error::input(file, format!("root '{root}'"), condition));
+    };
+    let mut all = robot.clone();
+    let mut reversed = Vec::new();
+    while let Some(joint) = visits[at].joint {
+        let origin = convert_pose(&joint.origin).map_err(|condition| {
+            Error::input(file, format!("joint '{}'", joint.name), condition)
+        })?;
+        let back = Joint {
+            name: format!("{}_reversed", joint.name),
+            joint_type: JointType::Fixed,
+            origin: pose_of(&inverse(&origin)),
+            parent: joint.child.clone(),
+            child: joint.parent.clone(),
+            axis: Default::default(),
+            limit: Default::default(),
+            calibration: None,
+            dynamics: None,
+            mimic: None,
+            safety_controller: None,
+        };
+        if joint.joint_type == JointType::Fixed {
+            reversed.push(Joint {
+                name: joint.name.clone(),
+                ..back
+            });
+        } else {
+            let mut turned = Joint {
+                origin: Pose::default(),
+                parent: joint.child.clone(),
+                ..joint.clone()
+            };
+            turned.child.link.clone_from(&back.name);
+            for x in &mut turned.axis.xyz.0 {
+                *x = -*x;
+            }
+            all.links.push(Link {
+                name: back.name.clone(),
+                inertial: Default::default(),
+                visual: Vec::new(),
+                collision: Vec::new(),
+            });
+            let mut back = back;
+            back.parent.link.clone_from(&back.name);
+            reversed.extend([turned, back]);
+        }
+        all.joints.retain(|other| other.name != joint.name);
+        at = visits[at].parent;
+    }
+    all.joints.extend(reversed);
+    Ok(all)
+}
+
+fn inverse(of: &Placement<f64>) -> Placement<f64> {
+    let back = of.rotation.transpose();
+    Placement::new(back, -(back * of.translation))
+}
+
+fn pose_of(placement: &Placement<f64>) -> Pose {
+    Pose {
+        xyz: Vec3(placement.translation.into()),
+        rpy: Vec3(roll_pitch_yaw(&placement.rotation)),
+    }
+}
