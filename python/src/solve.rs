@@ -201,11 +201,12 @@ fn tradeoff(
         return Err(PyValueError::new_err(condition));
     };
     let interrupt = Interrupt::default();
-    let search = Tradeoff::new(&scenario)
-        .points(points)
-        .options(options)
-        .interrupt(interrupt.clone());
-    let found = until_signalled(py, || search.run(), || interrupt.raise())?;
+    let (of, stop) = (&scenario, interrupt.clone());
+    let search = move || {
+        let search = Tradeoff::new(of).points(points).options(options);
+        search.interrupt(stop).run()
+    };
+    let found = until_signalled(py, search, || interrupt.raise())?;
     let found = found.map_err(raised)?.into_iter();
     Ok(found
         .map(|(scenario, report)| PySolution { scenario, report })

@@ -14,8 +14,8 @@ use std::time::Instant;
 const FIRST_SHARE: f64 = 30.0;
 const SHARE: f64 = 1000.0;
 
-/// The same at the end, of the last motion: a hundredth at most is left to the effort, without which a joint that is not
-/// in a hurry has no best motion.
+/// The same at the end, of the last motion: a hundredth at most is left to the effort, without which a joint that is
+/// not in a hurry has no best motion.
 const LAST_SHARE: f64 = 100.0;
 
 /// The largest number of weights. Where nothing but inertia costs effort, two of them divide the duration by seven.

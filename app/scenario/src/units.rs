@@ -32,7 +32,7 @@ impl Scenario {
             .map_or(self.file.horizon_s, |(.., time)| time)
     }
 
-    /// The integral of a running cost along the straight motion from rest to rest from the start to `goal`, `N` entries,
+    /// The integral of a running cost along the straight motion from rest to rest to `goal`, `N` entries,
     /// $q = q_0 + (10 x^3 - 15 x^4 + 6 x^5) (q_1 - q_0)$ with $x = t / T$, in twice the unit of time.
     pub(super) fn cost_of_straight(
         &self,

@@ -120,7 +120,7 @@ fn keys_are_replaced_as_in_a_file() {
         (
             "objective",
             json!([1.0]),
-            "limits_01: objective: ; the name of an objective, or an object",
+            "limits_01: objective: invalid type: sequence, expected the name of an objective",
         ),
     ] {
         let error = with(key, value).expect_err(words).to_string();
