@@ -12,5 +12,8 @@ pub mod asking_for_more {}
 #[doc = include_str!("goals.md")]
 pub mod goals {}
 
+#[doc = include_str!("standing.md")]
+pub mod standing {}
+
 #[doc = include_str!("variants.md")]
 pub mod variants {}
