@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 32] = scenarios!(
+const SCENARIOS: [(&str, &str); 30] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -21,8 +21,6 @@ const SCENARIOS: [(&str, &str); 32] = scenarios!(
     "kinova_gen3" / "kinova_free_05",
     "digit_v3_pinned" / "digit_free_stretch",
     "digit_v3_pinned" / "digit_free_step",
-    "digit_v3_pinned" / "digit_stand_stretch",
-    "digit_v3_pinned" / "digit_stand_step",
     "kinova_gen3" / "kinova_obstacles_01",
     "kinova_gen3" / "kinova_obstacles_02",
     "kinova_gen3" / "kinova_obstacles_03",

@@ -8,7 +8,7 @@ use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, builtin_scenarios};
 const BEYOND_TORQUE_LIMITS: [&str; 1] = ["three_arms_01"];
 
 /// Acceptance: the flow solves every built-in scenario with the parameters in its file, but for those that are told
-/// above and those with passive joints, a standing foot or a free horizon, which it refuses.
+/// above and those with passive joints or a free horizon, which it refuses.
 #[test]
 fn every_built_in_scenario_succeeds() {
     for name in builtin_scenarios() {
@@ -17,11 +17,6 @@ fn every_built_in_scenario_succeeds() {
         let outcome = Solve::new(&scenario).options(options.clone()).run();
         if !scenario.passive().is_empty() {
             let words = format!("{name}: passive: the published flow does not know it");
-            assert_refused(outcome, &words);
-            continue;
-        }
-        if scenario.file.stand.is_some() {
-            let words = format!("{name}: stand: the method 'flow' does not know it");
             assert_refused(outcome, &words);
             continue;
         }
