@@ -160,3 +160,23 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
         Ok(())
     }
 }
+
+/// A limit of a derivative of the motion of one joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RateLimit {
+    /// The number of the derivative in time: 2 for acceleration, 3 for jerk.
+    pub order: usize,
+    pub joint: usize,
+    pub side: Side,
+    pub limit: f64,
+}
+
+impl RateLimit {
+    /// The slope of the row in the limited number.
+    pub fn sign(&self) -> f64 {
+        match self.side {
+            Side::Upper => 1.0,
+            Side::Lower => -1.0,
+        }
+    }
+}

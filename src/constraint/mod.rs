@@ -32,6 +32,7 @@ mod weighted_derivatives;
 
 pub use any::AnyConstraint;
 pub use between::Between;
+pub(crate) use bounds::RateLimit;
 pub use bounds::{Bound, Bounds, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
@@ -42,7 +43,7 @@ pub use label::{RowKind, RowLabel};
 pub use point_speed::PointSpeedLimit;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
-pub(crate) use stage::{RateLimit, still};
+pub(crate) use stage::still;
 pub use stage::{StageConstraint, StageConstraints, StageDerivatives, StageInput, StageRows};
 pub use standing_foot::{FootContact, FootDerivatives, FootWeights, StandingFoot};
 pub(crate) use torque_limits::NONE;

@@ -2,7 +2,7 @@
 //! $(t, q, v, a, u)$.
 
 use super::label::unit_of;
-use super::{RowKind, RowLabel, Side, StandingFoot};
+use super::{RateLimit, RowKind, RowLabel, Side, StandingFoot};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -247,26 +247,6 @@ impl PartialEq for StageConstraints {
             && self.foot == other.foot
             && self.others.len() == other.others.len()
             && self.others.iter().zip(&other.others).all(same)
-    }
-}
-
-/// A limit of a derivative of the motion of one joint.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RateLimit {
-    /// The number of the derivative in time: 2 for acceleration, 3 for jerk.
-    pub order: usize,
-    pub joint: usize,
-    pub side: Side,
-    pub limit: f64,
-}
-
-impl RateLimit {
-    /// The slope of the row in the limited number.
-    pub fn sign(&self) -> f64 {
-        match self.side {
-            Side::Upper => 1.0,
-            Side::Lower => -1.0,
-        }
     }
 }
 

@@ -11,16 +11,16 @@ use crate::spatial::{Force, Motion, Placement, cross};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A flat foot, fixed to the base, that the ground holds by pressure and friction alone. With the
-/// [wrench of the root](root_wrench()) in the axes of the sole, the force `f` and the moment `m` about the middle of the
-/// sole, divided by the weight of the robot, the rows are
+/// [wrench of the root](root_wrench()) in the axes of the sole, the force `f` and the moment `m` about the middle of
+/// the sole, divided by the weight of the robot, the rows are
 ///
 /// $$ -f_z, \quad -m_y - l f_z, \quad m_y - l f_z, \quad m_x - b f_z, \quad -m_x - b f_z, \quad
 ///    \pm m_z - \gamma f_z, \quad \frac{f_x^2 + f_y^2 - \mu^2 f_z^2}{2 \mu} , $$
 ///
 /// none of which may be positive: the ground pushes, the centre of pressure $(-m_y, m_x) / f_z$ is on a sole of the
-/// length `2 l` and the width `2 b`, the foot does not turn, and it does not slip. All are polynomials of the wrench. At
-/// $f_z = 1$ their excess is that of the weight, of the centre of pressure in m, of $m_z / f_z$ in m and of the ratio of
-/// friction. Derivation: `proofs/constraints.md`.
+/// length `2 l` and the width `2 b`, the foot does not turn, and it does not slip. All are polynomials of the wrench.
+/// At $f_z = 1$ their excess is that of the weight, of the centre of pressure in m, of $m_z / f_z$ in m and of the
+/// ratio of friction. Derivation: `proofs/constraints.md`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandingFoot<C: Scalar = f64> {
     /// The name of the foot, for labels.
@@ -195,8 +195,8 @@ impl<C: Scalar> StandingFoot<C> {
     ///    \nabla^2 (m \cdot f), \quad m = \sum_j \lambda_j r_j . $$
     ///
     /// # Errors
-    /// A slice does not have `N` entries, or the weights not one per row, or `data` or `out` was made for another number
-    /// of joints.
+    /// A slice does not have `N` entries, or the weights not one per row, or `data` or `out` was made for another
+    /// number of joints.
     ///
     /// # Cost
     /// O(N d), with d the depth of the tree, and O(N^2) for the products.

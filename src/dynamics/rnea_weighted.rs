@@ -232,8 +232,8 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 }
 
 impl<S: Scalar> Data<S> {
-    /// Computes the virtual quantities of the bodies for a contraction with the weights `w` of the joints and the virtual
-    /// velocity of the base, after [`prepare_derivatives`](Self::prepare_derivatives).
+    /// Computes the virtual quantities of the bodies for a contraction with the weights `w` of the joints and the
+    /// virtual velocity of the base, after [`prepare_derivatives`](Self::prepare_derivatives).
     pub(super) fn contract<C: Scalar>(
         &mut self,
         model: &Model<C>,

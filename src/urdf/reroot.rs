@@ -28,7 +28,7 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
             Error::input(file, format!("joint '{}'", joint.name), condition)
         })?;
         let back = Joint {
-            name: format!("{}_reversed", joint.name),
+            name: free_name(&all, format!("{}_reversed", joint.name)),
             joint_type: JointType::Fixed,
             origin: pose_of(&inverse(&origin)),
             parent: joint.child.clone(),
@@ -70,6 +70,16 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
     }
     all.joints.extend(reversed);
     Ok(all)
+}
+
+/// A name that neither a link nor a joint has.
+fn free_name(robot: &Robot, mut name: String) -> String {
+    let links = || robot.links.iter().map(|link| &link.name);
+    let joints = || robot.joints.iter().map(|joint| &joint.name);
+    while links().chain(joints()).any(|other| *other == name) {
+        name.push('_');
+    }
+    name
 }
 
 fn inverse(of: &Placement<f64>) -> Placement<f64> {

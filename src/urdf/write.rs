@@ -31,8 +31,9 @@ impl Model<f64> {
     ///
     /// Every frame is written as a link, on the joint that carried it, so that the names of links and joints, the order
     /// of the joints and the shapes are those of the original file. The inertia of a body is written in the link of its
-    /// joint, and that of the base in its first link; links on fixed joints are massless. Numbers are the shortest that read back to the same bits. Missing velocity or effort limits, and missing limits altogether,
-    /// are written as zeros, which [`parse_urdf`] reads as no limit. A model made in code gets a link `base`; its
+    /// joint, and that of the base in its first link; links on fixed joints are massless. Numbers are the
+    /// shortest that read back to the same bits. Missing velocity or effort limits, and missing limits altogether, are
+    /// written as zeros, which [`parse_urdf`] reads as no limit. A model made in code gets a link `base`; its
     /// joints are read back in the order in which the tree is visited.
     ///
     /// # Errors

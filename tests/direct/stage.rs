@@ -2,11 +2,13 @@
 
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, robot, slider};
-use aghf::constraint::{Constraints, StageConstraints, StageRows, TorqueLimits};
+use aghf::constraint::{Constraints, StageConstraints, StageRows, StandingFoot, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::direct::{DirectSettings, DirectSolution, FreeHorizon};
 use aghf::flow::rest::FlowToRest;
 use aghf::motion::{Problem, violations};
+use aghf::spatial::Placement;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The settings within constraints, with continuous accelerations.
@@ -198,4 +200,42 @@ fn flows_refuse_limits_of_acceleration() {
     });
     let refused = FlowToRest::new(&problem, 1e3).constraints(&limits).run();
     assert_refused(refused, "acceleration");
+}
+
+/// A mass that slides at the height `h` above a sole presses on it at $x - a h / g$: at rest at one end the motion can
+/// only accelerate as fast as the pressure stays within the edges.
+#[test]
+fn a_foot_bounds_the_acceleration_by_its_edges() {
+    let (model, half) = (slider(2.0), 0.25);
+    let problem = Problem::new(&model, vec![-0.1, 0.0], vec![0.1, 0.0], 0.5).expect("valid");
+    let settings = DirectSettings {
+        continuous_acceleration: false,
+        ..smooth(4, 8)
+    };
+    let stand = within(StageConstraints {
+        foot: Some(StandingFoot {
+            name: "foot".to_owned(),
+            sole: Placement::new(Matrix3::identity(), Vector3::new(0.0, 0.0, -1.0)),
+            half_length: half,
+            half_width: 0.1,
+            friction: 0.9,
+            torsion: None,
+            weight: 2.0 * 9.81,
+        }),
+        ..StageConstraints::default()
+    });
+    let free = solved(&problem, &settings);
+    let found = solved_within(&problem, &settings, &stand);
+    assert!(
+        found.converged && found.cost > 1.01 * free.cost,
+        "{found:?}"
+    );
+    let worst = violations(&model, &found.curve, &stand, 400).expect("the same robot");
+    assert!(worst.iter().all(|row| row.by <= 1e-6), "{worst:?}");
+    let samples = aghf::motion::sample(&model, &found.curve, 400).expect("the same robot");
+    let pressure = samples.iter().map(|s| s.q[0] - s.a[0] / 9.81);
+    let farthest = pressure.fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!((farthest - half).abs() < 1e-3, "{farthest}");
+    let refused = FlowToRest::new(&problem, 1e4).constraints(&stand).run();
+    assert_refused(refused, "a foot that stands");
 }

@@ -8,6 +8,7 @@ mod allocation;
 mod derivatives;
 mod identities;
 mod rnea_weighted;
+mod root_wrench;
 mod second_derivatives;
 
 #[path = "../linalg"]

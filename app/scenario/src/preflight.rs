@@ -97,8 +97,9 @@ impl Scenario {
 
     /// Checks that the scenario does not rule out every motion for a reason visible without a search: a boundary state
     /// beyond a limit, in collision or against a user-defined constraint; a horizon too short for a joint; or a state
-    /// at rest that the torques cannot hold, or the foot on which the robot stands. Only constraints of the scenario count, each within the tolerance of the
-    /// search, [`DirectSettings::FEASIBLE`]; a free final velocity is not checked, nor a first guess of the end.
+    /// at rest that the torques cannot hold, or the foot on which the robot stands. Only constraints of the scenario
+    /// count, each within the tolerance of the search, [`DirectSettings::FEASIBLE`]; a free final velocity is not
+    /// checked, nor a first guess of the end.
     ///
     /// # Errors
     /// Names the key, the joint or the obstacle, the value and the limit.

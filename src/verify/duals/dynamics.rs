@@ -149,8 +149,8 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     Ok(())
 }
 
-/// Compares the Jacobian of the wrench of the root with dual numbers of its value, and the Hessian of its product with a
-/// motion of the base with dual numbers of the Jacobian.
+/// Compares the Jacobian of the wrench of the root with dual numbers of its value, and the Hessian of its product with
+/// a motion of the base with dual numbers of the Jacobian.
 fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
     let n = model.dof();
     let state = state_of(at);

@@ -15,5 +15,8 @@ pub mod objectives {}
 #[doc = include_str!("goals.md")]
 pub mod goals {}
 
+#[doc = include_str!("standing.md")]
+pub mod standing {}
+
 #[doc = include_str!("variants.md")]
 pub mod variants {}

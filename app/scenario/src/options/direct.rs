@@ -24,8 +24,9 @@ pub struct DirectOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
-    /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints or if links keep
-    /// clear of each other, 40 with passive joints. There are more while none ends within the constraints.
+    /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, on a standing
+    /// foot or if links keep clear of each other, 40 with passive joints. There are more while none ends within the
+    /// constraints.
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
     pub seed: Option<u64>,
@@ -50,9 +51,12 @@ impl DirectOptions {
             default.starts = PASSIVE_STARTS;
             default.iterations = PASSIVE_ITERATIONS;
             default.start_amplitude = DirectSettings::default().start_amplitude;
-        } else if !scenario.limits_are_enforced() && !scenario.keeps_links_clear() {
-            // Limits and links that keep clear of each other leave little to choose between; without them there are
-            // many minima.
+        } else if !scenario.limits_are_enforced()
+            && !scenario.keeps_links_clear()
+            && scenario.foot().is_none()
+        {
+            // Limits, links that keep clear of each other and a foot leave little to choose between; without them there
+            // are many minima.
             default.starts = starts_of(scenario.model.dof());
             default.start_amplitude = DirectSettings::default().start_amplitude;
             default.lowest_degree = DirectSettings::default().lowest_degree;
