@@ -8,6 +8,7 @@ mod readme {}
 
 mod builtin;
 mod by_flow;
+pub mod certify;
 mod clearance;
 mod curve_file;
 mod feasibility;

@@ -1,6 +1,7 @@
 //! The command line interface, which reads arguments, calls the library and prints results.
 
 mod benchmark;
+mod certify;
 mod check;
 mod choice;
 mod compare;
@@ -71,6 +72,7 @@ enum Command {
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
     Judge(judge::Judge),
+    Certify(certify::Certify),
     Benchmark(benchmark::Benchmark),
     Pairs(pairs::Pairs),
     Ik(ik::Ik),
@@ -226,6 +228,7 @@ pub fn main() -> ExitCode {
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
         Command::Judge(judge) => judge.run(),
+        Command::Certify(certify) => certify.run(),
         Command::Benchmark(benchmark) => benchmark.run(),
         Command::Pairs(pairs) => pairs.run(),
         Command::Ik(ik) => ik.run(),

@@ -1,5 +1,6 @@
 //! The presentation of results: tables and files.
 
+mod certification;
 mod evaluation;
 mod files;
 mod folder;
@@ -9,6 +10,7 @@ mod rows;
 mod table;
 mod trajectory;
 
+pub use certification::certification_text;
 pub use evaluation::{Evaluation, evaluate};
 pub(crate) use files::write_whole;
 pub use files::{remove_unfinished, write_text};

@@ -3,7 +3,7 @@
 use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
 use crate::schema::one_of;
 use crate::{Continuous, Scenario};
-use aghf::direct::{DirectSettings, PlannedStarts};
+use aghf::direct::{DirectSettings, PlannedStarts, SearchOptions};
 use aghf::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,9 @@ pub struct DirectOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
+    /// Distance that a motion keeps from its limits and obstacles, relative to the limit, for rounding and the times
+    /// between those at which it is looked at; by default 2e-7.
+    pub reserve: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints or if links keep
     /// clear of each other, 40 with passive joints. There are more while none ends within the constraints.
     pub starts: Option<usize>,
@@ -66,6 +69,10 @@ impl DirectOptions {
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
+            search: SearchOptions {
+                reserve: self.reserve.unwrap_or(default.search.reserve),
+                ..default.search.clone()
+            },
             seed: self.seed.unwrap_or(default.seed),
             planned_starts: self.planned_starts.unwrap_or_default(),
             time_limit: time_limit(self.time_limit_s)?,
@@ -85,6 +92,7 @@ impl DirectOptions {
             degree: Some(settings.degree),
             segments: Some(settings.segments),
             tolerance: Some(settings.tolerance),
+            reserve: Some(settings.search.reserve),
             starts: Some(settings.starts),
             seed: Some(settings.seed),
             planned_starts: Some(settings.planned_starts),
