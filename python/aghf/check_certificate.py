@@ -1,7 +1,8 @@
-"""A checker of certificates, with numpy alone: `python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY CERTIFICATE`.
+"""A checker of certificates, with numpy alone: `python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY
+CERTIFICATE`.
 
-It shares no code with the library that plans motions and writes certificates: URDF, scenario, polynomials, inverse dynamics
-and distances are read and computed here once more, for all intervals at once, with the errors of rounding.
+It shares no code with the library that plans motions and writes certificates: URDF, scenario, polynomials, inverse
+dynamics and distances are read and computed here once more, for all intervals at once, with the errors of rounding.
 `proofs/certificate.md` has the statement and its proof. SCENARIO is a scenario or a summary that contains one.
 """
 
@@ -440,8 +441,8 @@ class Robot:
 
 
 def expand(coefficients, segments, horizon, own, middles, halves):
-    """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as coefficients and
-    bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the derivatives."""
+    """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as coefficients
+    and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the derivatives."""
 
     def ball(x):
         return Model.constant(x, order=1)
@@ -727,7 +728,8 @@ def xxh64(text):
 
 
 def check_deviations(scenario, claims, start, end):
-    """Checks the claims on the states at the ends and between segments; `start` and `end` have those of each segment."""
+    """Checks the claims on the states at the ends and between segments; `start` and `end` have those of each
+    segment."""
 
     def check(name, deviations, most):
         claim = number(get(claims, name), name)
@@ -802,8 +804,8 @@ def cover(intervals, segments, claims):
 
 
 def check(robot, scenario, run, certificate):
-    """Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the summary
-    of the solve and of the certificate; returns what is certified in words, or raises `Refused`."""
+    """Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the
+    summary of the solve and of the certificate; returns what is certified in words, or raises `Refused`."""
 
     def refuse(name):
         raise Refused(f"{name} is no number")
@@ -811,7 +813,7 @@ def check(robot, scenario, run, certificate):
     try:
         scenario, run, certificate = (json.loads(x, parse_constant=refuse) for x in (scenario, run, certificate))
         return _check(robot, option(option(scenario, "provenance"), "scenario", scenario), run, certificate)
-    except (ZeroDivisionError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, LookupError, ElementTree.ParseError) as error:
         raise Refused(f"unreadable: {error!r}") from error
 
 
@@ -878,8 +880,13 @@ def _check(robot, scenario, run, certificate):
             check_clearances(promise, own, claims[:, promises.index(promise)], robot, obstacles, centres, place)
     outcome = "certified in part" if missing else "certified"
     tail = f"; not certified: {', '.join(missing)}" if missing else ""
-    promised = ", ".join(promises)
-    return f"{outcome} at all times, by {len(intervals)} intervals: horizon, ends, {promised}{tail}"
+    proved = ", ".join(["horizon", "ends", *promises])
+    ignored = option(option(scenario, "self_collision"), "ignored_pairs", [])
+    named = {frozenset(pair) for pair in ignored}
+    count = sum(frozenset(pair) not in named for pair in given("may_overlap"))
+    if count:
+        tail += f"; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"
+    return f"{outcome} at all times, by {len(intervals)} intervals: {proved}{tail}"
 
 
 def main(files):

@@ -252,8 +252,8 @@ fn derivative(of: &[Ball], k: usize) -> Vec<Ball> {
     found.iter().map(|c| c.divided_by(k as f64)).collect()
 }
 
-/// The Chebyshev polynomials up to degree `n` at `x`, by the formulas for products, in which errors grow with the square
-/// of the degree only.
+/// The Chebyshev polynomials up to degree `n` at `x`, by the formulas for products, in which errors grow with the
+/// square of the degree only.
 fn chebyshev(x: f64, n: usize) -> Vec<Ball> {
     let x = Ball::constant(x);
     let one = Ball::constant(1.0);

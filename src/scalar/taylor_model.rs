@@ -23,9 +23,9 @@ const TERMS: u32 = 8;
 /// The result of every operation encloses those of all functions in its operands, computed exactly: the radius bounds
 /// the terms of higher degree and the errors of rounding. A sum or product of coefficients with `n` terms has an error
 /// of at most $\gamma_n = n u / (1 - n u)$ of that of their absolute values, with $u = 2^{-53}$ (Higham, *Accuracy and
-/// Stability of Numerical Algorithms*, 3.1), and radii, sums of numbers that are not negative, are multiplied by a number
-/// above one plus their own error. Where nothing is known the radius is infinite or NaN: a comparison by which a bound
-/// is proved must fail for NaN.
+/// Stability of Numerical Algorithms*, 3.1), and radii, sums of numbers that are not negative, are multiplied by a
+/// number above one plus their own error. Where nothing is known the radius is infinite or NaN: a comparison by which a
+/// bound is proved must fail for NaN.
 ///
 /// Like [`Jet`](super::Jet) it goes through the dynamics as any scalar does: `rnea` over a polynomial motion gives
 /// enclosures of torques at all times of an interval. The constants of a model, `f64`, count as exact.

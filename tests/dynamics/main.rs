@@ -1,4 +1,4 @@
-//! Scalars, linear algebra, spatial algebra and rigid-body dynamics.
+//! Scalars, linear algebra, spatial algebra, rigid-body dynamics and bounds on motions.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
@@ -10,6 +10,12 @@ mod identities;
 mod rnea_weighted;
 mod second_derivatives;
 
+#[path = "../certify"]
+mod certify {
+    mod bernstein;
+    mod motion;
+}
+
 #[path = "../linalg"]
 mod linalg {
     mod ldlt;
@@ -19,9 +25,11 @@ mod linalg {
 
 #[path = "../scalar"]
 mod scalar {
+    pub mod double;
     mod lanes;
     mod numeric;
     mod prime_field;
+    mod taylor_model;
 }
 
 #[path = "../spatial"]

@@ -80,10 +80,12 @@ impl Scalar for Double {
         };
         // One less the cosine keeps its digits.
         let mut sin = small * nested(1.0);
-        let mut versine = square * (1..=8).rev().fold(one, |sum, k| {
-            let n = 2.0 * f64::from(k) + 2.0;
-            one - square * sum / Self::from(n * (n - 1.0))
-        }) / Self::from(2.0);
+        let mut versine = square
+            * (1..=8).rev().fold(one, |sum, k| {
+                let n = 2.0 * f64::from(k) + 2.0;
+                one - square * sum / Self::from(n * (n - 1.0))
+            })
+            / Self::from(2.0);
         for _ in 0..10 {
             let cos = one - versine;
             (sin, versine) = ((sin + sin) * cos, (sin + sin) * sin);
@@ -114,7 +116,10 @@ impl AlgebraOver<f64> for Double {
 #[test]
 fn an_angle_has_the_sine_of_a_table() {
     let (sin, cos) = Double::from(1.0).sin_cos();
-    for (found, wanted) in [(sin, 0.841_470_984_807_896_5), (cos, 0.540_302_305_868_139_8)] {
+    for (found, wanted) in [
+        (sin, 0.841_470_984_807_896_5),
+        (cos, 0.540_302_305_868_139_8),
+    ] {
         assert!((found - Double::from(wanted)).rounded().abs() < 6e-17);
     }
     let (s, c) = Double::from(2.5).sin_cos();

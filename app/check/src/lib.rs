@@ -893,8 +893,8 @@ fn xxh64(text: &[u8]) -> u64 {
     hash ^ hash >> 32
 }
 
-/// Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the summary
-/// of the solve, whose motion it is about, and of the certificate. Returns what is certified in words.
+/// Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the
+/// summary of the solve, whose motion it is about, and of the certificate. Returns what is certified in words.
 ///
 /// # Errors
 /// The reason of a refusal.
@@ -999,8 +999,21 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     require(segment == segments - 1 && from == 1.0, "the intervals do not cover the horizon")?;
     let outcome = if missing.is_empty() { "certified" } else { "certified in part" };
     let count = intervals.len();
+    let proved = ["horizon", "ends"].into_iter().chain(promises).collect::<Vec<_>>().join(", ");
     let not = if missing.is_empty() { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
-    Ok(format!("{outcome} at all times, by {count} intervals: horizon, ends, {}{not}", promises.join(", ")))
+    let assumed = unnamed(scenario, array(given("may_overlap")?)?);
+    Ok(format!("{outcome} at all times, by {count} intervals: {proved}{not}{assumed}"))
+}
+
+/// The number of pairs of links of which nothing is claimed though the scenario does not name them, in words.
+fn unnamed(scenario: &Value, free: &[Value]) -> String {
+    let ignored = option(scenario, "self_collision").and_then(|s| option(s, "ignored_pairs")).and_then(Value::as_array);
+    let names = |pair: &Value| Some([pair.get(0)?.as_str()?.to_owned(), pair.get(1)?.as_str()?.to_owned()]);
+    let is_named = |[a, b]: [String; 2]| ignored.into_iter().flatten().any(|p| is_pair(Some(p), &a, &b));
+    match free.iter().filter(|pair| !names(pair).is_some_and(is_named)).count() {
+        0 => String::new(),
+        count => format!("; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"),
+    }
 }
 
 /// The coefficients of the certificate, those of the run.

@@ -18,6 +18,9 @@ const ACCURACY: f64 = 1e-12;
 const OTHER_ERRORS: f64 = 3.0;
 const LEFT: f64 = 1e-10;
 
+/// The largest error of the centre of a ball, m, with which claims are made.
+const LARGEST_ERROR: f64 = 1e-4;
+
 type Model = TaylorModel<ORDER>;
 
 /// Something that a ball of the robot keeps clear of.
@@ -86,7 +89,9 @@ pub(super) struct Balls<'a> {
     basis: &'a Bernstein,
     centres: Vec<Vector3<Model>>,
     middles: Vec<Vector3<f64>>,
+    /// Bounds on the ways of the centres from there, with room for another arithmetic.
     ways: Vec<f64>,
+    error: f64,
 }
 
 impl<'a> Balls<'a> {
@@ -109,7 +114,9 @@ impl<'a> Balls<'a> {
             }
         };
         let centres: Vec<_> = scenario.scene.robot().balls.iter().map(centre).collect();
-        let way = |c: &Vector3<Model>| c.iter().map(|x| x.variation().powi(2)).sum::<f64>().sqrt();
+        let way = |c: &Vector3<Model>| c.map(|x| x.variation() + OTHER_ERRORS * x.radius()).norm();
+        let radii = centres.iter().flat_map(|c| c.iter().map(Model::radius));
+        let error = radii.fold(0.0, |most, r| if r <= most { most } else { r });
         Ok(Self {
             scenario,
             basis,
@@ -118,8 +125,14 @@ impl<'a> Balls<'a> {
                 .map(|c| c.map(|x| x.coefficients()[0]))
                 .collect(),
             ways: centres.iter().map(way).collect(),
+            error,
             centres,
         })
+    }
+
+    /// True if the centres are known well enough for claims.
+    pub(super) fn are_known(&self) -> bool {
+        self.error <= LARGEST_ERROR
     }
 
     /// The least reserve of these pairs.

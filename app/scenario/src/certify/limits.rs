@@ -15,6 +15,9 @@ const FINE: f64 = 1e-10;
 /// The multiple of the bound on the errors that a claim leaves to the arithmetic of another checker.
 const OTHER_ERRORS: f64 = 3.0;
 
+/// The largest error, relative to the scale of a row, with which claims are made.
+const LARGEST_ERROR: f64 = 1e-3;
+
 /// The kinds of limits.
 pub(super) const LIMITS: [(Promise, Limit); 5] = [
     (Promise::Position, Limit::Position),
@@ -50,6 +53,8 @@ pub(super) fn rows(scenario: &Scenario) -> Vec<LimitRow> {
 pub(super) struct Nearest {
     /// The proved reserve relative to the scale of the row, less what is left to another arithmetic.
     pub(super) claim: f64,
+    /// True if the error is small enough for a claim.
+    pub(super) is_known: bool,
     /// A value that is taken, rounded outward, the bound that it is nearest to, and its place.
     pub(super) value: f64,
     pub(super) bound: f64,
@@ -137,6 +142,7 @@ fn nearest(row: &LimitRow, polynomial: &Polynomial, basis: &Bernstein) -> Neares
     }
     let (reserve, value, bound, place) = found.unwrap_or((f64::INFINITY, 0.0, 0.0, 0.0));
     Nearest {
+        is_known: polynomial.radius <= LARGEST_ERROR * scale,
         claim: reserve - OTHER_ERRORS * polynomial.radius / scale - FINE,
         value,
         bound,

@@ -4,8 +4,8 @@ use super::clearance::{Balls, Pair, pairs};
 use super::limits::{Bounds, LIMITS, deviations, rows};
 use super::{Certificate, Deviations, Interval, LimitRow, NotCertified, Promise, TOLERANCE};
 use crate::{ObstacleShape, RobotShape, Scenario};
-use aghf::curve::Curve;
 use aghf::certify::{Bernstein, Motion, ORDER, Part};
+use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::geometry::Shape;
 use aghf::linalg::rows as rows_of;
@@ -255,7 +255,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .position(|p| *p == row.promise)
                 .unwrap_or_default();
-            let holds = nearest.claim >= -TOLERANCE;
+            let holds = nearest.claim >= -TOLERANCE && nearest.is_known;
             let is_broken = !holds && nearest.is_beyond(row);
             if !holds && !is_broken && can_halve {
                 return Ok(None);
@@ -274,6 +274,9 @@ impl<'a> Search<'a> {
         }
         if !self.pairs.is_empty() {
             let balls = Balls::new(self.scenario, basis, &piece)?;
+            if !balls.are_known() && can_halve {
+                return Ok(None);
+            }
             let first = self.promises.len() - self.pairs.len();
             for (of, pairs) in self.pairs.iter().enumerate() {
                 let least = balls.least(pairs);

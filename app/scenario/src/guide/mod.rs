@@ -14,3 +14,6 @@ pub mod goals {}
 
 #[doc = include_str!("variants.md")]
 pub mod variants {}
+
+#[doc = include_str!("certificates.md")]
+pub mod certificates {}

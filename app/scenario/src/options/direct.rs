@@ -11,6 +11,10 @@ use serde::{Deserialize, Serialize};
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
 const GOAL_STARTS: usize = 6;
 
+/// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
+/// their bounds by 4e-7 of these, which no certificate accepts.
+const RESERVE: f64 = 1e-6;
+
 /// The options of the direct method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -24,8 +28,8 @@ pub struct DirectOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
-    /// Distance that a motion keeps from its limits and obstacles, relative to the limit, for rounding and the times
-    /// between those at which it is looked at; by default 2e-7.
+    /// Distance that a motion keeps from its limits and obstacles, relative to the limit, so that it can be certified;
+    /// by default 1e-6.
     pub reserve: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints or if links keep
     /// clear of each other, 40 with passive joints. There are more while none ends within the constraints.
@@ -70,7 +74,7 @@ impl DirectOptions {
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
             search: SearchOptions {
-                reserve: self.reserve.unwrap_or(default.search.reserve),
+                reserve: self.reserve.unwrap_or(RESERVE),
                 ..default.search.clone()
             },
             seed: self.seed.unwrap_or(default.seed),
