@@ -24,8 +24,14 @@ impl Case {
             "position": 0.9, "torque": { "share": 0.4 }, "acceleration": 12.0, "jerk": 130.0 }, "obstacles": [ {
             "shape": { "sphere": { "radius_m": 0.02 } }, "pose": { "position_m": [0.0, 0.0, 0.05] } }, { "shape": {
             "box": { "size_m": [1.0, 0.2, 0.1] } }, "clearance_m": 0.001, "pose": { "position_m": [0.3, 0.1, 0.0622],
-            "orientation_xyzw": [0.0, 0.0, 0.1, 0.995] } } ] }); for (key, value) in keys.as_object().expect("an
-            object") { all[key] = value.clone(); } all
+            "orientation_xyzw": [0.0, 0.0, 0.1, 0.995] } } ] });
+            for (key, value) in keys.as_object().expect(
+                "an
+            object",
+            ) {
+                all[key] = value.clone();
+            }
+            all
         };
         let scenario = scenario(test, keys);
         let curve = smooth();

@@ -137,9 +137,13 @@ fn broken_promises_are_refused() {
     );
     refused(json!({ "v_goal": [0.0, 1e-8, 0.0] }), "goal velocity", "");
     refused(json!({ "horizon_s": 1.001 }), "horizon", "");
-    let ball = |at: [f64; 3], radius: f64| json!({ "obstacles": [{ "shape": { "sphere": { "radius_m": radius } },
-    "pose": { "position_m": at } }] }); // The carriage passes the origin. refused( ball([0.0, 0.0, 0.03], 0.021),
-    "clearance from obstacles", "carriage", );
+    // The carriage passes the origin.
+    let ball = json!({ "shape": { "sphere": { "radius_m": 0.021 } }, "pose": { "position_m": [0.0, 0.0, 0.03] } });
+    refused(
+        json!({ "obstacles": [ball] }),
+        "clearance from obstacles",
+        "carriage",
+    );
 }
 
 /// What no proof covers is said.
