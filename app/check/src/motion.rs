@@ -3,31 +3,58 @@
 use crate::Checked;
 use crate::arithmetic::{Ball, Tm, UP};
 use crate::json::{array, get, list, number, option, require};
-use crate::{ACCELERATION, STATE};
 use serde_json::Value;
 
 /// A polynomial in s, and a bound on its error.
 pub(crate) type Polynomial = (Vec<f64>, f64);
 
-/// The coefficients of the certificate, those of the run.
-pub(crate) fn motion(own: &Value, of_run: &Value, joints: usize) -> Checked<Vec<Vec<Vec<f64>>>> {
-    let (own, of_run) = (array(own)?, array(of_run)?);
-    require(!own.is_empty() && own.len() == of_run.len() && joints > 0, "the segments are not those of the run")?;
-    let mut all: Vec<Vec<Vec<f64>>> = Vec::new();
-    for (own, of_run) in own.iter().zip(of_run) {
-        let own = array(own)?.iter().map(list).collect::<Checked<Vec<_>>>()?;
-        let of_run = array(of_run)?.iter().take(joints).map(list).collect::<Checked<Vec<_>>>()?;
-        require(own == of_run && own.len() == joints, "the coefficients are not those of the run")?;
-        let length = all.first().unwrap_or(&own)[0].len();
-        require(length > 1 && own.iter().all(|c| c.len() == length), "the coefficients are of several degrees")?;
-        all.push(own);
+/// The accepted deviations of states and of accelerations.
+const STATE: f64 = 1e-9;
+const ACCELERATION: f64 = 1e-6;
+
+/// The piecewise polynomial motion.
+pub(crate) struct Motion {
+    horizon: f64,
+    /// The Chebyshev coefficients per segment and joint.
+    coefficients: Vec<Vec<Vec<f64>>>,
+}
+
+impl Motion {
+    /// The coefficients of the certificate, which are those of the run.
+    pub(crate) fn read(own: &Value, of_run: &Value, joints: usize, horizon: f64) -> Checked<Self> {
+        let (own, of_run) = (array(own)?, array(of_run)?);
+        require(!own.is_empty() && own.len() == of_run.len() && joints > 0, "the segments are not those of the run")?;
+        let mut coefficients: Vec<Vec<Vec<f64>>> = Vec::new();
+        for (own, of_run) in own.iter().zip(of_run) {
+            let own = array(own)?.iter().map(list).collect::<Checked<Vec<_>>>()?;
+            let of_run = array(of_run)?.iter().take(joints).map(list).collect::<Checked<Vec<_>>>()?;
+            require(own == of_run && own.len() == joints, "the coefficients are not those of the run")?;
+            let length = coefficients.first().unwrap_or(&own)[0].len();
+            let same = length > 1 && own.iter().all(|c| c.len() == length);
+            require(same, "the coefficients are of several degrees")?;
+            coefficients.push(own);
+        }
+        Ok(Self { horizon, coefficients })
     }
-    Ok(all)
+
+    pub(crate) fn segments(&self) -> usize {
+        self.coefficients.len()
+    }
+
+    pub(crate) fn degree(&self) -> usize {
+        self.coefficients[0][0].len() - 1
+    }
+
+    /// Positions, velocities, accelerations and jerks of the joints on |x - m| <= w of a segment.
+    pub(crate) fn expand(&self, segment: usize, [m, w]: [f64; 2]) -> [Vec<Polynomial>; 4] {
+        let rate = Ball::new(2.0 * self.segments() as f64).over(self.horizon).over(w);
+        expand(&self.coefficients[segment], rate, [m, w])
+    }
 }
 
 /// Positions, velocities, accelerations and jerks of the joints on a part of a segment, |x - m| <= w: Taylor
 /// coefficients about m from the Chebyshev coefficients of the derivatives.
-pub(crate) fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec<Polynomial>; 4] {
+fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec<Polynomial>; 4] {
     let degree = segment[0].len() - 1;
     let (one, x) = (Ball::new(1.0), Ball::new(m));
     let mut chebyshev = vec![one, x];
@@ -66,7 +93,7 @@ pub(crate) fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec
 }
 
 /// The value at s = 0.
-pub(crate) fn middle(polynomial: &Polynomial) -> Ball {
+fn middle(polynomial: &Polynomial) -> Ball {
     Ball::within(polynomial.0[0], polynomial.1)
 }
 
@@ -78,7 +105,10 @@ pub(crate) fn cut((c, r): &Polynomial) -> Tm {
 }
 
 /// Checks the claims on the states at the ends and between segments.
-pub(crate) fn deviations(scenario: &Value, claims: &Value, ends: &[[[Vec<Polynomial>; 4]; 2]]) -> Checked<()> {
+pub(crate) fn deviations(scenario: &Value, claims: &Value, motion: &Motion) -> Checked<()> {
+    // Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
+    let about = |segment: usize, x: f64| motion.expand(segment, [x, 1.0 / f64::from(1 << 20)]);
+    let ends: Vec<_> = (0..motion.segments()).map(|e| [about(e, -1.0), about(e, 1.0)]).collect();
     let (first, last) = (&ends[0][0], &ends[ends.len() - 1][1]);
     let is_set = option(scenario, "goal").is_some_and(|g| g.as_array().is_none_or(|g| !g.is_empty()));
     let free = option(scenario, "free_final_velocity").is_some_and(|f| *f == true);
