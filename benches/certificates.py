@@ -3,8 +3,8 @@ whether both refuse wrong certificates.
 
     benches/certificates.py PROGRAM CHECKER FOLDER [WRONG]
 
-Every folder in FOLDER has the summary.json of a solve, and the name of its scenario. WRONG certificates are made of those
-of FOLDER; the Python checker sees every twentieth of them, and every one of the motions.
+Every folder in FOLDER has the summary.json of a solve. WRONG certificates are made of those of FOLDER; the Python
+checker sees every twentieth of them, and every one of the motions.
 """
 
 import json

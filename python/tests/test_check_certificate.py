@@ -13,7 +13,9 @@ from aghf.check_certificate import Refused, check, main, xxh64
 
 ROBOT = Path(__file__).resolve().parents[2] / "robots/kinova_gen3/kinova_gen3.urdf"
 
-pytestmark = pytest.mark.skipif("AGHF_PROGRAM" not in os.environ, reason="AGHF_PROGRAM names no program to certify with")
+pytestmark = pytest.mark.skipif(
+    "AGHF_PROGRAM" not in os.environ, reason="AGHF_PROGRAM names no program to certify with"
+)
 
 
 @pytest.fixture(scope="module")

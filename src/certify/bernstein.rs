@@ -69,9 +69,9 @@ impl Bernstein {
                 *b += c * power;
             }
         }
-        // The entries of `powers` have errors of at most 6 (n + 1) u, the sums and the averages of up to 60 halvings as
-        // many as terms.
-        let rounding = 64.0 * (n + 1) as f64 * f64::EPSILON * size;
+        // In units of 2^-53 times the size: the entries of `powers` have errors of at most 8 n, the sums of n, and the
+        // averages of 128 halvings, as many as there can be one after the other, of 128 n.
+        let rounding = 128.0 * (n + 1) as f64 * f64::EPSILON * size;
         let error = (polynomial.radius + rounding) * (1.0 + 1e-15) + f64::MIN_POSITIVE;
         let (upper, most, at) = largest(&b, accuracy);
         for b in &mut b {

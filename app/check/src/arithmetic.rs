@@ -205,12 +205,13 @@ impl Bernstein {
             b.iter_mut().zip(power).for_each(|(b, p)| *b += c * p);
         }
         let size: f64 = c.iter().map(|c| c.abs()).sum();
-        let error = (r + 64.0 * (n + 1) as f64 * f64::EPSILON * size) * UP + TINY;
+        // The basis, the sums and the averages of 128 halvings, as many as there can be one after the other.
+        let error = (r + 128.0 * (n + 1) as f64 * f64::EPSILON * size) * UP + TINY;
         let (mut least, mut reached) = (f64::INFINITY, b[0].min(b[n]));
         let (mut open, mut parts) = (vec![b], 1);
         while let Some(mut right) = open.pop() {
             let low = right.iter().copied().fold(f64::INFINITY, f64::min);
-            if low - error >= enough || low + accuracy >= reached || parts > 1024 {
+            if low - error >= enough || low + accuracy >= reached || parts > 256 {
                 least = least.min(low);
                 continue;
             }
