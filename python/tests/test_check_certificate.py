@@ -60,7 +60,7 @@ def spoil(certificate, rng):
         certificate["deviations"]["goal_position"] = rng.choice([1.0, -1.0, None])
     else:
         key = rng.choice(["tolerance", "horizon_s", "joints", "promises", "robot_xxh64", "not_certified"])
-        certificate[key] = rng.choice([None, 2.0, [], "x"]) if key != "not_certified" else [{"promise": "goal"}]
+        certificate[key] = rng.choice([None, 3.0, [], "x"]) if key != "not_certified" else [{"promise": "goal"}]
     return kind
 
 
