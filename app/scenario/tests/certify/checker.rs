@@ -1,6 +1,6 @@
 //! The checker accepts certificates, and refuses wrong ones.
 
-use crate::robot::scenario;
+use crate::gantry::scenario;
 use crate::{run, smooth};
 use aghf_scenario::certify::certify;
 use rand::{Rng, RngExt, SeedableRng};
@@ -39,7 +39,7 @@ impl Case {
             .certificate
             .unwrap_or_else(|| panic!("{:?}", certification.failures));
         Self {
-            robot: scenario.source.text.clone(),
+            robot: scenario.source.text.to_string(),
             scenario: serde_json::to_value(&scenario.file).expect("it is JSON"),
             run: run(&curve, &["slide", "shoulder", "elbow"]),
             certificate: serde_json::to_value(certificate).expect("it is JSON"),
@@ -71,7 +71,7 @@ fn certificates_are_accepted() {
         json!("joint_frames"),
         json!({ "swept_links": { "radius_m": 0.004, "spacing_m": 0.05 } }),
     ] {
-        let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"],
+        let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"], "enforced_limits": {},
             "obstacles": [{ "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.3 } },
                 "pose": { "position_m": [0.0, 0.3, 0.3], "orientation_xyzw": [0.5, 0.5, 0.5, 0.5] } },
                 { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.3 } },
@@ -115,7 +115,7 @@ fn other_robots_scenarios_and_runs_are_refused() {
         assert!(case.check().is_err(), "{key}");
     }
     for (pointer, value) in [
-        ("/enforced_limits/torque/share", json!(0.16)),
+        ("/enforced_limits/torque", json!(0.16)),
         ("/enforced_limits/jerk", json!(131.0)),
         ("/obstacles/1/pose/position_m/2", json!(0.0621)),
         ("/obstacles/1/clearance_m", json!(0.0011)),

@@ -1,18 +1,14 @@
 //! Certificates, and the checker that shares no code with what writes them.
 
-#[macro_use]
-#[path = "../../../../tests/common/mod.rs"]
-mod common;
-
-#[path = "../judge/robot.rs"]
-mod robot;
+#[path = "../judge/gantry.rs"]
+mod gantry;
 
 mod checker;
 mod search;
 
 use aghf::curve::{Chebyshev, Curve};
+use gantry::{FROM, TO};
 use nalgebra::DMatrix;
-use robot::{FROM, TO};
 use serde_json::{Value, json};
 
 /// The curve of a motion, given as positions and velocities of the joints, over `horizon`.

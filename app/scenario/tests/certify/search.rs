@@ -1,6 +1,6 @@
 //! Promises are proved where they hold, and refused where they are broken for a moment.
 
-use crate::robot::scenario;
+use crate::gantry::scenario;
 use crate::{curve, smooth};
 use aghf::curve::Curve;
 use aghf::motion::samples_at;

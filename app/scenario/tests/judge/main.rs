@@ -6,6 +6,7 @@ mod common;
 
 mod clearance;
 mod cubic;
+mod gantry;
 mod message;
 mod poses;
 mod reach;
