@@ -71,7 +71,8 @@ fn certificates_are_accepted() {
         json!("joint_frames"),
         json!({ "swept_links": { "radius_m": 0.004, "spacing_m": 0.05 } }),
     ] {
-        let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"], "enforced_limits": {},
+        let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"],
+            "enforced_limits": {},
             "obstacles": [{ "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.3 } },
                 "pose": { "position_m": [0.0, 0.3, 0.3], "orientation_xyzw": [0.5, 0.5, 0.5, 0.5] } },
                 { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.3 } },
