@@ -105,7 +105,7 @@ fn largest(b: &[f64], accuracy: f64) -> (f64, f64, f64) {
         let top = right
             .iter()
             .fold(f64::NEG_INFINITY, |top, b| if *b <= top { top } else { *b });
-        if parts >= MOST_PARTS || !(top > found.0 + accuracy) {
+        if parts >= MOST_PARTS || top <= found.0 + accuracy {
             bound = if top <= bound { bound } else { top };
             continue;
         }

@@ -54,9 +54,7 @@ fn what_is_not_known_has_no_bounds() {
         (vec![1.0], f64::INFINITY),
     ] {
         let found = Bernstein::new(3).range(&polynomial(c, radius), 1e-3);
-        assert!(
-            !(found.upper < f64::MAX) && !(found.lower > f64::MIN),
-            "{found:?}"
-        );
+        let is_known = found.upper < f64::MAX || found.lower > f64::MIN;
+        assert!(!is_known, "{found:?}");
     }
 }

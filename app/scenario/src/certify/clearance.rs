@@ -151,7 +151,10 @@ impl<'a> Balls<'a> {
             (middle, middle - way - self.ways[pair.ball])
         };
         let mut all: Vec<_> = pairs.iter().map(|pair| (rough(pair), pair)).collect();
-        all.retain(|((_, bound), _)| !(*bound > ENOUGH + LEFT));
+        all.retain(|((_, bound), _)| {
+            let is_far = *bound > ENOUGH + LEFT;
+            !is_far
+        });
         all.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
         let mut claim = ENOUGH;
         let mut nearest: Option<(f64, &Pair)> = None;

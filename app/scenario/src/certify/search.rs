@@ -172,7 +172,9 @@ impl<'a> Search<'a> {
             ),
         ];
         for (promise, value, bound, at_s) in states {
-            if let Some(value) = value.filter(|value| !(*value <= bound)) {
+            let Some(value) = value else { continue };
+            let holds = value <= bound;
+            if !holds {
                 self.fail(Failure {
                     promise: promise.to_owned(),
                     place: String::new(),
@@ -188,7 +190,7 @@ impl<'a> Search<'a> {
             Some(free) => [free.shortest_s, free.longest_s],
             None => [file.horizon_s; 2],
         };
-        if !(shortest <= horizon && horizon <= longest) {
+        if !(shortest..=longest).contains(&horizon) {
             self.fail(Failure {
                 promise: "horizon".to_owned(),
                 place: String::new(),
