@@ -226,7 +226,7 @@ impl<'a> Balls<'a> {
         let balls = &self.scenario.scene.robot().balls;
         let p = &self.centres[pair.ball];
         let distance = match pair.beside {
-            Beside::Obstacle(i) => self.from_solid(self.solid(i), p),
+            Beside::Obstacle(i) => self.to_solid(self.solid(i), p),
             Beside::Ball(i) => {
                 let off = p - self.centres[i];
                 self.length(off.as_slice()) - balls[i].radius
@@ -237,7 +237,7 @@ impl<'a> Balls<'a> {
 
     /// A lower bound on the signed distance from a solid, in its own frame: that from the part of its surface that is
     /// nearest in the middle, where the signs of coordinates do not change.
-    fn from_solid(&self, solid: &Solid, p: &Vector3<Model>) -> f64 {
+    fn to_solid(&self, solid: &Solid, p: &Vector3<Model>) -> f64 {
         let Placement {
             rotation,
             translation,
