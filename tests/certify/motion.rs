@@ -16,7 +16,7 @@ fn derivative(c: &[Double]) -> Vec<Double> {
     for j in (1..=n).rev() {
         found[j - 1] = found[j + 1] + c[j] * Double::from(2.0 * j as f64);
     }
-    found[0] = found[0] / Double::from(2.0);
+    found[0] /= Double::from(2.0);
     found
 }
 
