@@ -29,8 +29,8 @@
 //! # The modules
 //!
 //! Each depends only on those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`],
-//! [`urdf`], [`curve`], [`constraint`], [`cost`], [`ode`], [`motion`], [`flow`], [`plan`], [`direct`], [`verify`];
-//! [`guide`] has the pages of the book.
+//! [`urdf`], [`curve`], [`certify`], [`constraint`], [`cost`], [`ode`], [`motion`], [`flow`], [`plan`], [`direct`],
+//! [`verify`]; [`guide`] has the pages of the book.
 //!
 //! Without default features the crate contains robots, their dynamics and the derivatives of the dynamics. The feature
 //! `solvers`, the default, adds the rest. Problems as files and the judge of motions are in the package
@@ -41,6 +41,8 @@
 //! The base is fixed, joints have one degree of freedom, and links are rigid. Contact and closed loops are not
 //! modelled. [Drives](model::Drive) of the joints have viscous damping, smooth dry friction and rotor inertia.
 
+#[cfg(feature = "solvers")]
+pub mod certify;
 #[cfg(feature = "solvers")]
 pub mod constraint;
 #[cfg(feature = "solvers")]

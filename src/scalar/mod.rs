@@ -4,8 +4,8 @@
 //! functions once a mass matrix is inverted: [`Scalar`] requires field operations and `sin_cos`. The friction of joints
 //! and distances from shapes also need a square root, and the latter a choice between two numbers by a sign, but no
 //! comparison on which a program could branch. The hyperbolic tangent of penalties is in [`Tanh`]. `f32`, `f64`, every
-//! `Copy` type of `num-dual` and their nestings implement it; so do SIMD lanes, which choose independently, and a prime
-//! field, where the root and the sign are formal.
+//! `Copy` type of `num-dual` and their nestings implement it; so do SIMD lanes, which choose independently, a prime
+//! field, where the root and the sign are formal, and [`TaylorModel`], polynomials with a bound on their error.
 //!
 //! The constants of a model have a separate type. [`AlgebraOver<C>`] means that a scalar can be multiplied by a
 //! constant of type `C` without promoting the constant first: for dual numbers over `f64` constants this is two to
@@ -16,10 +16,12 @@ mod lanes;
 mod numeric;
 mod operators;
 mod prime_field;
+mod taylor_model;
 
 pub use jet::Jet;
 pub use lanes::{LANES, Lanes, Wide};
 pub use prime_field::PrimeField;
+pub use taylor_model::{Ball, TaylorModel};
 
 #[doc(inline)]
 pub use crate::impl_scalar_operators;

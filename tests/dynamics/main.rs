@@ -1,4 +1,4 @@
-//! Scalars, linear algebra, spatial algebra and rigid-body dynamics.
+//! Scalars, linear algebra, spatial algebra, rigid-body dynamics and bounds on motions.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
@@ -11,6 +11,12 @@ mod rnea_weighted;
 mod root_wrench;
 mod second_derivatives;
 
+#[path = "../certify"]
+mod certify {
+    mod bernstein;
+    mod motion;
+}
+
 #[path = "../linalg"]
 mod linalg {
     mod ldlt;
@@ -20,9 +26,11 @@ mod linalg {
 
 #[path = "../scalar"]
 mod scalar {
+    pub mod double;
     mod lanes;
     mod numeric;
     mod prime_field;
+    mod taylor_model;
 }
 
 #[path = "../spatial"]

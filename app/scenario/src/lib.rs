@@ -9,6 +9,7 @@ mod readme {}
 mod builtin;
 mod by_direct;
 mod by_flow;
+pub mod certify;
 mod clearance;
 mod curve_file;
 mod feasibility;

@@ -1,6 +1,7 @@
 //! The command line interface, which reads arguments, calls the library and prints results.
 
 mod benchmark;
+mod certify;
 mod check;
 mod choice;
 mod compare;
@@ -73,6 +74,8 @@ enum Command {
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
     Judge(judge::Judge),
+    Certify(certify::Certify),
+    CheckCertificate(certify::CheckCertificate),
     Benchmark(benchmark::Benchmark),
     Pairs(pairs::Pairs),
     Ik(ik::Ik),
@@ -233,6 +236,8 @@ pub fn main() -> ExitCode {
         Command::Scenarios(scenarios) => scenarios.run(),
         Command::Import(import) => import.run(),
         Command::Judge(judge) => judge.run(),
+        Command::Certify(certify) => certify.run(),
+        Command::CheckCertificate(check) => check.run(),
         Command::Benchmark(benchmark) => benchmark.run(),
         Command::Pairs(pairs) => pairs.run(),
         Command::Ik(ik) => ik.run(),

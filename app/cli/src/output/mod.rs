@@ -1,5 +1,6 @@
 //! The presentation of results: tables and files.
 
+mod certification;
 mod evaluation;
 mod files;
 mod folder;
@@ -10,6 +11,7 @@ mod table;
 mod tradeoff;
 mod trajectory;
 
+pub use certification::certification_text;
 pub use evaluation::{Evaluation, evaluate};
 pub(crate) use files::write_whole;
 pub use files::{remove_unfinished, write_text};

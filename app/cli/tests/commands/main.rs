@@ -4,6 +4,7 @@
 mod command;
 
 mod benchmark;
+mod certify;
 mod check;
 mod doctor;
 mod eval;

@@ -20,3 +20,6 @@ pub mod standing {}
 
 #[doc = include_str!("variants.md")]
 pub mod variants {}
+
+#[doc = include_str!("certificates.md")]
+pub mod certificates {}

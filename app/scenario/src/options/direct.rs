@@ -3,13 +3,17 @@
 use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
 use crate::schema::one_of;
 use crate::{Continuous, Scenario};
-use aghf::direct::{DirectSettings, PlannedStarts};
+use aghf::direct::{DirectSettings, PlannedStarts, SearchOptions};
 use aghf::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
 const GOAL_STARTS: usize = 6;
+
+/// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
+/// their bounds by 4e-7 of these, which no certificate accepts.
+const RESERVE: f64 = 1e-6;
 
 /// The options of the direct method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +28,9 @@ pub struct DirectOptions {
     pub degree_tolerance: Option<f64>,
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
+    /// Distance that a motion keeps from its limits and obstacles, relative to the limit, so that it can be certified;
+    /// by default 1e-6.
+    pub reserve: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, on a standing
     /// foot or if links keep clear of each other, 40 with passive joints. There are more while none ends within the
     /// constraints.
@@ -70,6 +77,10 @@ impl DirectOptions {
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
+            search: SearchOptions {
+                reserve: self.reserve.unwrap_or(RESERVE),
+                ..default.search.clone()
+            },
             seed: self.seed.unwrap_or(default.seed),
             planned_starts: self.planned_starts.unwrap_or_default(),
             time_limit: time_limit(self.time_limit_s)?,
@@ -89,6 +100,7 @@ impl DirectOptions {
             degree: Some(settings.degree),
             segments: Some(settings.segments),
             tolerance: Some(settings.tolerance),
+            reserve: Some(settings.search.reserve),
             starts: Some(settings.starts),
             seed: Some(settings.seed),
             planned_starts: Some(settings.planned_starts),

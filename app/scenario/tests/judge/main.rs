@@ -7,6 +7,7 @@ mod common;
 mod clearance;
 mod cubic;
 mod foot;
+mod gantry;
 mod message;
 mod poses;
 mod reach;

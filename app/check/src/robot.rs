@@ -1,0 +1,348 @@
+//! The moving bodies of a URDF and the balls that keep clear, inverse dynamics and kinematics.
+
+use crate::Checked;
+use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, vector};
+use crate::json::{get, list, number, option, require, text, three};
+use roxmltree::{Document, Node};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A placement: rotation and translation.
+pub(crate) type Pose = (Matrix, Vector);
+
+pub(crate) fn identity() -> Pose {
+    let one = |i: usize, j: usize| Tm::new(if i == j { 1.0 } else { 0.0 });
+    (std::array::from_fn(|i| std::array::from_fn(|j| one(i, j))), vector([0.0; 3]))
+}
+
+pub(crate) fn compose(a: &Pose, b: &Pose) -> Pose {
+    (product(a.0, b.0), add(apply(a.0, b.1), a.1))
+}
+
+/// A joint and its body, in the frame of the joint.
+pub(crate) struct Joint {
+    pub(crate) name: String,
+    pub(crate) parent: Option<usize>,
+    pub(crate) origin: Pose,
+    pub(crate) axis: Vector,
+    pub(crate) slides: bool,
+    pub(crate) mass: Tm,
+    pub(crate) first: Vector,
+    pub(crate) inertia: Matrix,
+    /// Damping, friction, the inverse of its width, armature.
+    pub(crate) drive: [Tm; 4],
+    /// Lower and upper position, velocity, effort.
+    pub(crate) limits: [f64; 4],
+}
+
+impl Joint {
+    pub(crate) fn placement(&self, q: Tm) -> Pose {
+        match self.slides {
+            true => (self.origin.0, add(self.origin.1, apply(self.origin.0, times(self.axis, q)))),
+            false => (product(self.origin.0, about(self.axis, q.sin_cos())), self.origin.1),
+        }
+    }
+}
+
+/// A ball of a link.
+pub(crate) struct Part {
+    pub(crate) body: Option<usize>,
+    pub(crate) link: String,
+    pub(crate) centre: Vector,
+    pub(crate) radius: f64,
+}
+
+pub(crate) struct Robot {
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) parts: Vec<Part>,
+    /// False if a shape is no ball: nothing is certified of clearances then.
+    pub(crate) has_balls: bool,
+}
+
+pub(crate) fn numbers(text: &str) -> Checked<Vec<f64>> {
+    let number = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
+    let all: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+    all.ok_or_else(|| format!("'{text}' has something that is no finite number"))
+}
+
+pub(crate) fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|c| c.has_tag_name(name))
+}
+
+pub(crate) fn scalar(node: Option<Node>, name: &str) -> Checked<f64> {
+    let text = node.and_then(|n| n.attribute(name));
+    text.map_or(Ok(0.0), |text| numbers(text)?.first().copied().ok_or("a number is missing".to_owned()))
+}
+
+pub(crate) fn triple(node: Option<Node>, name: &str, default: [f64; 3]) -> Checked<[f64; 3]> {
+    let text = node.and_then(|n| n.attribute(name));
+    text.map_or(Ok(default), |t| numbers(t)?.try_into().map_err(|_| format!("'{t}' has no three numbers")))
+}
+
+pub(crate) fn pose(node: Option<Node>) -> Checked<Pose> {
+    let angles = triple(node, "rpy", [0.0; 3])?;
+    let axes = identity().0;
+    let [x, y, z] = [0, 1, 2].map(|i| about(axes[i], Tm::new(angles[i]).sin_cos()));
+    Ok((product(z, product(y, x)), vector(triple(node, "xyz", [0.0; 3])?)))
+}
+
+pub(crate) fn unit(axis: [f64; 3]) -> Vector {
+    let axis = vector(axis);
+    times(axis, dot(axis, axis).inverse_sqrt())
+}
+
+/// The rotation of a quaternion `x y z w`, normalised.
+pub(crate) fn quaternion(value: Option<&Value>) -> Checked<Matrix> {
+    let Some(value) = value else { return Ok(identity().0) };
+    let q: [f64; 4] = list(value)?.try_into().map_err(|_| "an orientation needs four numbers".to_owned())?;
+    let [x, y, z, w] = q.map(Tm::new);
+    let norm = (x * x + y * y + z * z + w * w).inverse_sqrt();
+    let [x, y, z, w] = [x, y, z, w].map(|a| a * norm);
+    let (two, one) = (Tm::new(2.0), Tm::new(1.0));
+    Ok([
+        [one - two * (y * y + z * z), two * (x * y - z * w), two * (x * z + y * w)],
+        [two * (x * y + z * w), one - two * (x * x + z * z), two * (y * z - x * w)],
+        [two * (x * z - y * w), two * (y * z + x * w), one - two * (x * x + y * y)],
+    ])
+}
+
+impl Robot {
+    pub(crate) fn read(urdf: &str, scenario: &Value, names: &[String]) -> Checked<Self> {
+        let document = Document::parse(urdf).map_err(|e| e.to_string())?;
+        let root = document.root_element();
+        let all = |tag: &'static str| root.children().filter(move |n| n.has_tag_name(tag));
+        let name = |n: Node| n.attribute("name").unwrap_or_default().to_owned();
+        let links: BTreeMap<String, Node> = all("link").map(|n| (name(n), n)).collect();
+        let of = |n: Node, tag| child(n, tag).and_then(|c| c.attribute("link")).unwrap_or_default().to_owned();
+        let carried = |link: &String| all("joint").any(|j| of(j, "child") == *link);
+        let base = links.keys().find(|link| !carried(link)).ok_or("no link is the base")?;
+        let mut joints: Vec<Option<Joint>> = names.iter().map(|_| None).collect();
+        let mut placed: BTreeMap<String, (Option<usize>, Pose)> = BTreeMap::new();
+        let mut open = vec![(base.clone(), None, identity())];
+        while let Some((link, body, at)) = open.pop() {
+            for j in all("joint").filter(|j| of(*j, "parent") == link) {
+                let origin = compose(&at, &pose(child(j, "origin"))?);
+                let kind = j.attribute("type").unwrap_or_default();
+                let axis = unit(triple(child(j, "axis"), "xyz", [1.0, 0.0, 0.0])?);
+                let mut joint = Joint::new(name(j), body, origin, axis, kind == "prismatic");
+                let locked = option(scenario, "locked_joints").and_then(|l| l.get(&joint.name));
+                if kind == "fixed" {
+                    open.push((of(j, "child"), body, origin));
+                } else if let Some(q) = locked {
+                    open.push((of(j, "child"), body, joint.placement(Tm::new(number(q)?))));
+                } else {
+                    require(["revolute", "continuous", "prismatic"].contains(&kind), format!("joint type '{kind}'"))?;
+                    let i = names.iter().position(|n| *n == joint.name);
+                    let i = i.ok_or_else(|| format!("joint '{}' has no motion", joint.name))?;
+                    joint.read(j, kind, scenario)?;
+                    require(joints[i].replace(joint).is_none(), "a joint is there twice")?;
+                    open.push((of(j, "child"), Some(i), identity()));
+                }
+            }
+            require(placed.insert(link, (body, at)).is_none(), "links form a loop")?;
+        }
+        let missing = || "the motion has a joint that the robot has not".to_owned();
+        let joints: Option<Vec<Joint>> = joints.into_iter().collect();
+        let mut robot = Self { joints: joints.ok_or_else(missing)?, parts: Vec::new(), has_balls: true };
+        let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
+        require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
+        for (link, (body, at)) in &placed {
+            if let Some(inertial) = links.get(link).and_then(|n| child(*n, "inertial")) {
+                let entry = |name| scalar(child(inertial, "inertia"), name);
+                let six = [entry("ixx")?, entry("ixy")?, entry("ixz")?, entry("iyy")?, entry("iyz")?, entry("izz")?];
+                let mass = scalar(child(inertial, "mass"), "value")?;
+                robot.add_mass(*body, &compose(at, &pose(child(inertial, "origin"))?), mass, six);
+            }
+        }
+        if let Some(load) = option(scenario, "payload") {
+            let (body, at) = placed.get(text(get(load, "link")?)?).ok_or("the payload has no link")?;
+            let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+            let six = option(load, "inertia_kg_m2").map_or(Ok(vec![0.0; 6]), list)?;
+            let six = six.try_into().map_err(|_| "six numbers are needed".to_owned())?;
+            let center = (identity().0, vector(center));
+            robot.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
+        }
+        robot.add_parts(scenario, &links, &placed)?;
+        Ok(robot)
+    }
+
+    pub(crate) fn add_mass(&mut self, body: Option<usize>, at: &Pose, mass: f64, six: [f64; 6]) {
+        let Some(joint) = body.map(|body| &mut self.joints[body]) else { return };
+        let [xx, xy, xz, yy, yz, zz] = six.map(Tm::new);
+        let own = product(product(at.0, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), transpose(at.0));
+        let (c, mass) = (at.1, Tm::new(mass));
+        joint.mass = joint.mass + mass;
+        joint.first = add(joint.first, times(c, mass));
+        for i in 0..3 {
+            for j in 0..3 {
+                let square = if i == j { dot(c, c) } else { Tm::new(0.0) };
+                joint.inertia[i][j] = joint.inertia[i][j] + own[i][j] + mass * (square - c[i] * c[j]);
+            }
+        }
+    }
+
+    /// Adds the balls of the shape of the robot.
+    pub(crate) fn add_parts(
+        &mut self,
+        scenario: &Value,
+        links: &BTreeMap<String, Node>,
+        placed: &BTreeMap<String, (Option<usize>, Pose)>,
+    ) -> Checked<()> {
+        let is_shaped = links.values().any(|n| child(*n, "collision").is_some());
+        let default = Value::from(if is_shaped { "collision" } else { "joint_frames" });
+        let shape = option(scenario, "robot_shape").unwrap_or(&default);
+        if shape == "joint_frames" {
+            for body in 0..self.joints.len() {
+                self.add_ball(Some(body), "", vector([0.0; 3]), 0.0);
+            }
+        } else if let Some(swept) = shape.get("swept_links") {
+            let radius = number(get(swept, "radius_m")?)?;
+            let spacing = option(swept, "spacing_m").map_or(Ok(0.05), number)?;
+            for body in 0..self.joints.len() {
+                let ends = self.joints.iter().filter(|j| j.parent == Some(body)).map(|j| j.origin.1);
+                let frames = placed.values().filter(|(of, _)| *of == Some(body)).map(|(_, at)| at.1);
+                let mut ends: Vec<Vector> = ends.chain(frames).filter(|e| dot(*e, *e).c[0] > 0.0).collect();
+                if ends.is_empty() {
+                    ends.push(vector([0.0; 3]));
+                }
+                for end in ends {
+                    let length = dot(end, end).c[0].sqrt();
+                    let pieces = (length / spacing).ceil().max(1.0);
+                    let radius = radius.hypot(0.5 * length / pieces);
+                    for i in 0..=pieces as u32 {
+                        let centre = times(end, Tm::new(f64::from(i)).over(pieces));
+                        self.add_ball(Some(body), "", centre, radius);
+                    }
+                }
+            }
+        } else {
+            for (link, (body, at)) in placed {
+                let Some(node) = links.get(link) else { continue };
+                for collision in node.children().filter(|n| n.has_tag_name("collision")) {
+                    let ball = child(collision, "geometry").and_then(|g| child(g, "sphere"));
+                    let Some(ball) = ball else {
+                        self.has_balls = false;
+                        continue;
+                    };
+                    let radius = scalar(Some(ball), "radius")?;
+                    let centre = compose(at, &pose(child(collision, "origin"))?).1;
+                    self.add_ball(*body, link, centre, radius);
+                }
+            }
+        }
+        let Some(load) = option(scenario, "payload").filter(|l| option(l, "shape").is_some()) else { return Ok(()) };
+        let Some(ball) = option(get(load, "shape")?, "sphere") else {
+            self.has_balls = false;
+            return Ok(());
+        };
+        let link = text(get(load, "link")?)?;
+        let (body, at) = placed.get(link).ok_or("the payload has no link")?;
+        let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+        let own = option(load, "shape_pose").map_or(Ok(center), |p| three(get(p, "position_m")?))?;
+        let centre = add(apply(at.0, vector(own)), at.1);
+        self.add_ball(*body, link, centre, number(get(ball, "radius_m")?)?);
+        Ok(())
+    }
+
+    pub(crate) fn add_ball(&mut self, body: Option<usize>, link: &str, centre: Vector, radius: f64) {
+        self.parts.push(Part { body, link: link.to_owned(), centre, radius });
+    }
+
+    /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints.
+    pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> Vec<Tm> {
+        let zero = vector([0.0; 3]);
+        let gravity = vector([0.0, 0.0, 9.81]);
+        let mut places: Vec<Pose> = Vec::new();
+        // Angular velocity and acceleration, acceleration of the origin.
+        let mut moving: Vec<[Vector; 3]> = Vec::new();
+        let mut loads: Vec<[Vector; 2]> = Vec::new();
+        for (i, joint) in self.joints.iter().enumerate() {
+            let place = joint.placement(q[i]);
+            let [spin, turning, speeding] = joint.parent.map_or([zero, zero, gravity], |p| moving[p]);
+            let inverse = transpose(place.0);
+            let at = add(cross(turning, place.1), cross(spin, cross(spin, place.1)));
+            let [mut spin, mut turning, mut speeding] = [spin, turning, add(speeding, at)].map(|x| apply(inverse, x));
+            let (rate, second) = (times(joint.axis, v[i]), times(joint.axis, a[i]));
+            if joint.slides {
+                let coriolis = times(cross(spin, rate), Tm::new(2.0));
+                speeding = add(speeding, add(second, coriolis));
+            } else {
+                turning = add(turning, add(second, cross(spin, rate)));
+                spin = add(spin, rate);
+            }
+            let (h, momentum) = (joint.first, apply(joint.inertia, spin));
+            let force = add(times(speeding, joint.mass), add(cross(turning, h), cross(spin, cross(spin, h))));
+            let moment = add(apply(joint.inertia, turning), add(cross(spin, momentum), cross(h, speeding)));
+            places.push(place);
+            moving.push([spin, turning, speeding]);
+            loads.push([force, moment]);
+        }
+        let mut torques = vec![Tm::new(0.0); self.joints.len()];
+        for (i, joint) in self.joints.iter().enumerate().rev() {
+            let [force, moment] = loads[i];
+            let [damping, friction, per_width, armature] = joint.drive;
+            let x = v[i] * per_width;
+            torques[i] = dot(joint.axis, if joint.slides { force } else { moment }) + damping * v[i] + armature * a[i];
+            if friction.c[0] > 0.0 {
+                torques[i] = torques[i] + friction * x * (Tm::new(1.0) + x * x).inverse_sqrt();
+            }
+            if let Some(parent) = joint.parent {
+                let force = apply(places[i].0, force);
+                let moment = add(apply(places[i].0, moment), cross(places[i].1, force));
+                loads[parent] = [add(loads[parent][0], force), add(loads[parent][1], moment)];
+            }
+        }
+        torques
+    }
+
+    /// The centres of the balls in the base frame.
+    pub(crate) fn centres(&self, q: &[Tm]) -> Vec<Vector> {
+        let mut places: Vec<Pose> = Vec::new();
+        for (joint, q) in self.joints.iter().zip(q) {
+            let own = joint.placement(*q);
+            places.push(joint.parent.map_or(own, |p| compose(&places[p], &own)));
+        }
+        let one = |part: &Part| part.body.map_or(part.centre, |b| add(apply(places[b].0, part.centre), places[b].1));
+        self.parts.iter().map(one).collect()
+    }
+}
+
+impl Joint {
+    pub(crate) fn new(name: String, parent: Option<usize>, origin: Pose, axis: Vector, slides: bool) -> Self {
+        let zero = Tm::new(0.0);
+        let (first, inertia) = ([zero; 3], [[zero; 3]; 3]);
+        let (drive, limits) = ([zero; 4], [f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY, f64::INFINITY]);
+        Self { name, parent, origin, axis, slides, mass: zero, first, inertia, drive, limits }
+    }
+
+    pub(crate) fn read(&mut self, node: Node, kind: &str, scenario: &Value) -> Checked<()> {
+        let limit = |name| scalar(child(node, "limit"), name);
+        let [lower, upper, velocity, effort] = [limit("lower")?, limit("upper")?, limit("velocity")?, limit("effort")?];
+        if [lower, upper, velocity, effort].iter().any(|x| *x != 0.0) {
+            let known = |x: f64| if x > 0.0 { x } else { f64::INFINITY };
+            self.limits = [lower, upper, known(velocity), known(effort)];
+            if kind == "continuous" {
+                self.limits[0] = f64::NEG_INFINITY;
+                self.limits[1] = f64::INFINITY;
+            }
+        }
+        let losses = option(scenario, "losses").unwrap_or(&Value::Bool(false));
+        if *losses == Value::Bool(false) {
+            return Ok(());
+        }
+        let of_urdf = |name| scalar(child(node, "dynamics"), name);
+        let given = |key: &str, default: f64| match option(losses, key) {
+            Some(Value::Object(by_name)) => by_name.get(&self.name).map_or(Ok(default), number),
+            Some(same) => number(same),
+            None => Ok(default),
+        };
+        let width = given("friction_velocity", 0.02)?;
+        self.drive = [
+            Tm::new(given("damping", of_urdf("damping")?)?),
+            Tm::new(given("friction", of_urdf("friction")?)?),
+            Tm::new(1.0).over(width),
+            Tm::new(given("armature", 0.0)?),
+        ];
+        Ok(())
+    }
+}

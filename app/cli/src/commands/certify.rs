@@ -1,0 +1,102 @@
+//! `aghf certify` and `aghf check-certificate`.
+
+use super::compare::summary_at;
+use super::{CHECK_FAILED, RobotArgs, print};
+use crate::output::{certification_text, refuse_existing, write_json, write_text};
+use aghf::error::{Error, Result};
+use aghf::input::read_text;
+use aghf_scenario::Solved;
+use aghf_scenario::certify::certify;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Prove that a motion keeps the promises of its scenario at all times, and write the proof.
+///
+/// Limits of positions, velocities, accelerations, jerks and torques, clearances, and the states at both ends are
+/// proved for every time, not for samples, with rounding accounted for. The certificate lists intervals and a reserve
+/// of each promise on each; `aghf-check` and `python -m aghf.check_certificate` check it with code of their own. Exit
+/// code 1, and no file, if a promise is broken or cannot be proved; the message names each row, its time and its
+/// excess. What the scenario asks for and no certificate covers yet is listed in it and printed.
+#[derive(Debug, Args)]
+pub(super) struct Certify {
+    /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
+    scenario: String,
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// Folder of a solve, or its summary.json.
+    run: PathBuf,
+    /// File for the certificate.
+    #[arg(long, short, default_value = "certificate.json")]
+    out: PathBuf,
+    /// Replace the file if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl Certify {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        refuse_existing(&self.out, self.force)?;
+        let scenario = self.robot.scenario(&self.scenario)?;
+        let run = summary_at(&self.run)?;
+        let solved = Solved::load(&run)?;
+        let begin = Instant::now();
+        let certification = certify(&scenario, &solved.curve)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        print(&certification_text(&certification, seconds))?;
+        let Some(certificate) = certification.certificate else {
+            return Ok(ExitCode::from(CHECK_FAILED));
+        };
+        let text = json(&certificate)?;
+        let run = read_text(Path::new(&run))?;
+        let checked = aghf_check::check(&scenario.source.text, &json(&scenario.file)?, &run, &text);
+        if let Err(fault) = checked {
+            print(&format!(
+                "not certified: the checker refuses the certificate: {fault}"
+            ))?;
+            return Ok(ExitCode::from(CHECK_FAILED));
+        }
+        write_text(&text, &self.out)?;
+        print(&format!("wrote {}", self.out.display()))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The text of a JSON file.
+fn json(value: &impl Serialize) -> Result<String> {
+    let mut text = Vec::new();
+    write_json(value, &mut text).map_err(|e| Error::io("certificate", e))?;
+    Ok(format!("{}\n", String::from_utf8_lossy(&text)))
+}
+
+/// Check a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
+///
+/// Exit code 1 and the reason if it is refused.
+#[derive(Debug, Args)]
+pub(super) struct CheckCertificate {
+    /// The URDF file of the robot.
+    robot: PathBuf,
+    /// The JSON file of the scenario, or a summary.json, which contains one.
+    scenario: PathBuf,
+    /// The summary.json of the solve.
+    run: PathBuf,
+    /// The certificate.
+    certificate: PathBuf,
+}
+
+impl CheckCertificate {
+    pub(super) fn run(self) -> Result<ExitCode> {
+        let files = [&self.robot, &self.scenario, &self.run, &self.certificate];
+        let [robot, scenario, run, certificate] = files.map(|file| read_text(file));
+        match aghf_check::check(&robot?, &scenario?, &run?, &certificate?) {
+            Ok(report) => print(&report)?,
+            Err(fault) => {
+                print(&format!("refused: {fault}"))?;
+                return Ok(ExitCode::from(CHECK_FAILED));
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

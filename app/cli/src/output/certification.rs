@@ -1,0 +1,64 @@
+//! The result of a certification in words.
+
+use super::table::short;
+use aghf_scenario::certify::{Certification, Promise};
+
+/// Formats the result of a certification, which took this time.
+#[must_use]
+pub fn certification_text(certification: &Certification, seconds: f64) -> String {
+    let mut lines = Vec::new();
+    for failure in &certification.failures {
+        let (value, bound) = (failure.value, failure.bound);
+        let outcome = if failure.is_broken {
+            "broken"
+        } else {
+            "not proved"
+        };
+        let place = match failure.place.as_str() {
+            "" => String::new(),
+            place => format!(" by {place}"),
+        };
+        let at = match failure.at_s.is_nan() {
+            true => String::new(),
+            false => format!(" at {:.6} s", failure.at_s),
+        };
+        let by = (value - bound).abs();
+        lines.push(format!(
+            "{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}",
+            failure.promise
+        ));
+    }
+    let Some(certificate) = &certification.certificate else {
+        lines.push(format!("not certified ({} s)", short(seconds)));
+        return lines.join("\n");
+    };
+    for (i, promise) in certificate.promises.iter().enumerate() {
+        let reserves = certificate.intervals.iter().map(|interval| interval.3[i]);
+        let least = reserves.fold(f64::INFINITY, f64::min);
+        let unit = match promise {
+            Promise::Obstacles | Promise::SelfCollision => "m",
+            _ => "of the limit",
+        };
+        lines.push(format!(
+            "{}: proved, least reserve {least:.2e} {unit}",
+            promise.name()
+        ));
+    }
+    for missing in &certificate.not_certified {
+        lines.push(format!(
+            "{}: not certified, {}",
+            missing.promise, missing.reason
+        ));
+    }
+    let verdict = if certificate.complete {
+        "certified"
+    } else {
+        "certified in part"
+    };
+    let intervals = certificate.intervals.len();
+    lines.push(format!(
+        "{verdict}: all times, by {intervals} intervals ({} s)",
+        short(seconds)
+    ));
+    lines.join("\n")
+}

@@ -1,0 +1,131 @@
+//! The document of a certificate.
+
+use serde::{Deserialize, Serialize};
+
+/// A proof that a motion keeps the promises of a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// The name and version of the format.
+    pub format: String,
+    /// The name of the scenario.
+    pub scenario: String,
+    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
+    pub robot_xxh64: String,
+    /// True if every promise of the scenario is certified.
+    pub complete: bool,
+    /// What the scenario asks for and this does not prove.
+    pub not_certified: Vec<NotCertified>,
+    /// The accepted shortfall of a reserve.
+    pub tolerance: f64,
+    /// The limits of the joints.
+    pub limits: Vec<LimitRow>,
+    /// Pairs of links that may overlap: nothing is claimed of them.
+    pub may_overlap: Vec<[String; 2]>,
+    /// Bounds on deviations at the ends and between segments.
+    pub deviations: Deviations,
+    /// The promises of which each interval has a reserve.
+    pub promises: Vec<Promise>,
+    /// The intervals, which cover each segment from -1 to 1 in order.
+    pub intervals: Vec<Interval>,
+    /// The horizon `T`, s.
+    pub horizon_s: f64,
+    /// The names of the joints.
+    pub joints: Vec<String>,
+    /// The Chebyshev coefficients of the positions per segment and joint.
+    pub coefficients: Vec<Vec<Vec<f64>>>,
+}
+
+/// A kind of promise that is kept at all times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Promise {
+    /// Limits of positions.
+    Position,
+    /// Limits of velocities.
+    Velocity,
+    /// Limits of accelerations.
+    Acceleration,
+    /// Limits of jerks.
+    Jerk,
+    /// Limits of torques and forces.
+    Torque,
+    /// Clearances from obstacles.
+    Obstacles,
+    /// Clearances between links.
+    SelfCollision,
+}
+
+impl Promise {
+    /// The name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position limits",
+            Self::Velocity => "velocity limits",
+            Self::Acceleration => "acceleration limits",
+            Self::Jerk => "jerk limits",
+            Self::Torque => "torque limits",
+            Self::Obstacles => "clearance from obstacles",
+            Self::SelfCollision => "clearance between links",
+        }
+    }
+}
+
+/// A limit of a joint, in rad or m, per s, s^2 or s^3, N m or N.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitRow {
+    /// The kind.
+    pub promise: Promise,
+    /// The index of the joint.
+    pub joint: usize,
+    /// The lower bound; `None` without one.
+    pub at_least: Option<f64>,
+    /// The upper bound.
+    pub at_most: Option<f64>,
+}
+
+impl LimitRow {
+    /// The unit of reserves: the larger absolute value of the bounds, or one if that is zero.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        let bounds = [self.at_least, self.at_most].into_iter().flatten();
+        let largest = bounds.fold(0.0, |scale: f64, bound| scale.max(bound.abs()));
+        if largest > 0.0 { largest } else { 1.0 }
+    }
+}
+
+/// Bounds on deviations of states, rad or m and their derivatives; `None` where the scenario promises nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Deviations {
+    /// Of the first positions.
+    pub start_position: Option<f64>,
+    /// Of the first velocities.
+    pub start_velocity: Option<f64>,
+    /// Of the last positions.
+    pub goal_position: Option<f64>,
+    /// Of the last velocities.
+    pub goal_velocity: Option<f64>,
+    /// Jumps of positions between segments, which rounding of the coefficients leaves.
+    pub jump_position: Option<f64>,
+    /// Jumps of velocities.
+    pub jump_velocity: Option<f64>,
+    /// Jumps of accelerations.
+    pub jump_acceleration: Option<f64>,
+}
+
+/// An interval of a segment, on which `x` goes from -1 to 1, and the reserve of each promise there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval(pub usize, pub f64, pub f64, pub Vec<f64>);
+
+/// A part of the scenario without a proof.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NotCertified {
+    /// What it is.
+    pub promise: String,
+    /// The reason.
+    pub reason: String,
+}

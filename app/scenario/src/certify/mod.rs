@@ -1,0 +1,39 @@
+//! Certificates: proofs that a motion keeps the promises of a scenario at all times.
+//!
+//! [`certify`] proves them, with rounding accounted for, for the piecewise polynomial $q(t)$ with exactly the Chebyshev
+//! coefficients of a solve; velocities, accelerations, jerks and the torques of inverse dynamics are defined by it. Its
+//! mathematics is in [`aghf::certify`], its assumptions are in `proofs/certificate.md` of the repository.
+//!
+//! A [`Certificate`] lists intervals that cover the horizon. On each, for each promise, it claims the least reserve of
+//! all rows: of a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, of a clearance
+//! the distance beyond the one that is kept, in m. The checkers (the program `aghf-check` and `python -m
+//! aghf.check_certificate`) share no code with this library, read robot, scenario and motion by themselves and prove
+//! each claim once more.
+
+mod clearance;
+mod document;
+mod limits;
+mod search;
+
+pub use document::{Certificate, Deviations, Interval, LimitRow, NotCertified, Promise};
+pub use search::{Certification, Failure};
+
+use crate::Scenario;
+use aghf::curve::Curve;
+use aghf::error::{Result, check_length};
+
+/// The accepted shortfall of a reserve: a motion may begin on a limit, where only rounding decides.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// Proves that a motion keeps what a scenario promises. The parts of the scenario that cannot be certified are
+/// listed in the certificate with their reasons.
+///
+/// Cost per interval: O(N p^2), the dynamics with polynomials of degree eight for numbers, and a distance per ball of
+/// the robot and obstacle or other ball.
+///
+/// # Errors
+/// The joints of the motion are not those of the robot.
+pub fn certify(scenario: &Scenario, curve: &Curve) -> Result<Certification> {
+    check_length("curve", scenario.model.dof(), curve.dof())?;
+    search::Search::new(scenario, curve).run()
+}

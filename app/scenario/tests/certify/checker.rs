@@ -1,0 +1,261 @@
+//! The checker accepts certificates, and refuses wrong ones.
+
+use crate::gantry::scenario;
+use crate::{run, smooth};
+use aghf_scenario::certify::certify;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+/// Texts of a robot, a scenario, a run and its certificate.
+struct Case {
+    robot: String,
+    scenario: Value,
+    run: Value,
+    certificate: Value,
+}
+
+impl Case {
+    fn new(test: &str, keys: Value) -> Self {
+        let mut all = json!({
+            "self_collision": { "ignored_pairs": [] },
+            "losses": { "damping": 0.5, "friction": 0.8, "friction_velocity": 0.5, "armature": { "elbow": 0.2 } },
+            "payload": { "link": "fore", "mass_kg": 0.7, "center_m": [0.4, 0.0, 0.1],
+                "inertia_kg_m2": [0.01, 0.001, 0.0, 0.012, 0.0, 0.011] },
+            "enforced_limits": { "position": 0.9, "torque": { "share": 0.15 }, "acceleration": 12.0, "jerk": 130.0 },
+            "obstacles": [
+                { "shape": { "sphere": { "radius_m": 0.02 } }, "pose": { "position_m": [0.0, 0.0, 0.05] } },
+                { "shape": { "box": { "size_m": [1.0, 0.2, 0.1] } }, "clearance_m": 0.001,
+                    "pose": { "position_m": [0.3, 0.1, 0.0622], "orientation_xyzw": [0.0, 0.0, 0.1, 0.995] } }
+            ]
+        });
+        for (key, value) in keys.as_object().expect("an object") {
+            all[key] = value.clone();
+        }
+        let scenario = scenario(test, all);
+        let curve = smooth();
+        let certification = certify(&scenario, &curve).expect("it is of this robot");
+        let certificate = certification
+            .certificate
+            .unwrap_or_else(|| panic!("{:?}", certification.failures));
+        Self {
+            robot: scenario.source.text.to_string(),
+            scenario: serde_json::to_value(&scenario.file).expect("it is JSON"),
+            run: run(&curve, &["slide", "shoulder", "elbow"]),
+            certificate: serde_json::to_value(certificate).expect("it is JSON"),
+        }
+    }
+
+    fn check_text(&self, certificate: &str) -> Result<String, String> {
+        aghf_check::check(
+            &self.robot,
+            &self.scenario.to_string(),
+            &self.run.to_string(),
+            certificate,
+        )
+    }
+
+    fn check(&self) -> Result<String, String> {
+        self.check_text(&self.certificate.to_string())
+    }
+}
+
+#[test]
+fn certificates_are_accepted() {
+    let case = Case::new("accepted", json!({}));
+    assert_eq!(
+        case.check().map(|report| report.split(": ").last().unwrap_or_default().to_owned()),
+        Ok("horizon, ends, position, velocity, acceleration, jerk, torque, obstacles, self_collision".to_owned())
+    );
+    for shape in [
+        json!("joint_frames"),
+        json!({ "swept_links": { "radius_m": 0.004, "spacing_m": 0.05 } }),
+    ] {
+        let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"],
+            "enforced_limits": {},
+            "obstacles": [{ "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.3 } },
+                "pose": { "position_m": [0.0, 0.3, 0.3], "orientation_xyzw": [0.5, 0.5, 0.5, 0.5] } },
+                { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.3 } },
+                "pose": { "position_m": [0.0, -0.3, 0.3] } }] });
+        let case = Case::new("accepted by points", keys);
+        assert!(
+            case.check()
+                .is_ok_and(|report| report.contains("passive_joints")),
+            "{:?}",
+            case.check()
+        );
+    }
+}
+
+/// The claims are about the robot, the scenario and the run that are given.
+#[test]
+fn other_robots_scenarios_and_runs_are_refused() {
+    let good = || Case::new("others", json!({}));
+    let refused = |case: Case, why: &str| {
+        let found = case.check().expect_err(why);
+        assert!(found.contains(why), "{found}");
+    };
+    let mut case = good();
+    case.robot = case
+        .robot
+        .replace("mass value=\"2\"", "mass value=\"2.000001\"");
+    refused(case, "another robot");
+    // With its own hash the torques are not what is claimed.
+    let keys =
+        json!({ "payload": { "link": "fore", "mass_kg": 0.05, "center_m": [0.4, 0.0, 0.1] } });
+    let (mut case, lighter) = (good(), Case::new("lighter", keys));
+    case.certificate = lighter.certificate;
+    refused(case, "torque of joint");
+    for (key, value) in [
+        ("q_goal", json!([0.5, -0.3, 1.400_001])),
+        ("horizon_s", json!(1.1)),
+        ("goal", json!([{ "frame": "fore" }])),
+    ] {
+        let mut case = good();
+        case.scenario[key] = value;
+        assert!(case.check().is_err(), "{key}");
+    }
+    for (pointer, value) in [
+        ("/enforced_limits/torque", json!(0.16)),
+        ("/enforced_limits/jerk", json!(131.0)),
+        ("/obstacles/1/pose/position_m/2", json!(0.0621)),
+        ("/obstacles/1/clearance_m", json!(0.0011)),
+    ] {
+        let mut case = good();
+        *case.scenario.pointer_mut(pointer).expect("it is there") = value;
+        assert!(case.check().is_err(), "{pointer}");
+    }
+}
+
+/// Changes one thing of a certificate to something wrong.
+fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
+    let count = certificate["intervals"].as_array().map_or(0, Vec::len);
+    let i = rng.random_range(0..count);
+    let kind = rng.random_range(0..14);
+    match kind {
+        0 => {
+            let [joint, k] = [rng.random_range(0..3), rng.random_range(0..9)];
+            let c = &mut certificate["coefficients"][0][joint][k];
+            *c = json!(c.as_f64().unwrap_or_default() + 1e-13);
+        }
+        1 => {
+            // Beyond what is true: claims of limits are within a fiftieth, those of small clearances closer.
+            let k = rng.random_range(0..7);
+            let c = &mut certificate["intervals"][i][3][k];
+            let claim = c.as_f64().unwrap_or_default();
+            let by = if k < 5 {
+                0.06
+            } else if claim < 0.04 {
+                0.001
+            } else {
+                10.0
+            };
+            *c = json!(claim + by);
+        }
+        2 => {
+            certificate["intervals"]
+                .as_array_mut()
+                .map(|all| all.remove(i));
+        }
+        3 => {
+            let copy = certificate["intervals"][i].clone();
+            certificate["intervals"]
+                .as_array_mut()
+                .expect("a list")
+                .insert(i, copy);
+        }
+        4 => {
+            let end = rng.random_range(1..3);
+            let x = &mut certificate["intervals"][i][end];
+            *x = json!(x.as_f64().unwrap_or_default() + [1e-12, -1e-12][rng.random_range(0..2)]);
+        }
+        5 => {
+            certificate["intervals"][i][0] = json!(1);
+        }
+        6 => {
+            let (j, k) = (rng.random_range(0..3), rng.random_range(3..6));
+            certificate["limits"]
+                .as_array_mut()
+                .expect("a list")
+                .swap(j, k);
+        }
+        7 => {
+            let row = rng.random_range(0..15);
+            let bound = &mut certificate["limits"][row]["at_most"];
+            *bound = json!(bound.as_f64().unwrap_or_default() * (1.0 + 1e-12));
+        }
+        8 => {
+            let names = [
+                "start_position",
+                "start_velocity",
+                "goal_position",
+                "goal_velocity",
+            ];
+            certificate["deviations"][names[rng.random_range(0..4)]] =
+                json!([-1e-9, 1e-3][rng.random_range(0..2)]);
+        }
+        9 => {
+            let k = rng.random_range(0..7);
+            certificate["intervals"][i][3]
+                .as_array_mut()
+                .expect("a list")
+                .remove(k);
+        }
+        10 => {
+            let k = rng.random_range(0..7);
+            certificate["promises"]
+                .as_array_mut()
+                .expect("a list")
+                .remove(k);
+            for interval in certificate["intervals"].as_array_mut().expect("a list") {
+                interval[3].as_array_mut().expect("a list").remove(k);
+            }
+        }
+        11 => {
+            certificate["not_certified"] = json!([{ "promise": "torque", "reason": "" }]);
+        }
+        12 => {
+            let keys = [
+                "tolerance",
+                "horizon_s",
+                "complete",
+                "joints",
+                "format",
+                "robot_xxh64",
+                "limits",
+            ];
+            let key = keys[rng.random_range(0..keys.len())];
+            certificate[key] =
+                [json!(null), json!(1e-8), json!("x"), json!([])][rng.random_range(0..4)].clone();
+        }
+        _ => {
+            certificate["intervals"][i][3][rng.random_range(0..7)] = json!(null);
+        }
+    }
+    format!("kind {kind}, interval {i}")
+}
+
+#[test]
+fn wrong_certificates_are_refused() {
+    let case = Case::new("wrong", json!({}));
+    assert!(case.check().is_ok(), "{:?}", case.check());
+    let rng = &mut ChaCha8Rng::seed_from_u64(38);
+    for _ in 0..400 {
+        let mut certificate = case.certificate.clone();
+        let what = spoil(&mut certificate, rng);
+        assert!(case.check_text(&certificate.to_string()).is_err(), "{what}");
+    }
+    // Cut anywhere, with something that is no number, and more of the kind.
+    let text = case.certificate.to_string();
+    for _ in 0..50 {
+        let end = rng.random_range(0..text.len());
+        assert!(case.check_text(&text[..end]).is_err(), "cut at {end}");
+    }
+    for wrong in [
+        text.replacen("1.0", "NaN", 1),
+        text.replacen("-1.0", "-1e999", 1),
+        text.replacen("[0,", "[true,", 1),
+    ] {
+        assert!(wrong != text && case.check_text(&wrong).is_err());
+    }
+}

@@ -1,0 +1,164 @@
+//! Promises are proved where they hold, and refused where they are broken for a moment.
+
+use crate::gantry::scenario;
+use crate::{curve, smooth};
+use aghf::curve::Curve;
+use aghf::motion::samples_at;
+use aghf_scenario::Scenario;
+use aghf_scenario::certify::{Certification, Promise, TOLERANCE, certify};
+use serde_json::{Value, json};
+use std::path::Path;
+
+const SLIDER: &str = r#"<robot name="slider"><link name="rail"/>
+  <link name="carriage"><inertial><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <joint name="slide" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>
+    <limit lower="-100" upper="100" velocity="1000" effort="EFFORT"/></joint></robot>"#;
+
+fn proved(certification: &Certification) -> &[Promise] {
+    assert_eq!(certification.failures, []);
+    let certificate = certification.certificate.as_ref().expect("it is proved");
+    let reserves = certificate
+        .intervals
+        .iter()
+        .flat_map(|interval| &interval.3);
+    assert!(reserves.into_iter().all(|reserve| *reserve >= -TOLERANCE));
+    &certificate.promises
+}
+
+#[test]
+fn a_good_motion_is_certified() {
+    let obstacles = json!([
+        { "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 0.8, 0.3] } },
+        { "shape": { "box": { "size_m": [4, 4, 0.1] } }, "pose": { "position_m": [0, 0, 1] } },
+        { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.4 } }, "pose": { "position_m": [0, -1.2, 0] } },
+        { "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.4 } }, "pose": { "position_m": [2, 0, 0] } },
+        { "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, -0.2] } }
+    ]);
+    let keys = json!({ "obstacles": obstacles, "self_collision": { "ignored_pairs": [] },
+        "enforced_limits": { "acceleration": 30.0, "jerk": 300.0 } });
+    let certification =
+        certify(&scenario("certified", keys), &smooth()).expect("it is of this robot");
+    assert_eq!(proved(&certification).len(), 7);
+}
+
+/// The torque of a slider of 1 kg is its acceleration: with limits below its largest one by 1e-6 the motion is beyond
+/// them for about 1e-4 s, between samples.
+#[test]
+fn a_torque_beyond_its_limit_between_samples_is_refused() {
+    // 12.5 T_8 with a bias that makes the extremum in the middle the largest, and moves it off the samples.
+    let chebyshev =
+        |x: f64| ((128.0 * x * x - 256.0) * x * x + 160.0) * x.powi(4) - 32.0 * x * x + 1.0;
+    let acceleration = |x: f64| 12.5 * chebyshev(x) + 2.0 * (1.0 - x * x) + 0.4 * x;
+    let velocity = |x: f64| {
+        let eighth = 128.0 / 9.0 * x.powi(9) - 256.0 / 7.0 * x.powi(7) + 32.0 * x.powi(5);
+        let eighth = eighth - 32.0 / 3.0 * x.powi(3) + x;
+        12.5 * eighth + 2.0 * (x - x.powi(3) / 3.0) + 0.2 * x * x
+    };
+    let position = |x: f64| {
+        let eighth = 12.8 / 9.0 * x.powi(10) - 32.0 / 7.0 * x.powi(8) + 16.0 / 3.0 * x.powi(6);
+        let eighth = eighth - 8.0 / 3.0 * x.powi(4) + 0.5 * x * x;
+        12.5 * eighth + x * x - x.powi(4) / 6.0 + 0.2 / 3.0 * x.powi(3)
+    };
+    let motion = curve(1, 12, 2.0, |_, t| [position(t - 1.0), velocity(t - 1.0)]);
+    let top = (0..100_000).map(|k| acceleration(-1e-3 + 2e-8 * f64::from(k)));
+    let top = top.fold(f64::MIN, f64::max);
+    let limited = |effort: f64| slider(effort, &motion);
+    let scenario = limited(top - 1e-6);
+    let times = (0..=2000).map(|k| (0, 1e-3 * f64::from(k)));
+    for sample in samples_at(&scenario.model, &motion, times) {
+        assert!(sample.expect("one joint").u[0].abs() <= top - 1e-6);
+    }
+    let certification = certify(&scenario, &motion).expect("one joint");
+    assert_eq!(certification.certificate, None);
+    let [failure] = &certification.failures[..] else {
+        panic!("{:?}", certification.failures);
+    };
+    assert!(
+        failure.is_broken && failure.promise == "torque limits" && failure.place == "joint 'slide'"
+    );
+    assert!((failure.value - top).abs() < 1e-7 && (failure.at_s - 1.0).abs() < 1e-3);
+    // A little above, and it holds.
+    assert_eq!(
+        proved(&certify(&limited(top + 1e-6), &motion).expect("one joint")).len(),
+        3
+    );
+}
+
+/// A scenario of the slider for this motion.
+fn slider(effort: f64, motion: &Curve) -> Scenario {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("certify");
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    let name = format!("slider_{}.urdf", effort.to_bits());
+    let urdf = SLIDER.replace("EFFORT", &format!("{effort:?}"));
+    std::fs::write(folder.join(&name), urdf).expect("the folder is writable");
+    let (start, end) = (motion.at(0.0).0, motion.at(motion.horizon()).0);
+    let file = json!({ "robot": name, "horizon_s": 2.0, "q_start": [start[0]], "v_start": [start[1]],
+        "q_goal": [end[0]], "v_goal": [end[1]] });
+    Scenario::parse(&file.to_string(), "slider", &folder).expect("it is good")
+}
+
+fn refused(keys: Value, promise: &str, place: &str) {
+    let test = format!("refused {promise}");
+    let certification = certify(&scenario(&test, keys), &smooth()).expect("it is of this robot");
+    assert_eq!(certification.certificate, None);
+    let found = certification
+        .failures
+        .iter()
+        .find(|f| f.promise == promise && f.place.contains(place));
+    let found = found.unwrap_or_else(|| panic!("{promise}: {:?}", certification.failures));
+    assert!(found.is_broken, "{found:?}");
+}
+
+#[test]
+fn broken_promises_are_refused() {
+    // The largest velocity of the elbow is 15/8 rad/s, its largest acceleration 5.7735 rad/s^2, its jerk 60 rad/s^3.
+    let limits = |key: &str, most: f64| json!({ "enforced_limits": { key: [null, null, most] } });
+    refused(
+        limits("max_velocity", 1.874_999),
+        "velocity limits",
+        "elbow",
+    );
+    refused(
+        limits("acceleration", 5.773_5),
+        "acceleration limits",
+        "elbow",
+    );
+    refused(limits("jerk", 59.999), "jerk limits", "elbow");
+    refused(
+        json!({ "enforced_limits": { "torque": 0.02 } }),
+        "torque limits",
+        "slide",
+    );
+    refused(
+        json!({ "q_start": [-0.5, 0.2, 0.400_001] }),
+        "start position",
+        "",
+    );
+    refused(json!({ "v_goal": [0.0, 1e-8, 0.0] }), "goal velocity", "");
+    refused(json!({ "horizon_s": 1.001 }), "horizon", "");
+    // The carriage passes the origin.
+    let ball = json!({ "shape": { "sphere": { "radius_m": 0.021 } }, "pose": { "position_m": [0.0, 0.0, 0.03] } });
+    refused(
+        json!({ "obstacles": [ball] }),
+        "clearance from obstacles",
+        "carriage",
+    );
+}
+
+/// What no proof covers is said.
+#[test]
+fn parts_without_proofs_are_listed() {
+    let keys = json!({ "goal": { "frame": "fore", "box": { "size_m": [9, 9, 9], "pose": { "position_m": [0, 0, 0] } } },
+        "keep": [{ "speed": { "frame": "fore", "most_m_s": 9.0 } }], "passive": ["elbow"],
+        "continuity": "velocity" });
+    let certification = certify(&scenario("listed", keys), &smooth()).expect("it is of this robot");
+    let certificate = certification.certificate.expect("the rest is proved");
+    let listed: Vec<_> = certificate
+        .not_certified
+        .iter()
+        .map(|n| n.promise.as_str())
+        .collect();
+    assert_eq!(listed, ["passive_joints", "goal", "keep"]);
+    assert!(!certificate.complete);
+}

@@ -1,0 +1,139 @@
+"""Certificates of the motions of a folder: how many motions are certified, how long that and both checkers take, and
+whether both refuse wrong certificates.
+
+    benches/certificates.py PROGRAM CHECKER FOLDER [WRONG]
+
+Every folder in FOLDER has the summary.json of a solve. WRONG certificates are made of those of FOLDER; the Python
+checker sees every twentieth of them, and every one of the motions.
+"""
+
+import json
+import random
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "python" / "aghf"))
+import check_certificate  # noqa: E402
+
+
+def robot_of(summary):
+    robot = summary["provenance"]["scenario"]["robot"]
+    return Path(robot) if robot.endswith(".urdf") else ROOT / "robots" / robot / f"{robot}.urdf"
+
+
+def refused_by_python(texts):
+    try:
+        check_certificate.check(*texts)
+    except check_certificate.Refused as fault:
+        return str(fault)
+    return None
+
+
+def spoil(certificate, rng):
+    """Changes one thing of a certificate to something wrong; the kind of it, or `None` where it is not possible."""
+    intervals = certificate["intervals"]
+    i = rng.randrange(len(intervals))
+    count = len(certificate["promises"])
+    kind = rng.choice(["coefficient", "bound", "left out", "overlap", "limit", "robot", "NaN", "cut", "end"])
+    if kind == "coefficient":
+        segment = rng.choice(certificate["coefficients"])
+        joint = rng.choice(segment)
+        k = rng.randrange(len(joint))
+        joint[k] = joint[k] * (1.0 + 1e-15 * rng.randrange(2, 1000)) + 1e-16
+    elif kind == "bound" and count:
+        k = rng.randrange(count)
+        # Claims of limits are within a fiftieth of what is true, those of small clearances closer.
+        is_clear = certificate["promises"][k] in ("obstacles", "self_collision")
+        by = (0.002 if intervals[i][3][k] < 0.04 else 10.0) if is_clear else 0.06
+        intervals[i][3][k] += by
+    elif kind == "left out":
+        del intervals[i]
+    elif kind == "overlap":
+        intervals.insert(i, intervals[i])
+    elif kind == "end":
+        intervals[i][rng.randrange(1, 3)] += rng.choice([-1e-12, 1e-12])
+    elif kind == "limit" and certificate["limits"]:
+        row = rng.choice(certificate["limits"])
+        side = rng.choice([side for side in ("at_least", "at_most") if row[side] is not None])
+        row[side] = row[side] * (1.0 + 1e-13) + 1e-13
+    elif kind == "robot":
+        digits = certificate["robot_xxh64"]
+        certificate["robot_xxh64"] = digits[:-1] + ("0" if digits[-1] != "0" else "1")
+    elif kind == "NaN" and count:
+        intervals[i][3][rng.randrange(count)] = float("nan")
+    elif kind != "cut":
+        return None
+    return kind
+
+
+def measure(program, checker, folders):
+    """Certifies and checks every motion; the ones that are certified."""
+    found, times = [], {"certify": [], "rust": [], "python": [], "kB": []}
+    for folder in folders:
+        summary = json.loads((folder / "summary.json").read_text())
+        out = folder / "certificate.json"
+        begin = time.perf_counter()
+        command = [program, "certify", folder / "summary.json", folder / "summary.json", "-o", out, "--force"]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        if run.returncode:
+            print(f"{folder.name}: {run.stdout.strip()}{run.stderr.strip()}")
+            continue
+        seconds = run.stdout.rsplit(" s)", 1)[0].rsplit("(", 1)[1]
+        times["certify"].append(float(seconds))
+        files = [robot_of(summary), folder / "summary.json", folder / "summary.json", out]
+        begin = time.perf_counter()
+        run = subprocess.run([checker, *files], capture_output=True, text=True, check=False)
+        times["rust"].append(time.perf_counter() - begin)
+        texts = [file.read_bytes().decode() for file in files]
+        begin = time.perf_counter()
+        fault = refused_by_python(texts)
+        times["python"].append(time.perf_counter() - begin)
+        times["kB"].append(len(texts[3]) / 1000)
+        if run.returncode or fault:
+            print(f"{folder.name}: {run.stderr.strip()}; Python: {fault}")
+            continue
+        found.append((folder, texts))
+    print(f"{len(found)} of {len(folders)} motions are certified and accepted by both checkers")
+    complete = sum(json.loads(texts[3])["complete"] for _, texts in found)
+    print(f"{complete} of them in all promises")
+    for what, values in times.items():
+        if values:
+            print(f"{what}: median {statistics.median(values):.4f}, largest {max(values):.4f}")
+    return found
+
+
+def spoilt(checker, found, count):
+    rng, refused, kinds = random.Random(38), 0, {}
+    with tempfile.TemporaryDirectory() as folder:
+        wrong = Path(folder) / "wrong.json"
+        while refused < count:
+            place, texts = rng.choice(found)
+            certificate = json.loads(texts[3])
+            kind = spoil(certificate, rng)
+            if kind is None:
+                continue
+            text = json.dumps(certificate)
+            wrong.write_text(text[: rng.randrange(len(text) - 2)] if kind == "cut" else text)
+            files = [robot_of(json.loads(texts[1])), place / "summary.json", place / "summary.json", wrong]
+            run = subprocess.run([checker, *files], capture_output=True, text=True, check=False)
+            by_python = refused % 20 == 0 and refused_by_python([*texts[:3], wrong.read_text()]) is None
+            if run.returncode == 0 or by_python:
+                sys.exit(f"{place.name}: a wrong certificate ({kind}) is accepted")
+            refused += 1
+            kinds[kind] = kinds.get(kind, 0) + 1
+    print(f"{refused} wrong certificates are refused: {kinds}")
+
+
+def main(program, checker, folder, count="0"):
+    folders = sorted(path.parent for path in Path(folder).glob("*/summary.json"))
+    found = measure(program, checker, folders)
+    spoilt(checker, found, int(count))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,88 @@
+"""The checker of certificates: what `aghf certify` writes is accepted, and what is wrong is refused."""
+
+import copy
+import json
+import os
+import random
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from aghf.check_certificate import Refused, check, main, xxh64
+
+ROBOT = Path(__file__).resolve().parents[2] / "robots/kinova_gen3/kinova_gen3.urdf"
+
+pytestmark = pytest.mark.skipif(
+    "AGHF_PROGRAM" not in os.environ, reason="AGHF_PROGRAM names no program to certify with"
+)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """The robot, the scenario, the run and its certificate."""
+    folder = tmp_path_factory.mktemp("certificate")
+    program = os.environ["AGHF_PROGRAM"]
+
+    def run(*arguments):
+        return subprocess.run([program, *arguments], cwd=folder, check=True, capture_output=True, text=True).stdout
+
+    run("solve", "kinova_obstacles_02", "--starts", "1", "--out", "out", "--no-report")
+    run("certify", "kinova_obstacles_02", "out")
+    (folder / "scenario.json").write_text(run("scenarios", "kinova_obstacles_02"))
+    return [ROBOT, *(folder / name for name in ("scenario.json", "out/summary.json", "certificate.json"))]
+
+
+def test_a_certificate_is_accepted(files, capsys):
+    assert main([str(file) for file in files]) == 0
+    assert capsys.readouterr().out.startswith("certified at all times")
+    assert main([str(file) for file in files[:3]]) == 1
+
+
+def spoil(certificate, rng):
+    """Changes one thing of a certificate to something wrong."""
+    intervals = certificate["intervals"]
+    i = rng.randrange(len(intervals))
+    kind = rng.randrange(8)
+    if kind == 0:
+        certificate["coefficients"][0][rng.randrange(7)][rng.randrange(9)] += 1e-13
+    elif kind == 1:
+        intervals[i][3][0] += 0.002 if intervals[i][3][0] < 0.04 else 10.0
+    elif kind == 2:
+        del intervals[i]
+    elif kind == 3:
+        intervals.insert(i, intervals[i])
+    elif kind == 4:
+        intervals[i][1 + rng.randrange(2)] += 1e-12
+    elif kind == 5:
+        intervals[i][3] = rng.choice([[], [None], [True], ["1"]])
+    elif kind == 6:
+        certificate["deviations"]["goal_position"] = rng.choice([1.0, -1.0, None])
+    else:
+        key = rng.choice(["tolerance", "horizon_s", "joints", "promises", "robot_xxh64", "not_certified"])
+        certificate[key] = rng.choice([None, 3.0, [], "x"]) if key != "not_certified" else [{"promise": "goal"}]
+    return kind
+
+
+def test_wrong_certificates_are_refused(files):
+    texts = [file.read_text() for file in files]
+    good, rng = json.loads(texts[3]), random.Random(38)
+    for _ in range(100):
+        wrong = copy.deepcopy(good)
+        kind = spoil(wrong, rng)
+        with pytest.raises(Refused):
+            pytest.fail(f"kind {kind}: {check(*texts[:3], json.dumps(wrong))}")
+    for end in (0, 100, len(texts[3]) // 2, len(texts[3]) - 3):
+        with pytest.raises(Refused):
+            check(*texts[:3], texts[3][:end])
+    for wrong in (texts[3].replace("1.0", "NaN", 1), texts[3].replace("1.0", "1e999", 1)):
+        with pytest.raises(Refused):
+            check(*texts[:3], wrong)
+    with pytest.raises(Refused, match="another robot"):
+        check(texts[0].replace("<robot", "<!-- --><robot", 1), *texts[1:])
+
+
+def test_hashes_are_those_of_xxhash():
+    # The values of the specification for no bytes and `abc`, and of more than a block by the reference.
+    assert xxh64(b"") == 0xEF46DB3751D8E999
+    assert xxh64(b"abc") == 0x44BC2CF5AD770999
