@@ -201,9 +201,9 @@ def solve(
     InputError
         Names the file, the key and the fault.
     """
-    name, text = _named(scenario)
+    named = _named(scenario)
     own = start._own if start is not None else None
-    return Solution(_aghf.solve(name, text, _options(options), running_cost, list(constraints), on_iteration, own))
+    return Solution(_aghf.solve(named, _options(options), running_cost, list(constraints), on_iteration, own))
 
 
 def solve_many(

@@ -29,19 +29,19 @@ pub struct PySolution {
     report: SolveReport,
 }
 
-/// Solves a scenario: the JSON `text`, or else the built-in scenario or the file called `name`.
+/// Solves a scenario by its name and its JSON text; a built-in scenario or a file has no text.
 #[pyfunction]
 fn solve<'py>(
     py: Python<'py>,
-    name: &str,
-    text: Option<&str>,
+    named: (String, Option<String>),
     options: &str,
     running_cost: Option<Py<PyAny>>,
     constraints: Vec<Bound<'py, PyAny>>,
     on_iteration: Option<Bound<'py, PyAny>>,
     start: Option<PyRef<'py, PySolution>>,
 ) -> PyResult<PySolution> {
-    let (mut scenario, options) = read(name, text, options)?;
+    let (name, text) = named;
+    let (mut scenario, options) = read(&name, text.as_deref(), options)?;
     let start = start.map(|start| start.solved());
     let raised_first = Raised::default();
     if let Some(object) = running_cost {

@@ -367,7 +367,7 @@ fn sum<S: Scalar>(slopes: &[[S; 6]; MOST], weights: &[S]) -> [S; 6] {
     sum
 }
 
-/// Adds $c\, r r^T$.
+/// Adds $c r r^T$.
 fn add_square<S: Scalar>(r: &[S; 6], c: S, to: &mut [[S; 6]; 6]) {
     for (row, a) in to.iter_mut().zip(r) {
         for (to, b) in row.iter_mut().zip(r) {

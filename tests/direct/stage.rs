@@ -207,7 +207,7 @@ fn flows_refuse_limits_of_acceleration() {
 #[test]
 fn a_foot_bounds_the_acceleration_by_its_edges() {
     let (model, half) = (slider(2.0), 0.25);
-    let problem = Problem::new(&model, vec![-0.1, 0.0], vec![0.1, 0.0], 0.5).expect("valid");
+    let problem = Problem::new(&model, vec![-0.1, 0.0], vec![0.1, 0.0], 0.8).expect("valid");
     let settings = DirectSettings {
         continuous_acceleration: false,
         ..smooth(4, 8)

@@ -162,7 +162,7 @@ fn no_robot(p: RandomInstance) -> RandomInstance {
 }
 
 /// The identities that are algebra or calculus of arbitrary functions; those of the supplement by their numbers.
-const ALGEBRA: [&str; 17] = [
+const ALGEBRA: [&str; 18] = [
     "rnea",
     "aba",
     "crba",
@@ -180,6 +180,7 @@ const ALGEBRA: [&str; 17] = [
     "dual cost of the control",
     "step of the multipliers",
     "metric of the action",
+    "root wrench",
 ];
 const ALGEBRA_B: [RangeInclusive<u32>; 8] = [
     5..=9,

@@ -55,7 +55,7 @@ pub(super) fn solution_of(
     };
     let horizon = curve.horizon();
     let time = settings.free_horizon.map(|free| free.weight * horizon);
-    let details = Details::Direct(DirectDetails {
+    let details = Details::Direct(Box::new(DirectDetails {
         start,
         multipliers: MultipliersFile::new(&solution.multipliers),
         horizon_s: horizon,
@@ -80,7 +80,7 @@ pub(super) fn solution_of(
             goal: solution.alternative,
             q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
         }),
-    });
+    }));
     let history = iterations.into_iter().map(Record::Direct).collect();
     // No reported value depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;

@@ -99,7 +99,7 @@ pub enum Details {
     /// Details of a flow to rest.
     Rest(RestDetails),
     /// Details of the direct method.
-    Direct(DirectDetails),
+    Direct(Box<DirectDetails>),
 }
 
 /// The parameters and the work of a flow.

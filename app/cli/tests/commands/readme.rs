@@ -65,6 +65,7 @@ fn the_commands_of_the_readme_run() {
             "ROBOT" => "pendulum_2",
             "SCENARIO" => "pendulum_2_swingup",
             "TRAJECTORY.csv" => "out/trajectory.csv",
+            "RUN" => "out",
             other => other,
         });
         let words: Vec<&str> = words.collect();

@@ -31,7 +31,7 @@ fn a_json_file_has_what_a_csv_has() {
             .replace(", \"pendulum_3_swingup\"", ""),
     );
     let direct = load("json", FULL);
-    for (grid, columns) in [(flow, 19), (direct, 30)] {
+    for (grid, columns) in [(flow, 19), (direct, 31)] {
         let grid = grid.expect("good");
         let full = full(&grid, 1);
         let rows = [Row::failed(&grid, &grid.sets[0], "no\ntime", 1.0), full];

@@ -37,7 +37,7 @@ fn solved(name: &str, keys: Value) -> (SolveReport, DirectDetails) {
         panic!("it is a direct solve");
     };
     assert!(outcome.summary.success, "{:?}", outcome.summary);
-    (outcome, details)
+    (outcome, *details)
 }
 
 #[test]

@@ -21,7 +21,9 @@ fn every_built_in_scenario_succeeds() {
             continue;
         }
         if scenario.file.free_horizon.is_some() {
-            let words = format!("{name}: free_horizon: the method 'flow' does not know it");
+            let words = format!(
+                "{name}: objective with a weight of time: the method 'flow' does not know it"
+            );
             assert_refused(outcome, &words);
             continue;
         }

@@ -46,7 +46,7 @@ pub fn found(scenario: &Scenario) -> DirectDetails {
     let Details::Direct(details) = summary.details else {
         panic!("it is a direct solve");
     };
-    details
+    *details
 }
 
 #[test]
