@@ -44,10 +44,8 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
         frames: Vec::new(),
         collisions: Vec::new(),
     };
-    let hung = match &builder.options.root {
-        Some(root) => Some(reroot(robot, root, file)?),
-        None => None,
-    };
+    let root = builder.options.root.as_deref();
+    let hung = root.map(|root| reroot(robot, root, file)).transpose()?;
     for visit in walk(hung.as_ref().unwrap_or(robot), file)? {
         builder.visit(&visit)?;
     }
@@ -132,10 +130,8 @@ impl Builder<'_> {
             let condition = "its inertia about the joint that moves it is not finite";
             return Err(self.error(format!("link '{}'", link.name), condition));
         }
-        match body {
-            Some(body) => self.specs[body].inertia += placed,
-            None => self.base_inertia += placed,
-        }
+        let own = body.map_or(&mut self.base_inertia, |body| &mut self.specs[body].inertia);
+        *own += placed;
         self.add_collisions(link, body, &placement)?;
         self.frames.push(Frame {
             name: link.name.clone(),
