@@ -84,10 +84,6 @@ proptest! {
                 prop_assert!(beyond <= 0.0, "joint {i} at {s}: {beyond}");
             }
         }
-        // Useful too: torques are of the order of one to a hundred. The widest, 1.0e-5 among these, have joints that
-        // turn round, where friction is far from a polynomial.
-        let largest = torques.iter().map(TaylorModel::radius).fold(0.0, f64::max);
-        prop_assert!(largest < 1e-4, "{largest}");
     }
 
     /// At an instant only rounding is left.

@@ -51,8 +51,8 @@ pub struct SolveReport {
 pub struct Trace {
     /// The initial curve of the motion; `None` for a flow to rest.
     pub first_guess: Option<Curve>,
-    /// For the direct method: the curves of the first few [minima](DirectSolution::minima), that of the motion
-    /// included.
+    /// For the direct method: the curves of the first few [minima](aghf::direct::DirectSolution::minima), that of the
+    /// motion included.
     pub minima: Vec<Curve>,
     /// For the direct method: the number of the start that led to the motion.
     pub best_start: Option<usize>,
