@@ -11,30 +11,31 @@ use aghf::flow::effort_of;
 use aghf::motion::{Interrupt, replay_error};
 use std::time::Instant;
 
-/// Solves by the direct method.
-pub(super) fn solve_directly(
+/// Searches by the direct method, from another motion if there is one; returns the motion, and its result for a report.
+pub(super) fn search_directly(
     scenario: &Scenario,
     options: &DirectOptions,
     (start, interrupt): (Option<&Solved>, Interrupt),
     observe: &mut dyn FnMut(&Record),
-) -> Result<Solution> {
+    search: impl FnOnce(&mut Search<'_, '_>) -> Result<DirectSolution>,
+) -> Result<(DirectSolution, Solution)> {
     let started = Instant::now();
-    let mut settings = DirectSettings {
+    let settings = DirectSettings {
         interrupt,
         goal: scenario.goal_with_ends()?,
         ..options.settings(scenario)?
     };
-    let start = start.map(|start| start_from(start, scenario, &mut settings));
-    let start = start.transpose()?;
     let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
-    let mut search = Search::new(scenario, settings.clone(), observe);
-    let solution = search.run()?;
-    let solve_seconds = started.elapsed().as_secs_f64();
-    solution_of(scenario, &settings, (start, solution), solve_seconds)
+    let mut own = Search::new(scenario, settings, observe);
+    let start = start.map(|start| start_from(start, &mut own)).transpose()?;
+    let found = search(&mut own)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let solution = solution_of(scenario, &own.settings, (start, found.clone()), seconds)?;
+    Ok((found, solution))
 }
 
 /// The result of a direct solve for a report.
-pub(super) fn solution_of(
+fn solution_of(
     scenario: &Scenario,
     settings: &DirectSettings,
     (start, solution): (Option<String>, DirectSolution),

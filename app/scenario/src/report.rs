@@ -1,8 +1,9 @@
 //! Solving a scenario and testing the result.
 
-use super::by_direct::solve_directly;
+use super::by_direct::search_directly;
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
 use super::passive::effort_of_joints;
+use super::search::Search;
 use super::summary::{Details, Summary, Verdict};
 use super::{CurveFile, Feasibility, Method, Provenance, Scenario, SolveOptions, Solved};
 use aghf::curve::Curve;
@@ -145,7 +146,8 @@ impl<'a> Solve<'a> {
         let observe = &mut *observe;
         let found = match &options {
             SolveOptions::Direct(own) => {
-                solve_directly(scenario, own, (start, interrupt), observe)?
+                let run = |search: &mut Search<'_, '_>| search.run();
+                search_directly(scenario, own, (start, interrupt), observe, run)?.1
             }
             SolveOptions::Flow(own) => solve_by_flow(scenario, own, interrupt, observe)?,
             SolveOptions::Rest(own) | SolveOptions::Duals(own) | SolveOptions::TwoPhases(own) => {

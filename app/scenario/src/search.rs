@@ -1,12 +1,13 @@
 //! The search of the direct method for the motion of an objective: one solve, or one after the other for a preset.
 
 use super::{Preset, Scenario};
+use aghf::constraint::{AnyConstraint, Constraints};
 use aghf::curve::Curve;
 use aghf::direct::{
     Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration,
 };
 use aghf::error::Result;
-use aghf::motion::Stopped;
+use aghf::motion::{Problem, Stopped};
 use std::time::Instant;
 
 /// The weights of time in a search for the least time, as multiples of the effort per second of the motion before: the
@@ -36,6 +37,8 @@ const PART_OF_STARTS: f64 = 0.5;
 pub(super) struct Search<'s, 'o> {
     pub scenario: &'s Scenario,
     pub settings: DirectSettings,
+    /// Those of the scenario.
+    pub constraints: Constraints<Vec<AnyConstraint>>,
     pub observe: &'o mut dyn FnMut(&Iteration),
     started: Instant,
     /// The reason why the last solve stopped early, if it did.
@@ -53,6 +56,7 @@ impl<'s, 'o> Search<'s, 'o> {
         Self {
             scenario,
             settings,
+            constraints: scenario.constraints(),
             observe,
             started: Instant::now(),
             stopped: None,
@@ -63,7 +67,9 @@ impl<'s, 'o> Search<'s, 'o> {
     /// Finds the motion of the objective.
     pub fn run(&mut self) -> Result<DirectSolution> {
         match self.scenario.file.objective.preset() {
-            None | Some(Preset::LeastEffort) => self.solve(self.settings.clone()),
+            None | Some(Preset::LeastEffort) => {
+                self.solve(&self.scenario.problem()?, self.settings.clone())
+            }
             Some(Preset::LeastTime) => self.least_time(),
             Some(Preset::Balanced) => self.balanced(),
         }
@@ -81,13 +87,13 @@ impl<'s, 'o> Search<'s, 'o> {
         let scenario = self.scenario;
         let ends = self.settings.goal.as_ref().map(|goal| &goal.ends[0].q);
         let goal = ends.unwrap_or(&scenario.file.q_goal);
-        let unit = scenario.cost_of_straight(&mut scenario.scenario_cost()?, goal)?;
+        let unit = scenario.cost_of_straight(&mut scenario.running_cost()?, goal)?;
         let mut settings = self.settings.clone();
         settings.free_horizon = self.weighted(unit / scenario.unit_of_time());
         settings.time_limit = settings
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
-        let first = self.solve(settings)?;
+        let first = self.solve(&scenario.problem()?, settings)?;
         let mut others = Vec::new();
         for step in 0..STEPS {
             let before = others.last().unwrap_or(&first);
@@ -206,23 +212,19 @@ impl<'s, 'o> Search<'s, 'o> {
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),
             ..self.settings.clone()
         };
-        let found = self.solve(settings)?;
+        let problem = self.scenario.problem()?.with_horizon(horizon)?;
+        let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {
             alternative,
             ..found
         })
     }
 
-    /// One solve.
-    fn solve(&mut self, settings: DirectSettings) -> Result<DirectSolution> {
-        let scenario = self.scenario;
-        let mut problem = scenario.problem()?;
-        if let Some(curve) = &settings.start {
-            problem = problem.with_horizon(curve.horizon())?;
-        }
-        let found = Direct::new(&problem)
-            .cost(scenario.scenario_cost()?)
-            .constraints(&scenario.constraints())
+    /// One solve of a problem of the scenario.
+    fn solve(&mut self, problem: &Problem<'_>, settings: DirectSettings) -> Result<DirectSolution> {
+        let found = Direct::new(problem)
+            .cost(self.scenario.running_cost()?)
+            .constraints(&self.constraints)
             .settings(settings)
             .observe(&mut *self.observe)
             .solve()?;

@@ -1,13 +1,12 @@
 //! The curve of duration against effort of a scenario.
 
-use super::by_direct::solution_of;
+use super::by_direct::search_directly;
 use super::report::report_of;
 use super::search::Search;
 use super::{DirectOptions, Objective, Preset, Record, Scenario, ScenarioFile, SolveReport};
-use aghf::direct::{DirectSettings, DirectSolution, Iteration};
+use aghf::direct::DirectSolution;
 use aghf::error::{Error, Result};
 use aghf::motion::Interrupt;
-use std::time::Instant;
 
 /// The least effort of a scenario at several durations, from the least one to that of the least effort of all.
 ///
@@ -156,18 +155,9 @@ impl Walk<'_> {
         scenario: Scenario,
         search: impl FnOnce(&mut Search<'_, '_>) -> Result<DirectSolution>,
     ) -> Result<DirectSolution> {
-        let settings = DirectSettings {
-            interrupt: self.interrupt.clone(),
-            goal: scenario.goal_with_ends()?,
-            ..self.options.settings(&scenario)?
-        };
+        let given = (None, self.interrupt.clone());
         let observe = &mut *self.observe;
-        let started = Instant::now();
-        let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
-        let mut own = Search::new(&scenario, settings.clone(), observe);
-        let found = search(&mut own)?;
-        let seconds = started.elapsed().as_secs_f64();
-        let solution = solution_of(&scenario, &settings, (None, found.clone()), seconds)?;
+        let (found, solution) = search_directly(&scenario, &self.options, given, observe, search)?;
         let report = report_of(&scenario, &self.options.clone().into(), solution)?;
         self.found.push((scenario, report));
         Ok(found)

@@ -1,12 +1,14 @@
 //! A start from the motion of another solve.
 
-use super::{Details, Scenario, Solved};
-use aghf::direct::{DirectSettings, Multipliers};
+use super::search::Search;
+use super::{Details, Solved};
+use aghf::direct::Multipliers;
 use aghf::error::{Error, Result};
 use aghf::model::Joint;
 use serde::{Deserialize, Serialize};
 
-/// The share of the largest multiplier below which others are not written: far above the barrier parameter's.
+/// The share of the largest multiplier below which others are not written: those of rows far from their bounds, which
+/// are of the order of the barrier parameter.
 const LEAST: f64 = 1e-7;
 
 /// The multipliers of the rows of a direct solve in a file.
@@ -39,22 +41,25 @@ impl MultipliersFile {
 }
 
 /// Makes a search begin with the motion of another solve, and with its multipliers if the rows are as many. Returns
-/// what was kept.
+/// a note on what was kept.
 ///
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.
-pub(super) fn start_from(
-    start: &Solved,
-    scenario: &Scenario,
-    settings: &mut DirectSettings,
-) -> Result<String> {
+pub(super) fn start_from(start: &Solved, search: &mut Search<'_, '_>) -> Result<String> {
     let (name, own) = (&start.scenario.name, &start.summary.curve.joints);
-    if !scenario.model.joints().iter().map(Joint::name).eq(own) {
+    if !search
+        .scenario
+        .model
+        .joints()
+        .iter()
+        .map(Joint::name)
+        .eq(own)
+    {
         let condition = format!("the motion of '{name}' is that of other joints");
         return Err(Error::input("start", "curve.joints", condition));
     }
-    settings.start = Some(start.curve.clone());
-    let rows = scenario.constraints().dim();
+    search.settings.start = Some(start.curve.clone());
+    let rows = search.constraints.dim();
     let known = match &start.summary.details {
         Details::Direct(details) => details.multipliers.as_ref(),
         Details::Flow(_) | Details::Rest(_) => None,
@@ -63,7 +68,7 @@ pub(super) fn start_from(
         Some(of) if of.rows == rows => {
             let times = of.times.clone();
             let known = Multipliers::of_entries(times, rows, &of.entries, of.of_goal.clone());
-            settings.multipliers =
+            search.settings.multipliers =
                 Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
             "with its multipliers"
         }

@@ -76,6 +76,18 @@ fn a_solve_starts_from_another_one_and_says_so() {
     );
 }
 
+/// A given horizon is that of the scenario, whatever that of the other motion was.
+#[test]
+fn a_start_leaves_the_horizon_that_is_given() {
+    let first = arm(1.4, all());
+    let first = written(&solved_once(&first), "shorter");
+    let mut longer = arm(1.4, all());
+    longer.file.horizon_s = 2.0;
+    let warm = Solve::new(&longer).start(&first).run();
+    let warm = warm.expect("it is good");
+    assert!((warm.curve.horizon() - 2.0).abs() < 1e-12);
+}
+
 #[test]
 fn a_start_that_does_not_fit_is_refused() {
     let first = arm(1.4, all());
