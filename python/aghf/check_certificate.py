@@ -868,11 +868,11 @@ def _check(robot, scenario, run, certificate):
     for promise, joint, bounds in limits:
         own = motion[KINDS.index(promise)][joint]
         scale = max(abs(x) for x in bounds if math.isfinite(x)) or 1.0
-        room = claims[:, promises.index(promise)] * scale
+        reserve = claims[:, promises.index(promise)] * scale
         for sign, bound in ((1.0, bounds[0]), (-1.0, -bounds[1])):
             if math.isfinite(bound):
                 values = Model(sign * own.c, own.r)
-                good = least(values, bound + room, 1e-13 * scale) >= bound + room
+                good = least(values, bound + reserve, 1e-13 * scale) >= bound + reserve
                 require(np.all(good), place(f"{promise} of joint '{names[joint]}'", np.flatnonzero(~good)))
     if pairs:
         centres = robot.centres(q)

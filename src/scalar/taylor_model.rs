@@ -156,8 +156,8 @@ impl<const N: usize> TaylorModel<N> {
         }
     }
 
-    /// Computes the nested series $1 + x f_1 (1 + x f_2 (1 + \dots))$ with `2 TERMS` factors `[numerator, denominator]`,
-    /// both exact.
+    /// Computes the nested series $1 + x f_1 (1 + x f_2 (1 + \dots))$ with `2 TERMS` factors
+    /// `[numerator, denominator]`, both exact.
     fn series(x: Self, factor: impl Fn(u32) -> [f64; 2]) -> Self {
         let one = Self::constant(1.0);
         (1..=2 * TERMS).rev().fold(one, |sum, k| {

@@ -229,9 +229,11 @@ test("view serves the page and nothing else", async () => {
 
 test("a trade-off: a click on the curve shows another motion", async () => {
   const folder = join(ROOT, "target/browser/out/tradeoff");
-  execFileSync(AGHF, ["tradeoff", "limits_01", "--points", "4", "--out", folder, "--force"], { cwd: ROOT, stdio: ["ignore", "ignore", "inherit"] });
+  const words = ["tradeoff", "limits_01", "--points", "4", "--out", folder, "--force"];
+  execFileSync(AGHF, words, { cwd: ROOT, stdio: ["ignore", "ignore", "inherit"] });
   const { page, close } = await open(browser, join(folder, "report.html"));
-  const horizons = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).motions.map((motion) => motion.horizon));
+  const data = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
+  const horizons = data.motions.map((motion) => motion.horizon);
   const shown = () => page.evaluate(() => window.report.views.map((view) => view.motion.horizon));
   assert.deepEqual(await shown(), [horizons[0]]);
   const [width, height] = await page.locator(".scatter svg").evaluate((svg) => [svg.clientWidth, svg.clientHeight]);

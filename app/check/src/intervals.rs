@@ -12,7 +12,7 @@ use serde_json::Value;
 /// The kinds of limits.
 const KINDS: [&str; 5] = ["position", "velocity", "acceleration", "jerk", "torque"];
 
-/// What is kept at all times, and the motion that keeps it.
+/// The promises of a scenario, and the motion that keeps them at all times.
 pub(crate) struct Promised {
     robot: Robot,
     motion: Motion,
@@ -88,11 +88,11 @@ impl Promised {
             let at = KINDS.iter().position(|known| known == kind).ok_or("a limit of an unknown kind")?;
             let ((c, r), basis) = (&all[at][*joint], &self.bases[usize::from(*kind == "torque")]);
             let scale = bounds.iter().filter(|b| b.is_finite()).fold(0.0_f64, |scale, b| scale.max(b.abs()));
-            let room = claim * if scale > 0.0 { scale } else { 1.0 };
+            let reserve = claim * if scale > 0.0 { scale } else { 1.0 };
             let negative: Vec<f64> = c.iter().map(|c| -c).collect();
             let is_above =
                 |c: &[f64], bound: f64| !bound.is_finite() || basis.least(c, *r, bound, 1e-13 * scale) >= bound;
-            let kept = is_above(c, bounds[0] + room) && is_above(&negative, room - bounds[1]);
+            let kept = is_above(c, bounds[0] + reserve) && is_above(&negative, reserve - bounds[1]);
             require(kept, format!("{kind} of joint '{}'", self.robot.joints[*joint].name))?;
         }
         if self.clear.is_empty() {

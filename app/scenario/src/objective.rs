@@ -155,11 +155,14 @@ impl ObjectiveWeights {
 
     /// Returns true if nothing but time has a weight.
     fn is_time_alone(&self) -> bool {
-        self.time > 0.0
-            && self
-                .integrals()
-                .iter()
-                .all(|(_, weights)| weights.is_zero())
+        self.time > 0.0 && self.has_no_integral()
+    }
+
+    /// Returns true if no integral has a weight.
+    fn has_no_integral(&self) -> bool {
+        self.integrals()
+            .iter()
+            .all(|(_, weights)| weights.is_zero())
     }
 
     /// Refuses weights that are negative, for another number of joints than `dof`, or all zero. `path` names the
@@ -184,11 +187,7 @@ impl ObjectiveWeights {
                 return refuse(&key, fault(w));
             }
         }
-        let none = self
-            .integrals()
-            .iter()
-            .all(|(_, weights)| weights.is_zero());
-        if none && self.time == 0.0 {
+        if self.has_no_integral() && self.time == 0.0 {
             return refuse("", "all are zero, at least one is needed".to_owned());
         }
         Ok(())

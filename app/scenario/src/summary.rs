@@ -173,7 +173,8 @@ pub struct RestDetails {
 /// The result and the work of a direct solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DirectDetails {
-    /// What was kept of the motion from which the search [started](super::Solve::start), if there was one.
+    /// A note on the motion from which the search [started](super::Solve::start), if there was one: whether its
+    /// multipliers were kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<String>,
     /// The multipliers of the rows, from which another search can start.

@@ -11,6 +11,7 @@ use crate::dynamics::{
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
 use crate::model::Model;
+use crate::scalar::AlgebraOver;
 use crate::spatial::Motion;
 use crate::verify::reference::{self, entries, jacobian, mass, vector};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -149,12 +150,23 @@ fn contractions(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()
     Ok(())
 }
 
+/// The derivatives of the wrench of the root, and the Hessian of its product with a motion of the base.
+fn root_second_order<S: AlgebraOver<f64>>(
+    model: &Model,
+    (q, v, a): (&[S], &[S], &[S]),
+    base: Motion<S>,
+) -> Result<(RootWrenchDerivatives<S>, RneaWeightedHessian<S>)> {
+    let n = model.dof();
+    let (mut first, mut second) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let data = &mut Data::new(model);
+    root_wrench_second_order(model, data, [q, v, a], |_| base, &mut first, &mut second)?;
+    Ok((first, second))
+}
+
 /// Compares the Jacobian of the wrench of the root with dual numbers of its value, and the Hessian of its product with
 /// a motion of the base with dual numbers of the Jacobian.
 fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
-    let n = model.dof();
     let state = state_of(at);
-    let (q, v, a) = split(&state);
     let base = [0.3, -0.7, 0.4, 0.9, -0.2, 0.6];
     let motion = |m: [f64; 6]| {
         Motion::new(
@@ -162,16 +174,7 @@ fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
             Vector3::new(m[3], m[4], m[5]),
         )
     };
-    let (mut first, mut second) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
-    let data = &mut Data::new(model);
-    root_wrench_second_order(
-        model,
-        data,
-        [q, v, a],
-        |_| motion(base),
-        &mut first,
-        &mut second,
-    )?;
+    let (first, second) = root_second_order(model, split(&state), motion(base))?;
     let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let force = root_wrench(model, &mut Data::new(model), q, v, a)?;
@@ -184,17 +187,7 @@ fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
 
     let fixed = DVector::from_row_slice(&base).map(Dual64::from);
     let expected = jacobian(&state, |state| {
-        let (q, v, a) = split(state);
-        let (mut first, mut second) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
-        let data = &mut Data::new(model);
-        root_wrench_second_order(
-            model,
-            data,
-            [q, v, a],
-            |_| Motion::zero(),
-            &mut first,
-            &mut second,
-        )?;
+        let (first, _) = root_second_order(model, split(state), Motion::zero())?;
         Ok(first.jacobian.tr_mul(&fixed))
     })?;
     compare_hessian("m^T root wrench", &second, &expected, at, findings);

@@ -89,7 +89,7 @@ pub(super) struct Balls<'a> {
     basis: &'a Bernstein,
     centres: Vec<Vector3<Model>>,
     middles: Vec<Vector3<f64>>,
-    /// Bounds on the ways of the centres from there, with room for another arithmetic.
+    /// Bounds on the ways of the centres from there, with an allowance for another arithmetic.
     ways: Vec<f64>,
     error: f64,
 }

@@ -14,7 +14,7 @@ pub struct Certificate {
     pub robot_xxh64: String,
     /// True if every promise of the scenario is certified.
     pub complete: bool,
-    /// What the scenario asks for and this does not prove.
+    /// The parts of the scenario without a proof.
     pub not_certified: Vec<NotCertified>,
     /// The accepted shortfall of a reserve.
     pub tolerance: f64,
@@ -124,7 +124,7 @@ pub struct Interval(pub usize, pub f64, pub f64, pub Vec<f64>);
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotCertified {
-    /// What it is.
+    /// Its name.
     pub promise: String,
     /// The reason.
     pub reason: String,

@@ -150,8 +150,8 @@ fn nearest(row: &LimitRow, polynomial: &Polynomial, basis: &Bernstein) -> Neares
     }
 }
 
-/// Bounds on the deviations of a motion from the states of the scenario, and on its jumps, with room for another
-/// arithmetic.
+/// Bounds on the deviations of a motion from the states of the scenario, and on its jumps, with an allowance for
+/// another arithmetic.
 pub(super) fn deviations(scenario: &Scenario, motion: &Motion) -> Deviations {
     let file = &scenario.file;
     let claim = |deviations: Vec<Ball>| {

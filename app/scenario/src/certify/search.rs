@@ -30,7 +30,7 @@ const DECIMALS: f64 = 1e9;
 pub struct Certification {
     /// The certificate; `None` if a promise was not proved.
     pub certificate: Option<Certificate>,
-    /// What was not proved, the first place of each row.
+    /// The first place of each row that was not proved.
     pub failures: Vec<Failure>,
 }
 

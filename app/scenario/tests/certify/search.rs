@@ -146,7 +146,7 @@ fn broken_promises_are_refused() {
     );
 }
 
-/// What no proof covers is said.
+/// A certificate names the parts that no proof covers.
 #[test]
 fn parts_without_proofs_are_listed() {
     let keys = json!({ "goal": { "frame": "fore", "box": { "size_m": [9, 9, 9], "pose": { "position_m": [0, 0, 0] } } },

@@ -122,7 +122,8 @@ const tradeoffPanel = () => {
     location.reload();
   });
   curve.mark = (point) => point.x === motions[0].horizon;
-  return panel("Duration and effort", [element("p", "hint", "A click on a point shows its motion; the ring is around the one that is shown."), curve.root]);
+  const hint = "A click on a point shows its motion; the ring is around the one that is shown.";
+  return panel("Duration and effort", [element("p", "hint", hint), curve.root]);
 };
 
 const addMotion = (motion, i) => {

@@ -89,7 +89,10 @@ class ScatterCard {
     this.area.addEventListener("pointerdown", (event) => this.point(event));
     if (choose) {
       this.area.classList.add("seekable");
-      this.area.addEventListener("click", (event) => { const nearest = this.point(event); if (nearest) choose(nearest); });
+      this.area.addEventListener("click", (event) => {
+        const nearest = this.point(event);
+        if (nearest) choose(nearest);
+      });
     }
     this.area.addEventListener("pointerleave", () => this.leave());
   }
@@ -126,7 +129,9 @@ class ScatterCard {
       const className = group.failed ? "crosses" : "dots";
       parts.push(shape("path", { class: className, stroke: group.color, d: own.map((point) => `M${place(point.at)} ${mark}`).join("") }));
     });
-    for (const { at } of this.points.filter(this.mark)) parts.push(shape("circle", { class: "ring", r: 7, cx: at[0], cy: at[1] }));
+    for (const { at } of this.points.filter(this.mark)) {
+      parts.push(shape("circle", { class: "ring", r: 7, cx: at[0], cy: at[1] }));
+    }
     this.ring = shape("circle", { class: "ring", r: 7, visibility: "hidden" });
     parts.push(this.ring);
     this.svg.replaceChildren(...parts);
