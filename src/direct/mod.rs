@@ -177,10 +177,12 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         let mut best_start = None;
         let first_guess;
         let found = if let Some(curve) = &settings.start {
-            let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
+            let basis = settings.basis_of_start(&problem, curve);
+            let path = path_of(curve, basis).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
             let start = Candidate {
                 multipliers: settings.multipliers.clone().unwrap_or_default(),
+                penalty: Some(settings.search.planned_penalty),
                 alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
                 ..Candidate::new(path, problem.horizon())
             };

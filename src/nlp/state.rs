@@ -105,16 +105,21 @@ impl State {
         }
     }
 
-    /// Returns true if the Newton decrement and the gradient of the Lagrangian are within the tolerance at the last
-    /// barrier parameter, or if another step would no longer halve that gradient, because of rounding.
+    /// Returns true at the last barrier parameter if the gradient of the barrier function and the violation of rows are
+    /// within their tolerances, and the predicted excess over its minimum, half the square of the Newton decrement,
+    /// within that parameter; or if another step would no longer halve that gradient, because of rounding.
     pub(super) fn is_stationary(&mut self, options: &Options) -> bool {
-        if !self.is_within_tolerance(options) {
+        let decrement = self.progress.stationarity;
+        let excess = 0.5 * decrement * decrement;
+        if !self.is_last_barrier(options) || excess > options.last_barrier {
             self.residual = f64::INFINITY;
             return false;
         }
         let residual = self.kkt.dual_length() / self.scale();
         let before = std::mem::replace(&mut self.residual, residual);
-        residual <= options.tolerance || residual > 0.5 * before
+        let is_small = residual <= options.tolerance;
+        is_small && self.progress.infeasibility <= options.feasible
+            || self.is_within_tolerance(options) && (is_small || residual > 0.5 * before)
     }
 
     /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter.

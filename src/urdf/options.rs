@@ -81,6 +81,18 @@ pub enum LoadNote {
         /// The attribute of the dynamics element, `damping` or `friction`.
         attribute: &'static str,
     },
+    /// A state in another file names a joint that the robot does not have.
+    Missing {
+        /// The joint.
+        joint: String,
+    },
+    /// The joint moves nothing with inertia about it and is planned with a rotor inertia that stands in for it.
+    SubstituteRotor {
+        /// The joint.
+        joint: String,
+        /// The inertia with its unit.
+        armature: String,
+    },
     /// The mimic joint moves independently, as requested by [`Mimic::Independent`].
     Independent {
         /// The joint.
@@ -116,6 +128,8 @@ impl LoadNote {
             Self::Unlimited { joint }
             | Self::ZeroLimit { joint, .. }
             | Self::Independent { joint, .. }
+            | Self::SubstituteRotor { joint, .. }
+            | Self::Missing { joint }
             | Self::LeftOut { joint, .. } => ("joint", joint),
         }
     }
@@ -131,6 +145,13 @@ impl LoadNote {
             Self::ZeroLimit { attribute, .. } => {
                 format!("{attribute} limit of 0 counts as unknown, no limit")
             }
+            Self::Missing { .. } => {
+                "the robot has none of this name, its position is not used".to_owned()
+            }
+            Self::SubstituteRotor { armature, .. } => format!(
+                "nothing that it moves has inertia about it, planned with a rotor inertia of {armature}; \
+                 \"losses\": {{\"armature\": ...}} sets another"
+            ),
             Self::LeftOut { attribute, .. } => {
                 format!("{attribute} is not counted, as losses are not asked for")
             }
@@ -153,9 +174,11 @@ impl fmt::Display for LoadNote {
             }
             Self::Independent { mimics, .. } => write!(f, "mimics '{mimics}', independent here"),
             Self::ZeroLimit { .. } => write!(f, "its {}", self.kind()),
-            Self::Massless { .. } | Self::Unlimited { .. } | Self::LeftOut { .. } => {
-                f.write_str(&self.kind())
-            }
+            Self::Massless { .. }
+            | Self::Unlimited { .. }
+            | Self::SubstituteRotor { .. }
+            | Self::Missing { .. }
+            | Self::LeftOut { .. } => f.write_str(&self.kind()),
         }
     }
 }

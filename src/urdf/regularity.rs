@@ -7,6 +7,18 @@ use crate::model::{Joint, JointKind, Model};
 use crate::spatial::Placement;
 use nalgebra::DMatrix;
 
+/// The mass matrix in a generic configuration: if it is singular there, it is singular everywhere, or nearly so.
+struct Generic {
+    h: DMatrix<f64>,
+    /// The joints without inertia about them, from the last to the first.
+    massless: Vec<usize>,
+}
+
+/// Returns true if an inertia counts beside a total one, and is no rounding error.
+fn counts(own: f64, total: f64) -> bool {
+    own.abs() > 1e-12 * total.abs()
+}
+
 impl Model<f64> {
     /// Checks that the mass matrix is regular: that every joint has rotor inertia or moves a subtree with inertia about
     /// it, and otherwise than the joints before it do.
@@ -33,27 +45,50 @@ impl Model<f64> {
     /// # Errors
     /// None on a model that was built.
     pub fn singular_joints(&self) -> Result<Vec<(usize, &'static str)>> {
-        let n = self.dof();
-        let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
-        let mut h = DMatrix::zeros(n, n);
-        crba(self, &mut Data::new(self), &q, &mut h)?;
-        // Relative to the total inertia, so that rounding errors do not count as inertia.
-        let totals = self.subtree_inertias(&q)?;
+        let Generic { h, massless } = self.generic()?;
         let condition = "nothing that it moves has inertia about it, so the mass matrix is singular; rotor inertia \
             (in a scenario: \"losses\": {\"armature\": ...}) would make it regular, and so would a joint that does not \
             move (\"locked_joints\", \"group\")";
-        let counts = |own: f64, total: f64| own.abs() > 1e-12 * total.abs();
-        let massless = (0..n).rev().filter(|i| !counts(h[(*i, *i)], totals[*i]));
-        let massless: Vec<_> = massless.map(|i| (i, condition)).collect();
         if !massless.is_empty() {
-            return Ok(massless);
+            return Ok(massless.into_iter().map(|i| (i, condition)).collect());
         }
-        let mut ldlt = Ldlt::new(n);
+        let mut ldlt = Ldlt::new(self.dof());
         ldlt.factorise(&h);
         let condition = "it moves nothing that the joints before it do not move alike, so the mass matrix is singular";
         let mut pivots = ldlt.pivots().enumerate();
         let alike = pivots.find(|(i, pivot)| !counts(*pivot, h[(*i, *i)]));
         Ok(alike.map(|(i, _)| (i, condition)).into_iter().collect())
+    }
+
+    /// Rotor inertias for the joints that move nothing with inertia about them, kg m^2 or kg, with which those joints
+    /// count as much as the lightest other joint of their kind: its inertia in a generic configuration. Without another
+    /// joint of their kind they have unit inertia, with which the effort is the square of the acceleration. Cost O(N^2).
+    ///
+    /// # Errors
+    /// None on a model that was built.
+    pub fn substitute_rotors(&self) -> Result<Vec<(usize, f64)>> {
+        let Generic { h, massless } = self.generic()?;
+        let slides = |i: usize| self.joints()[i].kind() == JointKind::Prismatic;
+        let rotor = |of: usize| {
+            let others =
+                (0..self.dof()).filter(|i| !massless.contains(i) && slides(*i) == slides(of));
+            let lightest = others.map(|i| h[(i, i)]).min_by(f64::total_cmp);
+            lightest.unwrap_or(1.0)
+        };
+        Ok(massless.iter().map(|i| (*i, rotor(*i))).collect())
+    }
+
+    fn generic(&self) -> Result<Generic> {
+        let n = self.dof();
+        let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();
+        let mut h = DMatrix::zeros(n, n);
+        crba(self, &mut Data::new(self), &q, &mut h)?;
+        let totals = self.subtree_inertias(&q)?;
+        let massless = (0..n).rev().filter(|i| !counts(h[(*i, *i)], totals[*i]));
+        Ok(Generic {
+            massless: massless.collect(),
+            h,
+        })
     }
 
     /// Per joint, the mass of its subtree if it is prismatic, otherwise the trace of the rotational inertia of its

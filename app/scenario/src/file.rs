@@ -6,7 +6,7 @@ use super::goal::{Goal, goal_set};
 use super::group::hold_others;
 use super::json::{by_name, one_or_more, read_json};
 use super::keep::{Kept, kept_rows};
-use super::losses::Losses;
+use super::losses::{Losses, substitute_rotors};
 use super::objective::{Continuous, HorizonBounds, Objective, check_objective};
 use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
@@ -251,13 +251,14 @@ impl Scenario {
             path,
         )?;
         let (scene, overlapping) = found;
-        let model = match locked {
-            Some(reduced) => reduced.model,
-            None => {
-                robot.check_regular(&source.name()).map_err(of_robot)?;
-                robot
-            }
+        let (model, of_key) = match locked {
+            Some(reduced) => (reduced.model, "locked_joints"),
+            None => (robot, "robot"),
         };
+        let model = substitute_rotors(model, &mut file.losses, &mut load_notes)?;
+        model
+            .check_regular(&source.name())
+            .map_err(|e| Error::input(path, of_key, e.to_string()))?;
         let goal = goal_set(&mut file, &model, path)?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let foot = standing_foot(&file, &model, path)?;
@@ -394,7 +395,5 @@ fn lock(robot: &Model, joints: &BTreeMap<String, f64>, path: &str) -> Result<Opt
         } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
         other => other,
     };
-    let reduced = robot.reduced(&locked).map_err(named)?;
-    reduced.model.check_regular(path).map_err(named)?;
-    Ok(Some(reduced))
+    robot.reduced(&locked).map(Some).map_err(named)
 }

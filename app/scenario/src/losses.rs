@@ -1,7 +1,9 @@
 //! The losses and the rotor inertia of the robot of a scenario.
 
 use super::json::by_name;
-use aghf::urdf;
+use aghf::error::{Result, plain};
+use aghf::model::{Drive, JointKind, Model};
+use aghf::urdf::{self, FRICTION_VELOCITY, LoadNote};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -87,4 +89,60 @@ impl Losses {
             armature: numbers(&given.armature),
         })
     }
+}
+
+/// Gives the joints that move nothing with inertia the [substitutes](Model::substitute_rotors) of rotors, in the model
+/// and in the losses, with a note for each.
+pub(super) fn substitute_rotors(
+    mut model: Model,
+    losses: &mut Losses,
+    notes: &mut Vec<LoadNote>,
+) -> Result<Model> {
+    let rotors = model.substitute_rotors()?;
+    if rotors.is_empty() {
+        return Ok(model);
+    }
+    let mut drives = match model.drives() {
+        [] => vec![
+            Drive {
+                damping: 0.0,
+                friction: 0.0,
+                friction_velocity: FRICTION_VELOCITY,
+                armature: 0.0,
+            };
+            model.dof()
+        ],
+        drives => drives.to_vec(),
+    };
+    let mut armature = BTreeMap::new();
+    for (i, joint) in model.joints().iter().enumerate() {
+        if let Some((_, inertia)) = rotors.iter().find(|(of, _)| *of == i) {
+            drives[i].armature = *inertia;
+            let unit = match joint.kind() {
+                JointKind::Prismatic => "kg",
+                JointKind::Revolute | JointKind::Continuous => "kg m^2",
+            };
+            notes.push(LoadNote::SubstituteRotor {
+                joint: joint.name().to_owned(),
+                armature: format!("{} {unit}", plain(*inertia)),
+            });
+        }
+        armature.insert(joint.name().to_owned(), drives[i].armature);
+    }
+    let given = match losses {
+        // `false` counts no losses of the URDF either.
+        Losses::Counted(false) => LossNumbers {
+            damping: JointNumbers::Same(0.0),
+            friction: JointNumbers::Same(0.0),
+            ..LossNumbers::default()
+        },
+        Losses::Counted(true) => LossNumbers::default(),
+        Losses::Given(given) => given.clone(),
+    };
+    *losses = Losses::Given(LossNumbers {
+        armature: JointNumbers::Named(armature),
+        ..given
+    });
+    model = model.with_drives(drives)?;
+    Ok(model)
 }

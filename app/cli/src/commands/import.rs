@@ -1,7 +1,7 @@
 //! `aghf import`.
 
 use super::choice::choice;
-use super::{PackageArgs, print, tell};
+use super::{PackageArgs, print, tell, tell_notes};
 use crate::output::{refuse_existing, write_json, write_text};
 use aghf::error::Result;
 use aghf::urdf::Mimic;
@@ -92,6 +92,7 @@ impl FromMoveIt {
             objective: self.objective,
         };
         let scenario = problem.scenario(&self.out.display().to_string())?;
+        tell_notes(&scenario.file.robot, &scenario.load_notes);
         if let Err(error) = scenario.check_feasible() {
             tell(&format!("note: it has no solution: {error}"));
         }

@@ -261,15 +261,16 @@ fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Find
         let names = singular
             .iter()
             .map(|(i, _)| model.joints()[*i].name().to_owned());
-        let mend = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
-                    \"group\" without it";
+        let rotor = "planned with a rotor inertia that stands in for it; \"losses\": {\"armature\": {JOINT: KG_M2}} \
+                     sets another";
+        let alike = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
+                     \"group\" without it";
+        let (severity, mend) = match model.substitute_rotors()?.is_empty() {
+            false => (Severity::Note, rotor),
+            true => (Severity::NeedsKey, alike),
+        };
         let (reason, _) = condition.split_once(';').unwrap_or((condition, ""));
-        (findings).extend(Finding::about(
-            Severity::NeedsKey,
-            "joint",
-            names,
-            [reason, mend],
-        ));
+        (findings).extend(Finding::about(severity, "joint", names, [reason, mend]));
     }
     if robot.links.iter().all(|link| link.collision.is_empty()) {
         let condition =

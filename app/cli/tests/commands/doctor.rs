@@ -102,7 +102,7 @@ fn each_finding_names_its_elements() {
             needs,
             &["follow = -2 turn + 0.5"][..],
         ),
-        ("nothing that it moves has inertia", needs, &["pan"]),
+        ("nothing that it moves has inertia", note, &["pan"]),
         ("no limits of any kind", note, &["float", "bend", "pan"]),
         ("no limit of velocity", note, &["turn"]),
         ("no limit of effort", note, &["turn"]),

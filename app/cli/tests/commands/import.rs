@@ -175,6 +175,21 @@ fn a_problem_becomes_a_scenario() {
 }
 
 #[test]
+fn a_joint_that_the_robot_lacks_is_told() {
+    let folder = folder(
+        "import_wheel",
+        "scene.yaml",
+        Some("wrist, glue"),
+        "wrist, wheel",
+    );
+    let run = aghf(&folder, &IMPORT);
+    let words = "joint 'wheel': the robot has none of this name, its position is not used";
+    assert_eq!(run.code, Some(0));
+    assert!(run.stderr.contains(words), "{}", run.stderr);
+    assert_eq!(made(&folder)["locked_joints"], json!({ "wrist": 0.5 }));
+}
+
+#[test]
 fn a_request_by_pose_becomes_a_goal_and_a_condition_on_the_way() {
     let folder = folder("import_pose", "", None, "");
     let run = aghf(&folder, &import_of("pose.yaml"));

@@ -15,7 +15,7 @@ use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
 use aghf::model::{Joint, Model};
 use aghf::motion::{Feedback, Problem};
-use aghf::urdf::{Mimic, RobotSource, Srdf, UrdfOptions};
+use aghf::urdf::{LoadNote, LoadReport, Mimic, RobotSource, Srdf, UrdfOptions};
 use constraints::{Target, kept};
 use messages::{Request, RobotState, Scene};
 use obstacles::obstacles_of;
@@ -82,12 +82,18 @@ impl MoveIt {
         let request: Request = read_yaml(&read_text(&self.request)?, &request_name, "request")?;
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
         let (model, _) = source.parse(UrdfOptions {
+            singular: true,
             mimic: self.mimic,
             packages: self.packages.clone(),
             ..UrdfOptions::default()
         })?;
-        let scene_state = Positions::of(&scene.robot_state, &model, &scene_name, "robot_state")?;
-        let start = Positions::of(&request.start_state, &model, &request_name, "start_state")?;
+        let mut missing = LoadReport::new();
+        let places = [
+            [scene_name.as_str(), "robot_state"],
+            [&request_name, "start_state"],
+        ];
+        let scene_state = Positions::of(&scene.robot_state, &model, places[0], &mut missing)?;
+        let start = Positions::of(&request.start_state, &model, places[1], &mut missing)?;
         let target = Target::of(&request, &model, &request_name)?;
         let planned = self.planned(&request, &target, &start, &model)?;
 
@@ -186,7 +192,9 @@ impl MoveIt {
             feedback: Feedback { kp: 10.0, kv: 10.0 },
             success_threshold: 0.05,
         };
-        Scenario::new(file, path, Path::new(""))
+        let mut scenario = Scenario::new(file, path, Path::new(""))?;
+        scenario.load_notes.extend(missing);
+        Ok(scenario)
     }
 
     /// The names of the joints that are planned.
@@ -252,9 +260,14 @@ impl MoveIt {
 struct Positions(BTreeMap<String, f64>);
 
 impl Positions {
-    /// Reads the positions of a state. Each joint must be one of the robot, fixed ones included. `key` is the position
-    /// of the state in `file`.
-    fn of(state: &RobotState, model: &Model, file: &str, key: &str) -> Result<Self> {
+    /// Reads the positions of a state. Joints that the robot lacks, such as the wheels of its base, are noted. `key` is
+    /// the position of the state in `file`.
+    fn of(
+        state: &RobotState,
+        model: &Model,
+        [file, key]: [&str; 2],
+        notes: &mut LoadReport,
+    ) -> Result<Self> {
         let refuse = |what: &str, condition: String| {
             Err(Error::input(file, format!("{key}.{what}"), condition))
         };
@@ -278,9 +291,11 @@ impl Positions {
         }
         let mut positions = BTreeMap::new();
         for (i, (name, position)) in joints.name.iter().zip(&joints.position).enumerate() {
-            if !has_joint(model, name) {
-                let condition = format!("the robot has no joint '{name}'");
-                return refuse(&format!("joint_state.name[{i}]"), condition);
+            let note = LoadNote::Missing {
+                joint: name.clone(),
+            };
+            if !has_joint(model, name) && !notes.contains(&note) {
+                notes.push(note);
             }
             if positions.insert(name.clone(), *position).is_some() {
                 let condition = format!("joint '{name}' is named twice");

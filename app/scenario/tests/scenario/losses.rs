@@ -1,6 +1,6 @@
 //! Scenarios whose robots have losses and rotor inertia.
 
-use crate::written::{load, solved_once, with};
+use crate::written::{folder, load, solved_once, with};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::Model;
 use aghf_scenario::{FlowOptions, RestOptions, Scenario, Solve, SolveOptions};
@@ -104,4 +104,48 @@ fn the_flow_counts_losses() {
             .expect("it is good");
         assert!(report.summary.success, "{method}: {:?}", report.summary);
     }
+}
+
+/// A joint that moves nothing with inertia counts as the lightest other one of its kind, and losses stay uncounted.
+#[test]
+fn a_joint_without_inertia_has_the_rotor_of_the_lightest_other_one() {
+    let folder = folder();
+    let urdf = r#"<robot name="arm">
+        <link name="base"/><link name="upper"><inertial><origin xyz="0 0 1"/><mass value="2"/>
+          <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <link name="tip"/>
+        <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+          <limit lower="-2" upper="2" velocity="2" effort="40"/><dynamics damping="3"/></joint>
+        <joint name="wrist" type="revolute"><parent link="upper"/><child link="tip"/><axis xyz="0 0 1"/>
+          <limit lower="-2" upper="2" velocity="2" effort="5"/></joint></robot>"#;
+    std::fs::write(folder.join("arm.urdf"), urdf).expect("it is writable");
+    let scenario = json!({
+        "robot": folder.join("arm.urdf"), "robot_shape": "joint_frames", "horizon_s": 2.0, "q_start": [0.0, 0.0],
+        "v_start": [0.0, 0.0], "q_goal": [0.4, 1.0], "v_goal": [0.0, 0.0],
+    });
+    let read = load("massless", &scenario).expect("the wrist has a substitute");
+    let drives: Vec<_> = read
+        .model
+        .drives()
+        .iter()
+        .map(|d| [d.damping, d.armature])
+        .collect();
+    assert_close!(&drives.concat(), &[0.0, 0.0, 0.0, 2.1], 1e-12);
+    let notes: Vec<_> = read.load_notes.iter().map(ToString::to_string).collect();
+    let told =
+        |note: &String| note.contains("joint 'wrist': nothing") && note.contains("2.1 kg m^2");
+    assert!(notes.iter().any(told), "{notes:?}");
+    solved_once(&read);
+
+    // The file that was read says so itself, and then no note is needed.
+    let mut again = serde_json::to_value(&read.file).expect("numbers");
+    assert_eq!(again["losses"]["damping"], 0.0);
+    let same = load("again", &again).expect("it is good");
+    assert_eq!(same.model.drives(), read.model.drives());
+    let told = |note: &aghf::urdf::LoadNote| note.to_string().contains("rotor");
+    assert!(!same.load_notes.iter().any(told));
+
+    again["losses"] = json!({ "armature": { "wrist": 0.3 } });
+    let given = load("given", &again).expect("it is good");
+    assert_close!(&[given.model.drives()[1].armature], &[0.3], 0.0);
 }
