@@ -143,6 +143,11 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.cutoff(row))
     }
 
+    fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {
+        parts.push(self);
+        !matches!(self, Self::Other(_))
+    }
+
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,

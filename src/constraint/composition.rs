@@ -1,6 +1,6 @@
 //! Tuples and lists of constraints as one constraint.
 
-use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{AnyConstraint, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -55,6 +55,11 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
+    fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
+        // Both append theirs.
+        self.0.parts(parts) & self.1.parts(parts)
+    }
+
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -105,6 +110,11 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         owner(self, row).and_then(|(constraint, own)| constraint.cutoff(own))
     }
 
+    fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
+        self.iter()
+            .fold(true, |all, constraint| constraint.parts(parts) & all)
+    }
+
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -132,9 +142,10 @@ fn owner<C: Scalar, K: Constraint<C>>(all: &[K], mut row: usize) -> Option<(&K, 
     None
 }
 
-/// Implements the trait for a pointer, a list or nested pairs by delegation.
+/// Implements the trait for a pointer, a list or nested pairs by delegation. Nested pairs are temporary and so have no
+/// parts.
 macro_rules! delegate {
-    ([$($generic:tt)*] $type:ty, $it:ident => $inner:expr) => {
+    ([$($generic:tt)*] $type:ty, $it:ident => $inner:expr $(, $parts:ident)?) => {
         impl<C: Scalar, $($generic)*> Constraint<C> for $type {
             fn dim(&self) -> usize {
                 let $it = self;
@@ -166,6 +177,11 @@ macro_rules! delegate {
                 $inner.cutoff(row)
             }
 
+            $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
+                let $it = self;
+                $inner.parts(parts)
+            })?
+
             fn add_weighted_derivatives<S: AlgebraOver<C>>(
                 &self,
                 at: &PlacedState<'_, C, S>,
@@ -179,9 +195,9 @@ macro_rules! delegate {
     };
 }
 
-delegate!([K: Constraint<C> + ?Sized] &K, it => (**it));
-delegate!([K: Constraint<C>] Vec<K>, it => it.as_slice());
-delegate!([K: Constraint<C>, const M: usize] [K; M], it => it.as_slice());
+delegate!([K: Constraint<C> + ?Sized] &K, it => (**it), parts);
+delegate!([K: Constraint<C>] Vec<K>, it => it.as_slice(), parts);
+delegate!([K: Constraint<C>, const M: usize] [K; M], it => it.as_slice(), parts);
 delegate!([K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>] (K0, K1, K2), it => (&it.0, (&it.1, &it.2)));
 delegate!(
     [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>] (K0, K1, K2, K3),

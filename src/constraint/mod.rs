@@ -102,6 +102,13 @@ pub trait Constraint<C: Scalar = f64> {
         None
     }
 
+    /// Appends the built-in constraints among those of a list to `parts`; returns false if there are others. A planner
+    /// tests them without computing all of their rows. By default only a constraint without rows has no others.
+    fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
+        let _ = parts;
+        self.dim() == 0
+    }
+
     /// Adds the contractions with the weights of the rows to `out`. By default by dual numbers of the value: `N / 2`
     /// evaluations with four tangents for the gradient, about $N^2 / 2$ with nine numbers each for the Hessian.
     ///

@@ -1,17 +1,32 @@
 //! The test of configurations for collisions and limits.
 
+use super::distances::Distances;
 use crate::constraint::{Constraint, Evaluator};
 use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::{LANES, Wide};
+use std::ops::Range;
+
+/// The number of parts of a line, four configurations each, up to which they are checked one by one after the first
+/// four. More are checked four by four, so that what is far from a part of the line is found.
+const PARTS: usize = 8;
+
+/// The share of a line below which intervals count as empty, as rounding makes them.
+const EMPTY: f64 = 1e-9;
 
 /// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`.
 #[derive(Debug)]
 pub struct Checker<'a, K: ?Sized> {
     constraint: &'a K,
     evaluator: Evaluator<'a, f64, Wide>,
-    /// The largest motion of a joint between two checked configurations of a line.
+    /// The motion of a joint below which a line is not divided further.
     resolution: f64,
+    /// The rows that are distances or bounds of positions.
+    distances: Distances,
+    /// True if there are others; then the rows of all are computed.
+    has_others: bool,
+    /// The pairs of distances, those first that were not free last.
+    order: Vec<usize>,
     /// The largest value of each row that counts as free.
     bounds: Vec<f64>,
     scales: Vec<f64>,
@@ -19,11 +34,23 @@ pub struct Checker<'a, K: ?Sized> {
     x: Vec<Wide>,
     g: Vec<Wide>,
     checks: usize,
+    parts: Vec<Part>,
+    /// The pairs of each part.
+    near: Vec<usize>,
+    found: Vec<(usize, u8)>,
+}
+
+/// A part of a line, and the pairs that may not be free there.
+#[derive(Clone, Debug)]
+struct Part {
+    begin: f64,
+    end: f64,
+    pairs: Range<usize>,
 }
 
 impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// Prepares the test for the rows of `constraint`, with lines checked whenever a joint has moved by `resolution`,
-    /// rad or m, which is positive.
+    /// rad or m, which is positive, or less often where there is room.
     ///
     /// # Errors
     /// The constraint fails at the configuration zero, such as one with another number of joints.
@@ -35,31 +62,43 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
             constraint,
             evaluator: Evaluator::new(model),
             resolution,
+            distances: Distances::default(),
+            has_others: true,
+            order: Vec::new(),
             bounds: vec![0.0; rows],
             scales,
             x: vec![zero; 2 * model.dof()],
             g: vec![zero; rows],
             checks: 0,
+            parts: Vec::new(),
+            near: Vec::new(),
+            found: Vec::new(),
         };
+        // Refuses bodies that the robot does not have.
         checker.evaluate()?;
+        let mut parts = Vec::new();
+        let all = constraint.parts(&mut parts);
+        let (distances, others) = Distances::new(model, &parts);
+        checker.has_others = others || !all;
+        checker.order = (0..distances.pairs()).collect();
+        checker.distances = distances;
         Ok(checker)
     }
 
-    /// Requires every row to be `margin` inside its bound, in its unit, or as far inside as at both `ends` if that is
-    /// less.
+    /// Requires every distance and row to be `margin` inside its bound, in its unit, or as far inside as at both `ends`
+    /// if that is less. The distance of a link from an obstacle or from another link is that of their nearest balls.
     ///
     /// # Errors
     /// An end does not have `N` entries.
     pub fn keep(&mut self, margin: f64, ends: [&[f64]; 2]) -> Result<()> {
-        for (bound, scale) in self.bounds.iter_mut().zip(&self.scales) {
-            *bound = -margin * scale;
+        self.place(&ends)?;
+        self.evaluate()?;
+        for ((bound, scale), g) in self.bounds.iter_mut().zip(&self.scales).zip(&self.g) {
+            *bound = g.0.iter().copied().fold(-margin * scale, f64::max);
         }
-        for end in ends {
-            self.place(&[end])?;
-            for (bound, g) in self.bounds.iter_mut().zip(&self.g) {
-                *bound = bound.max(g.0[0]);
-            }
-        }
+        let placed = self.evaluator.at(&self.x)?;
+        self.distances
+            .keep(margin, &self.x, placed.state().placements);
         Ok(())
     }
 
@@ -70,6 +109,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// `q` does not have `N` entries.
     pub fn worst(&mut self, q: &[f64]) -> Result<(usize, f64)> {
         self.place(&[q])?;
+        self.evaluate()?;
         let mut worst = (0, f64::NEG_INFINITY);
         for (row, (g, scale)) in self.g.iter().zip(&self.scales).enumerate() {
             let by = g.0[0] / scale;
@@ -89,40 +129,71 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.are_free(&[q])
     }
 
-    /// Returns true if the checked points of the straight line between two configurations, without its beginning, are
-    /// free. They are checked in van der Corput order, widely spaced points first, so that collisions are found early.
+    /// Returns true if the straight line between two configurations, without its beginning, is free: each distance is
+    /// so large that it cannot vanish between checked configurations, or these are at most the resolution apart.
+    /// Widely spaced ones are checked first, so that collisions are found early.
     ///
     /// # Errors
     /// A configuration does not have `N` entries.
     pub fn is_line_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool> {
-        let moves = from.iter().zip(to).map(|(a, b)| (b - a).abs());
-        let steps = (moves.fold(0.0, f64::max) / self.resolution)
-            .ceil()
-            .max(1.0) as usize;
-        let bits = steps.next_power_of_two().trailing_zeros();
-        let reversed = |i: usize| {
-            i.reverse_bits()
-                .checked_shr(usize::BITS - bits)
-                .unwrap_or(0)
-        };
-        let order = (0..1 << bits).map(reversed).filter(|k| *k < steps);
-        // The end first, because it is most often not free.
-        let mut shares = order.map(|k| (steps - k) as f64 / steps as f64).peekable();
-        while shares.peek().is_some() {
-            let mut count = 0;
-            let mut last = 1.0;
+        let n = self.x.len() / 2;
+        for q in [from, to] {
+            check_length("q", n, q.len())?;
+        }
+        let moves: Vec<f64> = from.iter().zip(to).map(|(a, b)| (b - a).abs()).collect();
+        let farthest = moves.iter().copied().fold(0.0, f64::max);
+        self.distances.begin_line(&moves);
+        self.near.clone_from(&self.order);
+        self.parts.clear();
+        self.parts.push(Part {
+            begin: 0.0,
+            end: 1.0,
+            pairs: 0..self.near.len(),
+        });
+        let mut next = 0;
+        while let Some(Part { begin, end, pairs }) = self.parts.get(next).cloned() {
+            // The first ones include the end, which is most often not free.
+            let (first, spacing) = match next {
+                0 => (1.0 / 7.0, 2.0 / 7.0),
+                _ => (begin + (end - begin) / 8.0, (end - begin) / 4.0),
+            };
+            next += 1;
             for lane in 0..LANES {
-                if let Some(share) = shares.next() {
-                    (last, count) = (share, lane + 1);
-                }
+                let share = (first + spacing * lane as f64).min(1.0);
                 for ((x, a), b) in self.x.iter_mut().zip(from).zip(to) {
-                    x.0[lane] = a + last * (b - a);
+                    x.0[lane] = a + share * (b - a);
                 }
             }
-            self.checks += count;
-            self.evaluate()?;
-            if !self.all_kept() {
+            let is_fine = spacing * farthest <= self.resolution;
+            let reach = if is_fine { 0.0 } else { 0.5 * spacing + EMPTY };
+            if !self.looks_free(LANES, pairs, reach)? {
                 return Ok(false);
+            }
+            if is_fine {
+                continue;
+            }
+            let needed = ((end - begin) * farthest / (4.0 * self.resolution)).ceil() as usize;
+            let count = if needed <= PARTS { needed } else { LANES };
+            for k in 0..count {
+                let at = |k: usize| begin + (end - begin) * k as f64 / count as f64;
+                let (begin, end) = (at(k), at(k + 1));
+                let mut lanes = 0;
+                for lane in 0..LANES {
+                    let beside = first + spacing * lane as f64 - 0.5 * spacing;
+                    if beside + EMPTY < end && beside + spacing > begin + EMPTY {
+                        lanes |= 1 << lane;
+                    }
+                }
+                let from = self.near.len();
+                let found = self.found.iter().filter(|(_, near)| near & lanes != 0);
+                self.near.extend(found.map(|(pair, _)| *pair));
+                if from < self.near.len() || self.has_others {
+                    self.parts.push(Part {
+                        begin,
+                        end,
+                        pairs: from..self.near.len(),
+                    });
+                }
             }
         }
         Ok(true)
@@ -135,7 +206,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     pub fn are_free<Q: AsRef<[f64]>>(&mut self, all: &[Q]) -> Result<bool> {
         for some in all.chunks(LANES) {
             self.place(some)?;
-            if !self.all_kept() {
+            self.near.clone_from(&self.order);
+            if !self.looks_free(some.len(), 0..self.order.len(), 0.0)? {
                 return Ok(false);
             }
         }
@@ -148,7 +220,38 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.checks
     }
 
-    /// Evaluates the rows at one to four configurations; unused lanes hold the last one.
+    /// Returns true if the configurations in `x` are free as to these of the near pairs, and collects those that may
+    /// not be within the share `reach` of a line.
+    fn looks_free(&mut self, count: usize, pairs: Range<usize>, reach: f64) -> Result<bool> {
+        self.checks += count;
+        self.found.clear();
+        if !self.distances.is_inside(&self.x) {
+            return Ok(false);
+        }
+        let placed = self.evaluator.at(&self.x)?;
+        self.distances.place(placed.state().placements);
+        for pair in &self.near[pairs] {
+            let look = self.distances.look(*pair, placed.state().placements, reach);
+            if look.hit {
+                if let Some(at) = self.order.iter().position(|other| other == pair) {
+                    self.order[..=at].rotate_right(1);
+                }
+                return Ok(false);
+            }
+            if look.near != 0 {
+                self.found.push((*pair, look.near));
+            }
+        }
+        if self.has_others {
+            placed.value(self.constraint, &mut self.g)?;
+            let mut rows = self.g.iter().zip(&self.bounds);
+            // False for NaN.
+            return Ok(rows.all(|(g, bound)| g.0.iter().all(|g| g <= bound)));
+        }
+        Ok(true)
+    }
+
+    /// Takes one to four configurations into `x`; unused lanes hold the last one.
     fn place<Q: AsRef<[f64]>>(&mut self, some: &[Q]) -> Result<()> {
         let n = self.x.len() / 2;
         for lane in 0..LANES {
@@ -158,18 +261,12 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
                 x.0[lane] = *q;
             }
         }
-        self.checks += some.len();
-        self.evaluate()
+        Ok(())
     }
 
+    /// Computes all rows.
     fn evaluate(&mut self) -> Result<()> {
         let placed = self.evaluator.at(&self.x)?;
         placed.value(self.constraint, &mut self.g)
-    }
-
-    fn all_kept(&self) -> bool {
-        let mut rows = self.g.iter().zip(&self.bounds);
-        // False for NaN.
-        rows.all(|(g, bound)| g.0.iter().all(|g| g <= bound))
     }
 }

@@ -17,6 +17,7 @@
 //! path on any machine.
 
 mod checker;
+mod distances;
 mod fit;
 mod inverse_kinematics;
 mod shorten;
@@ -56,7 +57,8 @@ pub struct PlanSettings {
     /// The distance that rows keep from their bounds if start and goal have it too, in the unit of the row, m for a
     /// clearance.
     pub margin: f64,
-    /// The largest motion of a joint between two checked configurations of an edge, rad or m.
+    /// The motion of a joint, rad or m, below which an edge is not divided further, where distances are too small for a
+    /// proof that it is free.
     pub resolution: f64,
     /// The length of the longest edge of a tree, rad.
     pub range: f64,
@@ -75,7 +77,7 @@ impl Default for PlanSettings {
             number: 0,
             paths: 8,
             margin: 0.005,
-            resolution: 0.04,
+            resolution: 0.002,
             range: 1.0,
             most_checks: 200_000,
             shortcuts: 60,
@@ -133,8 +135,11 @@ pub enum Plan {
 /// Plans a path from the start to the goal of `problem` on which every row of `constraint` is within its bound at rest.
 ///
 /// Joints are sampled within their limits, extended to include start and goal; revolute ones at most half a turn beyond
-/// both, as the robot takes the same pose after a whole one, and sliders without limits 1 m. Cost per configuration:
-/// the placements and the rows, four configurations side by side; per sample O(N) per node of a tree.
+/// both, as the robot takes the same pose after a whole one, and sliders without limits 1 m. Edges are divided until no
+/// link can travel its distance from an obstacle or another link within a part, which proves them free, or down to the
+/// [resolution](PlanSettings::resolution). Cost per configuration: the placements and the distances that may not be
+/// kept in its part of the edge, four configurations side by side, and all rows if some are neither distances nor
+/// bounds; per sample O(N) per node of a tree.
 ///
 /// # Errors
 /// A setting is out of range, a row is an equality, which samples cannot satisfy, or the constraint refers to a joint

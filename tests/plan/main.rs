@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod distances;
 mod fit;
 mod inverse_kinematics;
 mod paths;

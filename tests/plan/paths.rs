@@ -143,22 +143,55 @@ fn of_several_paths_the_shortest_is_taken() {
     assert!(shorter > 1, "{shorter} of 12 take the farther gap");
 }
 
-/// Every step of a line is checked, for any number of steps: only one of them is not free.
+/// No obstacle as large as the resolution is missed, wherever it is, and none beside the line is in the way.
 #[test]
 fn a_line_is_looked_at_everywhere() {
     let model = point();
-    for steps in 1..=21 {
-        for blocked in 1..=steps {
-            let at = f64::from(blocked) / f64::from(steps);
-            let state = outside([[at, 0.0]], 1e-3);
-            let resolution = 1.0 / (f64::from(steps) - 0.5);
+    for steps in 1..=40 {
+        let resolution = 1.0 / f64::from(steps);
+        let radius = 0.5 * resolution + 1e-9;
+        for blocked in 0..=60 {
+            let at = radius + (1.0 - radius) * f64::from(blocked) / 60.0;
+            let state = outside([[at, 0.0], [0.5, 3.0]], radius);
             let mut checker = Checker::new(&model, &state, resolution).expect("same robot");
             let free = checker.is_line_free(&[0.0, 0.0], &[1.0, 0.0]);
             assert!(!free.expect("two numbers"), "{blocked} of {steps}");
-            let free = checker.is_line_free(&[0.0, 0.1], &[1.0, 0.1]);
+            let beside = radius + 1e-6;
+            let free = checker.is_line_free(&[0.0, beside], &[1.0, beside]);
             assert!(free.expect("two numbers"), "{blocked} of {steps}");
         }
     }
+}
+
+/// With a margin that is kept at the checked configurations nothing is missed between them, however small it is.
+#[test]
+fn a_margin_proves_a_line() {
+    let model = point();
+    let line: [&[f64]; 2] = [&[0.0, 0.0], &[1.0, 0.0]];
+    for k in 0..200 {
+        let at = 0.01 + 0.98 * f64::from(k) / 200.0;
+        let state = outside([[at, 0.0]], 1e-6);
+        let mut checker = Checker::new(&model, &state, 0.009).expect("same robot");
+        checker.keep(0.005, line).expect("two numbers");
+        let free = checker.is_line_free(line[0], line[1]);
+        assert!(!free.expect("two numbers"), "{at}");
+    }
+}
+
+/// The steps of a line are as wide as what is around permits.
+#[test]
+fn far_from_everything_a_line_takes_four_configurations() {
+    let model = point();
+    let checks = |y: f64| {
+        let state = outside([[0.5, y]], 0.1);
+        let mut checker = Checker::new(&model, &state, 1e-3).expect("same robot");
+        let free = checker.is_line_free(&[0.0, 0.0], &[1.0, 0.0]);
+        assert!(free.expect("two numbers"));
+        checker.checks()
+    };
+    assert_eq!(checks(1.0), 4);
+    let near = checks(0.101);
+    assert!((20..400).contains(&near), "{near}");
 }
 
 /// Rows keep the margin, or the distance at the ends if that is smaller.
