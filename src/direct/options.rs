@@ -80,7 +80,7 @@ pub struct SearchOptions {
     /// The first penalty of a violation from a planned start, relative to the cost: a start that keeps all rows stays
     /// inside.
     pub planned_penalty: f64,
-    /// The number of checked configurations after which a path no longer keeps a margin: a tenth of a second.
+    /// The number of checked configurations after which a path no longer keeps a margin.
     pub margin_checks: usize,
     /// The factor between successive horizons of a planned start.
     pub horizon_growth: f64,
