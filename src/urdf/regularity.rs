@@ -62,7 +62,7 @@ impl Model<f64> {
 
     /// Rotor inertias for the joints that move nothing with inertia about them, kg m^2 or kg, with which those joints
     /// count as much as the lightest other joint of their kind: its inertia in a generic configuration. Without another
-    /// joint of their kind they have unit inertia, with which the effort is the square of the acceleration. Cost O(N^2).
+    /// joint of their kind they have unit inertia, with which the effort is the squared acceleration. Cost O(N^2).
     ///
     /// # Errors
     /// None on a model that was built.
