@@ -174,6 +174,29 @@ fn a_problem_becomes_a_scenario() {
     assert_bad_input(&folder, &IMPORT, "made.json; exists already; --force");
 }
 
+/// Links that the scene allows to overlap may; the names of objects mean no pair of links.
+#[test]
+fn pairs_that_the_scene_allows_may_overlap() {
+    let matrix = "\nallowed_collision_matrix:
+  entry_names: [hand, table, base]
+  entry_values: [[true, true, true], {enabled: [true, true, true]}, [true, true, true]]\nrobot_state:\n";
+    let folder = folder(
+        "import_allowed",
+        "scene.yaml",
+        Some("\nrobot_state:\n"),
+        matrix,
+    );
+    let with_base = ROBOT.replace(
+        r#"<link name="base"/>"#,
+        r#"<link name="base"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>"#,
+    );
+    std::fs::write(folder.join("robot.urdf"), with_base).expect("the folder is writable");
+    let run = aghf(&folder, &IMPORT);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let pairs = json!({ "ignored_pairs": [["arm", "hand"], ["hand", "base"]] });
+    assert_eq!(made(&folder)["self_collision"], pairs);
+}
+
 #[test]
 fn a_joint_that_the_robot_lacks_is_told() {
     let folder = folder(

@@ -1,5 +1,6 @@
 //! The parts of MoveIt's planning scenes and requests that are read, in the YAML form of these messages.
 
+use aghf::error::{Error, Result};
 use nalgebra::Vector3;
 use serde::Deserialize;
 
@@ -9,6 +10,53 @@ pub(super) struct Scene {
     pub world: World,
     #[serde(default)]
     pub robot_state: RobotState,
+    #[serde(default)]
+    pub allowed_collision_matrix: AllowedCollisions,
+}
+
+/// The pairs that may overlap: `moveit_msgs/AllowedCollisionMatrix`.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct AllowedCollisions {
+    #[serde(default)]
+    pub entry_names: Vec<String>,
+    #[serde(default)]
+    pub entry_values: Vec<Entries>,
+}
+
+/// A row of that matrix, as in the message or as a list.
+#[derive(Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a list of true and false is needed, or the key enabled with one"
+)]
+pub(super) enum Entries {
+    List(Vec<bool>),
+    Message { enabled: Vec<bool> },
+}
+
+impl AllowedCollisions {
+    /// The pairs of names that may overlap, each once; `file` names the scene in errors.
+    pub fn pairs(&self, file: &str) -> Result<Vec<[String; 2]>> {
+        let names = &self.entry_names;
+        let refuse = |element: String, found: usize| {
+            let condition = format!("it has {found} entries for {} names", names.len());
+            Err(Error::input(file, element, condition))
+        };
+        let key = "allowed_collision_matrix.entry_values";
+        if self.entry_values.len() != names.len() {
+            return refuse(key.to_owned(), self.entry_values.len());
+        }
+        let mut pairs = Vec::new();
+        for (i, row) in self.entry_values.iter().enumerate() {
+            let (Entries::List(row) | Entries::Message { enabled: row }) = row;
+            if row.len() != names.len() {
+                return refuse(format!("{key}[{i}]"), row.len());
+            }
+            let allowed = (i + 1..names.len()).filter(|j| row[*j]);
+            pairs.extend(allowed.map(|j| [names[i].clone(), names[j].clone()]));
+        }
+        Ok(pairs)
+    }
 }
 
 /// The obstacles.

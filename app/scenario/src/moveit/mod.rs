@@ -8,8 +8,8 @@ use super::load::absolute_folders;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPairs, Losses, Objective,
-    Preset, RobotShape, Scenario, ScenarioFile, SelfCollision, cover_links,
+    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPair, IgnoredPairs, Losses,
+    Objective, Preset, RobotShape, Scenario, ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
@@ -143,7 +143,8 @@ impl MoveIt {
             return Err(Error::input(request_name, "goal_constraints", condition));
         }
         let zeros = vec![0.0; moving.len()];
-        let ignored = self.ignored_pairs(&model, &source)?.ignored_pairs;
+        let allowed = scene.allowed_collision_matrix.pairs(&scene_name)?;
+        let ignored = self.ignored_pairs(&model, &source, allowed)?.ignored_pairs;
         let file = ScenarioFile {
             schema: None,
             robot: source.absolute()?,
@@ -218,15 +219,32 @@ impl MoveIt {
         Ok(joints.into_iter().map(name).collect())
     }
 
-    /// The pairs of links that may overlap.
-    fn ignored_pairs(&self, model: &Model, source: &RobotSource) -> Result<IgnoredPairs> {
+    /// The pairs of links that may overlap, those that the scene allows among them.
+    fn ignored_pairs(
+        &self,
+        model: &Model,
+        source: &RobotSource,
+        allowed: Vec<[String; 2]>,
+    ) -> Result<IgnoredPairs> {
         let links = cover_links(model, source.folder(), self.excess)?;
-        match &self.srdf {
+        let mut found = match &self.srdf {
             Some(path) => {
-                IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)
+                IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)?
             }
-            None => IgnoredPairs::by_sampling(model, &links),
+            None => IgnoredPairs::by_sampling(model, &links)?,
+        };
+        for [a, b] in allowed {
+            let same = |pair: &IgnoredPair| pair.links.contains(&a) && pair.links.contains(&b);
+            // Objects and links without a shape are named there too.
+            if [&a, &b].iter().all(|name| links.links.contains(name))
+                && !found.ignored_pairs.iter().any(same)
+            {
+                let reason = "allowed by the scene".to_owned();
+                let links = [a, b];
+                found.ignored_pairs.push(IgnoredPair { links, reason });
+            }
         }
+        Ok(found)
     }
 
     /// The initial horizon, and its bounds if it is free.
