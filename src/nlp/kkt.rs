@@ -20,7 +20,6 @@ pub struct Kkt {
     pub gradient: DVector<f64>,
     pub hessian: Bordered,
     norm: Bordered,
-    norm_factor: Bordered,
     factor: Bordered,
     /// The last multiple of the norm that was added to an indefinite matrix.
     regularisation: f64,
@@ -102,7 +101,6 @@ impl Kkt {
             hessian: norm.clone(),
             factor: norm.clone(),
             norm,
-            norm_factor,
             regularisation: 0.0,
             floor: 0.0,
         })
@@ -152,9 +150,13 @@ impl Kkt {
     }
 
     /// The length of the gradient in the dual norm.
-    pub fn dual_length(&self) -> f64 {
+    pub fn dual_length(&mut self) -> f64 {
+        self.factor.set_sum(&self.norm, 0.0, &self.norm);
+        if !self.factor.factorise() {
+            return f64::INFINITY;
+        }
         let mut x = self.gradient.clone();
-        self.norm_factor.solve(&mut x);
+        self.factor.solve(&mut x);
         self.gradient.dot(&x).sqrt()
     }
 

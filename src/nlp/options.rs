@@ -9,8 +9,6 @@ use std::sync::Arc;
 pub struct Options {
     /// The Newton decrement at the end, relative to the objective: half its square is the excess over the minimum.
     pub tolerance: f64,
-    /// The number of successive iterations with an acceptable end after which the search is over: 15 as in IPOPT.
-    pub acceptable_iterations: usize,
     /// The accepted violation of a row, in its unit.
     pub feasible: f64,
     /// The largest number of iterations.
@@ -82,7 +80,6 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
-            acceptable_iterations: 15,
             feasible: 5e-7,
             iterations: 500,
             first_barrier: 0.1,

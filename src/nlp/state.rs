@@ -24,8 +24,6 @@ pub(crate) struct State {
     /// The length of the gradient of the Lagrangian, relative to the objective, at the last iterate within the
     /// tolerance.
     residual: f64,
-    /// The number of successive iterates with an acceptable end.
-    acceptable: usize,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
 }
@@ -75,7 +73,6 @@ impl State {
             excess: f64::INFINITY,
             is_infeasible: false,
             residual: f64::INFINITY,
-            acceptable: 0,
             merits: Default::default(),
         })
     }
@@ -110,30 +107,14 @@ impl State {
 
     /// Returns true if the Newton decrement and the gradient of the Lagrangian are within the tolerance at the last
     /// barrier parameter, or if another step would no longer halve that gradient, because of rounding.
-    ///
-    /// Also after some iterations with an acceptable end: gradient and rows are within their tolerances, and the
-    /// predicted excess over the minimum, half the square of the decrement, is within the barrier parameter. Along a
-    /// direction that costs next to nothing the decrement is the last to vanish.
     pub(super) fn is_stationary(&mut self, options: &Options) -> bool {
-        let decrement = self.progress.stationarity;
-        let excess = 0.5 * decrement * decrement;
-        if !self.is_last_barrier(options) || excess > options.last_barrier {
-            (self.residual, self.acceptable) = (f64::INFINITY, 0);
+        if !self.is_within_tolerance(options) {
+            self.residual = f64::INFINITY;
             return false;
         }
         let residual = self.kkt.dual_length() / self.scale();
-        let is_within = self.is_within_tolerance(options);
-        let kept = if is_within { residual } else { f64::INFINITY };
-        let before = std::mem::replace(&mut self.residual, kept);
-        let is_small = residual <= options.tolerance;
-        let is_acceptable = is_small && self.progress.infeasibility <= options.feasible;
-        self.acceptable = if is_acceptable {
-            self.acceptable + 1
-        } else {
-            0
-        };
-        self.acceptable > options.acceptable_iterations
-            || is_within && (is_small || residual > 0.5 * before)
+        let before = std::mem::replace(&mut self.residual, residual);
+        residual <= options.tolerance || residual > 0.5 * before
     }
 
     /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter.

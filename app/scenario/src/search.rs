@@ -27,9 +27,6 @@ const STEPS: usize = 8;
 const BALANCED: f64 = 1.25;
 const SLOWED: f64 = 1.2;
 
-/// The accuracy of the least time of which a balanced motion takes a multiple.
-const ACCURACY: f64 = 0.01;
-
 /// The factor by which the horizon of a faster motion may be longer than before, because of rounding.
 const NOT_LONGER: f64 = 1.0 + 1e-6;
 
@@ -80,14 +77,13 @@ impl<'s, 'o> Search<'s, 'o> {
 
     /// The motion of least time.
     pub fn least_time(&mut self) -> Result<DirectSolution> {
-        let (first, others) = self.faster(0.0)?;
+        let (first, others) = self.faster()?;
         Ok(self.whole(first, others))
     }
 
     /// Motions each of which is faster than the one before: first one that weighs time as much as effort, then with a
-    /// weight of the effort that vanishes in steps, each from the motion before, until a step shortens the horizon by
-    /// less than this share.
-    fn faster(&mut self, accuracy: f64) -> Result<(DirectSolution, Vec<DirectSolution>)> {
+    /// weight of the effort that vanishes in steps, each from the motion before.
+    fn faster(&mut self) -> Result<(DirectSolution, Vec<DirectSolution>)> {
         let scenario = self.scenario;
         let ends = self.settings.goal.as_ref().map(|goal| &goal.ends[0].q);
         let goal = ends.unwrap_or(&scenario.file.q_goal);
@@ -111,8 +107,7 @@ impl<'s, 'o> Search<'s, 'o> {
             let next = self.from(before, horizon, self.weighted(weight))?;
             self.complete = is_valid(&next) && next.curve.horizon() <= NOT_LONGER * horizon;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
-            let settled = next.curve.horizon() > (1.0 - accuracy) * horizon;
-            let over = step > 0 && (last || !self.complete) || settled && accuracy > 0.0;
+            let over = step > 0 && (last || !self.complete);
             if self.complete {
                 others.push(next);
             }
@@ -125,7 +120,7 @@ impl<'s, 'o> Search<'s, 'o> {
 
     /// The least effort within [`BALANCED`] times the least time, from the slowest of the motions that led to that.
     fn balanced(&mut self) -> Result<DirectSolution> {
-        let (first, mut others) = self.faster(ACCURACY)?;
+        let (first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
         self.complete = self.goes_on(fast);
         if self.complete {
