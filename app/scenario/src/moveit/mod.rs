@@ -43,8 +43,9 @@ pub struct MoveIt {
     pub packages: BTreeMap<String, PathBuf>,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
-    /// The SRDF, whose disabled pairs of links are not checked, as are those that [always
+    /// The SRDF, whose disabled pairs of links are not checked, nor are those that [always
     /// overlap](super::always_overlapping); without one the pairs are found by [sampling](IgnoredPairs::by_sampling).
+    /// Those that the scene allows to overlap are not checked either way.
     pub srdf: Option<PathBuf>,
     /// The largest distance by which the balls may stick out that cover shapes other than spheres, m.
     pub excess: f64,
