@@ -177,8 +177,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         let mut best_start = None;
         let first_guess;
         let found = if let Some(curve) = &settings.start {
-            let basis = settings.basis_of_start(&problem, curve);
-            let path = path_of(curve, basis).between_ends_of(&problem);
+            let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
             let start = Candidate {
                 multipliers: settings.multipliers.clone().unwrap_or_default(),

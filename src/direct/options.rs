@@ -77,8 +77,8 @@ pub struct SearchOptions {
     pub planned_segments: usize,
     /// Their degree, unless that many segments are requested.
     pub planned_degree: usize,
-    /// The first penalty of a violation from a planned start, relative to the cost: a start that keeps all rows stays
-    /// inside.
+    /// The first penalty of a violation from a planned start or a given one, relative to the cost: a start that keeps
+    /// all rows stays inside.
     pub planned_penalty: f64,
     /// The number of checked configurations after which a path no longer keeps a margin.
     pub margin_checks: usize,

@@ -206,18 +206,6 @@ impl DirectSettings {
         Basis::new(self.segments, self.degree, self.continuity(problem))
     }
 
-    /// The basis of motions from a curve: with the segments of the curve if it has more than the settings, as a planned
-    /// motion does, which a single polynomial would lead through obstacles.
-    pub(super) fn basis_of_start(&self, problem: &Problem<'_>, curve: &Curve) -> Basis {
-        let (continuity, segments) = (self.continuity(problem), curve.segments());
-        let degree = curve.chebyshev().degree();
-        let fits = Self::check_size(degree, segments, continuity).is_ok();
-        if segments > self.segments && fits {
-            return Basis::new(segments, degree, continuity);
-        }
-        self.basis(problem)
-    }
-
     /// The degrees above that of a basis in a refinement.
     pub(super) fn higher_degrees(basis: &Basis) -> impl Iterator<Item = usize> + use<> {
         let (degree, segments) = (basis.degree(), basis.segments());

@@ -204,6 +204,9 @@ impl<'s, 'o> Search<'s, 'o> {
             }],
         });
         let settings = DirectSettings {
+            // The basis of a planned start is its own.
+            degree: curve.chebyshev().degree(),
+            segments: curve.segments(),
             start: Some(Curve::piecewise(horizon, curve.segments(), x)?),
             // The objective is another.
             multipliers: None,
