@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{BallTree, FLAT, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, apply_to_constant, dot, outer};
+use crate::spatial::{Placement, dot, outer};
 use nalgebra::Vector3;
 
 /// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link.
@@ -95,13 +95,13 @@ fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
 
 /// The position of a point of a body with this placement; `None` is the base.
 #[inline]
-fn place<C: Scalar, S: AlgebraOver<C>>(
+pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
     placement: Option<&Placement<S>>,
     point: &Vector3<C>,
 ) -> Vector3<S> {
     match placement {
         None => point.map(S::lift),
-        Some(p) => apply_to_constant(&p.rotation, point) + p.translation,
+        Some(placement) => placement.point(point),
     }
 }
 

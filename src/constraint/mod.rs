@@ -36,6 +36,7 @@ pub(crate) use bounds::RateLimit;
 pub use bounds::{Bound, Bounds, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
+pub(crate) use cover_clearance::place;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
@@ -55,7 +56,7 @@ pub use crate::geometry::{CollisionSphere, Sphere};
 use crate::error::{Error, Result, check_length};
 use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, apply_to_constant};
+use crate::spatial::Placement;
 use nalgebra::Vector3;
 
 /// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ for the rows that are an
@@ -157,8 +158,7 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
         let Some(body) = body else {
             return Ok(in_body.map(S::lift));
         };
-        let placement = self.body(body)?;
-        Ok(apply_to_constant(&placement.rotation, in_body) + placement.translation)
+        Ok(self.body(body)?.point(in_body))
     }
 
     /// Computes the placement of a frame in the base frame.

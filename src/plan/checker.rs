@@ -50,7 +50,7 @@ struct Part {
 
 impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// Prepares the test for the rows of `constraint`, with lines checked whenever a joint has moved by `resolution`,
-    /// rad or m, which is positive, or less often where there is room.
+    /// rad or m, which is positive, or less often where distances are large.
     ///
     /// # Errors
     /// The constraint fails at the configuration zero, such as one with another number of joints.

@@ -1,10 +1,10 @@
 //! The distances that links keep from obstacles and from each other, and bounds on how much a motion changes them.
 
-use crate::constraint::{AnyConstraint, Bound, CollisionSphere, SelfClearance};
+use crate::constraint::{AnyConstraint, Bound, CollisionSphere, SelfClearance, place};
 use crate::geometry::{BallTree, Shape, Solid};
 use crate::model::{JointKind, Model};
 use crate::scalar::{LANES, Scalar, Wide};
-use crate::spatial::{Placement, apply_to_constant, dot};
+use crate::spatial::{Placement, dot};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ enum Other {
     Link(usize),
 }
 
-/// What is found of a pair at several configurations.
+/// The findings about a pair at several configurations.
 pub(super) struct Look {
     /// A bit for each configuration at which the pair is nearer than the distance that was asked for.
     pub near: u8,
@@ -233,7 +233,7 @@ impl Distances {
         let roots = self.links.iter().map(|link| {
             let root = link.nodes.first();
             root.map_or_else(Vector3::zeros, |root| {
-                place(link.body, &root.bound.centre, placements)
+                place(link.body.map(|body| &placements[body]), &root.bound.centre)
             })
         });
         self.centres.clear();
@@ -290,7 +290,8 @@ impl Distances {
         } = &self.pairs[pair];
         let kept = kept + margin;
         let link = &self.links[*link];
-        let place = |tree: &BallTree, centre| place(tree.body, centre, placements);
+        let place =
+            |tree: &BallTree, centre| place(tree.body.map(|body| &placements[body]), centre);
         let is_nearer = |a: &Wide, b: &Wide| (0..LANES).all(|k| a.0[k] < b.0[k]);
         match other {
             Other::Solid(solid) => {
@@ -316,22 +317,6 @@ impl Distances {
                 });
             }
         }
-    }
-}
-
-/// The position of a point of a body; of the base without one.
-#[inline]
-fn place(
-    body: Option<usize>,
-    point: &Vector3<f64>,
-    placements: &[Placement<Wide>],
-) -> Vector3<Wide> {
-    match body {
-        Some(body) => {
-            let placement = &placements[body];
-            apply_to_constant(&placement.rotation, point) + placement.translation
-        }
-        None => point.map(Wide::splat),
     }
 }
 

@@ -42,6 +42,16 @@ impl<S: Scalar> Placement<S> {
         )
     }
 
+    /// The position of a constant point of this frame in the reference frame.
+    #[inline]
+    #[must_use]
+    pub fn point<C: Scalar>(&self, point: &Vector3<C>) -> Vector3<S>
+    where
+        S: AlgebraOver<C>,
+    {
+        apply_to_constant(&self.rotation, point) + self.translation
+    }
+
     /// Computes [`compose`](Self::compose) for a constant `inner`.
     #[must_use]
     pub fn compose_constant<C: Scalar>(&self, inner: &Placement<C>) -> Self
@@ -50,10 +60,7 @@ impl<S: Scalar> Placement<S> {
     {
         let column = |j| apply_to_constant(&self.rotation, &inner.rotation.column(j).into_owned());
         let columns = [column(0), column(1), column(2)];
-        Self::new(
-            matrix(|i, j| columns[j][i]),
-            apply_to_constant(&self.rotation, &inner.translation) + self.translation,
-        )
+        Self::new(matrix(|i, j| columns[j][i]), self.point(&inner.translation))
     }
 
     /// Transforms a motion from B to A (2.24 in the book).

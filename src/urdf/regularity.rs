@@ -7,7 +7,7 @@ use crate::model::{Joint, JointKind, Model};
 use crate::spatial::Placement;
 use nalgebra::DMatrix;
 
-/// The mass matrix in a generic configuration: if it is singular there, it is singular everywhere, or nearly so.
+/// The mass matrix in a generic configuration.
 struct Generic {
     h: DMatrix<f64>,
     /// The joints without inertia about them, from the last to the first.
@@ -78,6 +78,7 @@ impl Model<f64> {
         Ok(massless.iter().map(|i| (*i, rotor(*i))).collect())
     }
 
+    /// Computes the mass matrix and finds the joints without inertia. Cost O(N^2).
     fn generic(&self) -> Result<Generic> {
         let n = self.dof();
         let q: Vec<f64> = (0..n).map(|i| 0.7 + 0.9 * i as f64).collect();

@@ -94,7 +94,7 @@ impl Losses {
 /// Gives the joints that move nothing with inertia the [substitutes](Model::substitute_rotors) of rotors, in the model
 /// and in the losses, with a note for each.
 pub(super) fn substitute_rotors(
-    mut model: Model,
+    model: Model,
     losses: &mut Losses,
     notes: &mut Vec<LoadNote>,
 ) -> Result<Model> {
@@ -114,21 +114,21 @@ pub(super) fn substitute_rotors(
         ],
         drives => drives.to_vec(),
     };
-    let mut armature = BTreeMap::new();
-    for (i, joint) in model.joints().iter().enumerate() {
-        if let Some((_, inertia)) = rotors.iter().find(|(of, _)| *of == i) {
-            drives[i].armature = *inertia;
-            let unit = match joint.kind() {
-                JointKind::Prismatic => "kg",
-                JointKind::Revolute | JointKind::Continuous => "kg m^2",
-            };
-            notes.push(LoadNote::SubstituteRotor {
-                joint: joint.name().to_owned(),
-                armature: format!("{} {unit}", plain(*inertia)),
-            });
-        }
-        armature.insert(joint.name().to_owned(), drives[i].armature);
+    // From the first joint to the last.
+    for (i, inertia) in rotors.into_iter().rev() {
+        drives[i].armature = inertia;
+        let joint = &model.joints()[i];
+        let unit = match joint.kind() {
+            JointKind::Prismatic => "kg",
+            JointKind::Revolute | JointKind::Continuous => "kg m^2",
+        };
+        notes.push(LoadNote::SubstituteRotor {
+            joint: joint.name().to_owned(),
+            armature: format!("{} {unit}", plain(inertia)),
+        });
     }
+    let all = model.joints().iter().zip(&drives);
+    let armature = all.map(|(joint, drive)| (joint.name().to_owned(), drive.armature));
     let given = match losses {
         // `false` counts no losses of the URDF either.
         Losses::Counted(false) => LossNumbers {
@@ -140,9 +140,8 @@ pub(super) fn substitute_rotors(
         Losses::Given(given) => given.clone(),
     };
     *losses = Losses::Given(LossNumbers {
-        armature: JointNumbers::Named(armature),
+        armature: JointNumbers::Named(armature.collect()),
         ..given
     });
-    model = model.with_drives(drives)?;
-    Ok(model)
+    model.with_drives(drives)
 }

@@ -18,9 +18,9 @@ pub(super) struct Scene {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct AllowedCollisions {
     #[serde(default)]
-    pub entry_names: Vec<String>,
+    entry_names: Vec<String>,
     #[serde(default)]
-    pub entry_values: Vec<Entries>,
+    entry_values: Vec<Entries>,
 }
 
 /// A row of that matrix, as in the message or as a list.
@@ -29,7 +29,7 @@ pub(super) struct AllowedCollisions {
     untagged,
     expecting = "a list of true and false is needed, or the key enabled with one"
 )]
-pub(super) enum Entries {
+enum Entries {
     List(Vec<bool>),
     Message { enabled: Vec<bool> },
 }

@@ -310,11 +310,13 @@ impl Positions {
         }
         let mut positions = BTreeMap::new();
         for (i, (name, position)) in joints.name.iter().zip(&joints.position).enumerate() {
-            let note = LoadNote::Missing {
-                joint: name.clone(),
-            };
-            if !has_joint(model, name) && !notes.contains(&note) {
-                notes.push(note);
+            if !has_joint(model, name) {
+                let note = LoadNote::Missing {
+                    joint: name.clone(),
+                };
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
             }
             if positions.insert(name.clone(), *position).is_some() {
                 let condition = format!("joint '{name}' is named twice");
